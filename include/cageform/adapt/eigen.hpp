@@ -1,0 +1,52 @@
+// Eigen vectors as points, and matrices of points by rows or columns without a copy.
+#pragma once
+
+#include <cageform/core/view.hpp>
+
+#include <Eigen/Core>
+
+/// Column and row vectors of fixed size: Eigen::Vector2d, Eigen::RowVector3f, …
+template <class T, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
+    requires((Rows == 1 || Cols == 1) && Rows > 0 && Cols > 0)
+struct cageform::PointTraits<Eigen::Matrix<T, Rows, Cols, Options, MaxRows, MaxCols>> {
+    using P = Eigen::Matrix<T, Rows, Cols, Options, MaxRows, MaxCols>;
+    using scalar = T;
+    static constexpr std::size_t dimension = Rows * Cols;
+    static T get(const P& p, std::size_t axis) noexcept { return p[Eigen::Index(axis)]; }
+    static void set(P& p, std::size_t axis, T x) noexcept { p[Eigen::Index(axis)] = x; }
+};
+
+static_assert(cageform::MutablePoint<Eigen::Vector2d> && cageform::MutablePoint<Eigen::RowVector3f>);
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// float* or const float*, as the matrix's data() has it.
+template <class M>
+using element_t = std::remove_pointer_t<decltype(std::declval<M&>().data())>;
+
+} // namespace detail
+
+/// The rows of an #P × D matrix as points, in either storage order, mapped or a block of a larger matrix.
+/// Refers to the matrix's memory; write through it when the matrix is not const.
+template <std::size_t D, class M>
+auto points_in_rows(M&& matrix) noexcept {
+    using T = detail::element_t<std::remove_reference_t<M>>;
+    CAGEFORM_ASSERT(matrix.cols() == Eigen::Index(D), "one column per axis");
+    return StridedPoints<T, D>(matrix.data(), std::size_t(matrix.rows()),
+                               matrix.rowStride() * std::ptrdiff_t(sizeof(T)),
+                               matrix.colStride() * std::ptrdiff_t(sizeof(T)));
+}
+
+/// The columns of a D × #P matrix as points.
+template <std::size_t D, class M>
+auto points_in_columns(M&& matrix) noexcept {
+    using T = detail::element_t<std::remove_reference_t<M>>;
+    CAGEFORM_ASSERT(matrix.rows() == Eigen::Index(D), "one row per axis");
+    return StridedPoints<T, D>(matrix.data(), std::size_t(matrix.cols()),
+                               matrix.colStride() * std::ptrdiff_t(sizeof(T)),
+                               matrix.rowStride() * std::ptrdiff_t(sizeof(T)));
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

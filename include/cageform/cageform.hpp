@@ -1,0 +1,10 @@
+// Everything but the adapters (cageform/adapt/) and the threads (cageform/core/threads.hpp).
+// A game that only plays bindings back includes cageform/clone/clone.hpp alone.
+#pragma once
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/version.hpp>

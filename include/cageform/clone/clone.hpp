@@ -1,0 +1,101 @@
+// The clone operator, run every frame: from a pose of the handles to the points of the figure.
+#pragma once
+
+#include <cageform/binding/binding.hpp>
+#include <cageform/core/parallel.hpp>
+#include <cageform/core/status.hpp>
+#include <cageform/core/view.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Points [first block, last block) of a clone. Handles are taken in groups whose displacements fit into
+/// the first cache level, points in tiles whose sums do, so nothing is allocated whatever the sizes.
+template <Scalar T, std::size_t D, class Pose, class Out>
+void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, std::size_t begin,
+                  std::size_t end) noexcept {
+    constexpr std::size_t group = 256;
+    constexpr std::size_t tile = 16;
+    constexpr std::size_t lanes = lane_count<T>;
+    const std::size_t handles = binding.handle_count();
+    Vec<T, D> displacement[group];
+    Lanes<T> sums[tile][D];
+    std::size_t loaded = handles; // first handle of the group in `displacement`; none yet
+
+    for (std::size_t first = begin; first < end; first += tile) {
+        const std::size_t blocks = end - first < tile ? end - first : tile;
+        for (std::size_t b = 0; b < blocks; ++b) {
+            for (std::size_t k = 0; k < D; ++k) sums[b][k] = binding.rest.block(first + b)[k];
+        }
+        for (std::size_t h = 0; h < handles; h += group) {
+            const std::size_t size = handles - h < group ? handles - h : group;
+            if (loaded != h) {
+                for (std::size_t i = 0; i < size; ++i) {
+                    displacement[i] = to_vec<T>(pose[h + i]) - binding.rest_handles[h + i];
+                }
+                loaded = h;
+            }
+            for (std::size_t b = 0; b < blocks; ++b) {
+                const Lanes<T>* const weight = binding.weights.block(first + b) + h;
+                Lanes<T> sum[D];
+                for (std::size_t k = 0; k < D; ++k) sum[k] = sums[b][k];
+                for (std::size_t i = 0; i < size; ++i) {
+                    for (std::size_t k = 0; k < D; ++k) {
+                        const T d = displacement[i][k];
+                        for (std::size_t lane = 0; lane < lanes; ++lane) sum[k][lane] += weight[i][lane] * d;
+                    }
+                }
+                for (std::size_t k = 0; k < D; ++k) sums[b][k] = sum[k];
+            }
+        }
+        for (std::size_t b = 0; b < blocks; ++b) {
+            const std::size_t p = (first + b) * lanes;
+            const std::size_t used = binding.point_count() - p < lanes ? binding.point_count() - p : lanes;
+            for (std::size_t lane = 0; lane < used; ++lane) {
+                Vec<T, D> moved{};
+                for (std::size_t k = 0; k < D; ++k) moved[k] = sums[b][k][lane];
+                store_point(out, p + lane, moved);
+            }
+        }
+    }
+}
+
+} // namespace detail
+
+/// Moves the points of a binding with a pose of its handles: p' = p + Σ w_i (C'_i − C_i).
+///
+///   pose          any PointRange of #handles points
+///   out           any MutablePointRange of at least #points places; the rest of it is left alone. May not
+///                 overlap the pose.
+///   parallel_for  see core/parallel.hpp; the result does not depend on it
+///   returns       pose_size_differs, pose_not_finite, output_too_small (`out` is then untouched), or ok
+///   cost          reads every weight once: #points × (#handles + D) scalars; no allocation
+///
+/// The pose at rest gives the bound points bit for bit. An affine pose moves every bound point by the same
+/// affine map, to rounding.
+template <Scalar T, std::size_t D, PointRange Pose, class Out, class Parallel = SerialFor>
+    requires(MutablePointRange<std::remove_reference_t<Out>>&& range_dimension<Pose> == D &&
+             range_dimension<std::remove_reference_t<Out>> == D)
+Status clone(const BindingView<T, D>& binding, const Pose& pose, Out&& out, const Parallel& parallel_for = {})
+noexcept {
+    if (std::size(pose) != binding.handle_count()) return Status::pose_size_differs;
+    if (std::size(out) < binding.point_count()) return Status::output_too_small;
+    for (std::size_t i = 0; i < binding.handle_count(); ++i) {
+        if (!is_finite(to_vec<T>(pose[i]))) return Status::pose_not_finite;
+    }
+    constexpr std::size_t grain = 256;
+    parallel_for(block_count<T>(binding.point_count()), grain, [&](std::size_t begin, std::size_t end) {
+        detail::clone_blocks(binding, pose, out, begin, end);
+    });
+    return Status::ok;
+}
+
+/// The same for the owner of a binding.
+template <Scalar T, std::size_t D, PointRange Pose, class Out, class Parallel = SerialFor>
+Status clone(const Binding<T, D>& binding, const Pose& pose, Out&& out,
+             const Parallel& parallel_for = {}) noexcept {
+    return clone(binding.view(), pose, out, parallel_for);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,39 @@
+// cageform: every macro of the library, and what it changes.
+//
+//   CAGEFORM_ASSERT(condition, why)  checks a promise of the caller. Define it before the first include
+//                                    to hand failures to an engine's own assert; by default it is the
+//                                    standard assert, so NDEBUG removes it.
+//   CAGEFORM_REGISTER_BYTES          width of the vector register the kernels are written for: 16, 32 or
+//                                    64; follows the compiler's target flags, 0 means plain scalars.
+//
+// Both change code, so both are part of the inline namespace CAGEFORM_ABI: two files compiled with
+// different settings have different names for everything instead of one name for two things.
+#pragma once
+
+#if !defined(CAGEFORM_ASSERT)
+#include <cassert>
+#define CAGEFORM_ASSERT(condition, why) assert((condition) && (why))
+#if defined(NDEBUG)
+#define CAGEFORM_DETAIL_ASSERT_TAG n
+#else
+#define CAGEFORM_DETAIL_ASSERT_TAG a
+#endif
+#else
+#define CAGEFORM_DETAIL_ASSERT_TAG c
+#endif
+
+#if !defined(CAGEFORM_REGISTER_BYTES)
+#if !defined(__GNUC__)
+#define CAGEFORM_REGISTER_BYTES 0
+#elif defined(__AVX512F__) && defined(__AVX512DQ__)
+#define CAGEFORM_REGISTER_BYTES 64
+#elif defined(__AVX__)
+#define CAGEFORM_REGISTER_BYTES 32
+#else
+#define CAGEFORM_REGISTER_BYTES 16
+#endif
+#endif
+
+#define CAGEFORM_DETAIL_JOIN_EXPANDED(assert_tag, bytes) v0_1_##assert_tag##bytes
+#define CAGEFORM_DETAIL_JOIN(assert_tag, bytes) CAGEFORM_DETAIL_JOIN_EXPANDED(assert_tag, bytes)
+#define CAGEFORM_ABI CAGEFORM_DETAIL_JOIN(CAGEFORM_DETAIL_ASSERT_TAG, CAGEFORM_REGISTER_BYTES)

@@ -1,0 +1,170 @@
+// Barycentric coordinates: one simplex, affine, the coordinates all others reduce to on it.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/core/detail/pack.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Barycentric coordinates in a simplex of `D` dimensions: a triangle, a tetrahedron, …
+///
+/// The solution β of [C_0 … C_D; 1 … 1] β = [p; 1] (Möbius 1827; Ceva's masses). The inverse is computed
+/// once, in double.
+///
+///   range     sum to 1; all in [0, 1] inside, some negative outside (the same affine functions)
+///   cost      O(D²) a point
+///   faults    not_a_simplex, vertex_not_finite, degenerate_simplex (a vertex within rounding of the face
+///             that the others span)
+template <Scalar T, std::size_t D>
+class BarycentricCoordinates {
+    static_assert(D >= 1 && D <= 8, "the nearest boundary point is searched among all 2^(D+1) faces");
+
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+    static constexpr bool has_extension = true;
+
+    template <PointRange R>
+        requires(range_dimension<R> == D)
+    explicit BarycentricCoordinates(const R& vertices) {
+        for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
+        prepare();
+    }
+
+    /// The cage of the two-dimensional types, so that they can be exchanged.
+    explicit BarycentricCoordinates(const Polygon<T>& cage) requires(D == 2)
+        : BarycentricCoordinates(cage.vertices()) {}
+
+    std::span<const Vec<T, D>> handles() const noexcept { return vertices_; }
+    const CageReport& cage_report() const noexcept { return report_; }
+
+    Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                        const EvaluateOptions& options = {}) const {
+        if (report_.status != Status::ok) return {report_.status, {}};
+        CAGEFORM_ASSERT(weights.rows == D + 1 && states.size() == points.points, "one row per handle");
+        return {detail::for_each_block(points.blocks(), options,
+                                       [&](std::size_t begin, std::size_t end) {
+                                           for (std::size_t b = begin; b < end; ++b) {
+                                               evaluate_block(b, points, weights, states);
+                                           }
+                                       }),
+                {}};
+    }
+
+    Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const noexcept {
+        // The nearest point of a simplex is the projection onto the span of one of its faces.
+        double least = std::numeric_limits<double>::max();
+        std::array<double, D + 1> best{};
+        for (unsigned face = 1; face + 1 < (1u << (D + 1)); ++face) {
+            std::array<std::size_t, D + 1> corner{};
+            std::size_t count = 0;
+            for (std::size_t i = 0; i <= D; ++i) {
+                if ((face >> i) & 1u) corner[count++] = i;
+            }
+            const auto base = eigen(vertices_[corner[0]]);
+            Eigen::MatrixXd span(D, count - 1);
+            for (std::size_t k = 1; k < count; ++k)
+                span.col(long(k) - 1) = eigen(vertices_[corner[k]]) - base;
+            const Eigen::VectorXd s =
+                (span.transpose() * span).ldlt().solve(span.transpose() * (eigen(p) - base));
+            if ((count > 1 && s.minCoeff() < 0) || s.sum() > 1) continue;
+            const double distance = (base + span * s - eigen(p)).norm();
+            if (distance >= least) continue;
+            least = distance;
+            best.fill(0);
+            best[corner[0]] = 1 - s.sum();
+            for (std::size_t k = 1; k < count; ++k) best[corner[k]] = s[long(k) - 1];
+        }
+        Vec<double, D> q{};
+        for (std::size_t i = 0; i <= D; ++i) {
+            row[i] = static_cast<T>(best[i]);
+            q = q + best[i] * vec_cast<double>(vertices_[i]);
+        }
+        return vec_cast<T>(q);
+    }
+
+private:
+    using Pack = detail::Pack<T>;
+    using Column = Eigen::Matrix<double, int(D), 1>;
+
+    static Column eigen(const Vec<T, D>& p) {
+        Column c;
+        for (std::size_t k = 0; k < D; ++k) c[long(k)] = double(p[k]);
+        return c;
+    }
+
+    void prepare() {
+        if (vertices_.size() != D + 1)
+            return report_.add(CageFaultKind::not_a_simplex, vertices_.size(), D + 1);
+        for (std::size_t i = 0; i <= D; ++i) {
+            if (!is_finite(vertices_[i])) report_.add(CageFaultKind::vertex_not_finite, i);
+        }
+        if (report_.status != Status::ok) return;
+        Eigen::Matrix<double, int(D), int(D)> edges;
+        for (std::size_t k = 0; k < D; ++k) edges.col(long(k)) = eigen(vertices_[k]) - eigen(vertices_[D]);
+        const Eigen::FullPivLU<decltype(edges)> lu(edges);
+        if (!lu.isInvertible()) return report_.add(CageFaultKind::degenerate_simplex);
+        const auto inverse = lu.inverse().eval();
+        Column last = Column::Zero();
+        for (std::size_t k = 0; k < D; ++k) {
+            for (std::size_t axis = 0; axis < D; ++axis)
+                gradient_[k][axis] = static_cast<T>(inverse(long(k), long(axis)));
+            last -= inverse.row(long(k)).transpose();
+        }
+        // The gradient of β_k is one over the height of vertex k above the opposite face.
+        const double tolerance = coincidence_tolerance(bounds_of(handles()));
+        for (std::size_t k = 0; k <= D; ++k) {
+            const double inverse_height = k < D ? inverse.row(long(k)).norm() : last.norm();
+            if (!(tolerance * inverse_height < 1)) return report_.add(CageFaultKind::degenerate_simplex);
+            on_face_[k] = static_cast<T>(tolerance * inverse_height);
+        }
+    }
+
+    void evaluate_block(std::size_t b, BlockView<const T> points, BlockView<T> weights,
+                        std::span<PointState> states) const {
+        const auto* const position = points.block(b);
+        auto* const row = weights.block(b);
+        Pack offset[D];
+        for (std::size_t axis = 0; axis < D; ++axis)
+            offset[axis] = Pack::load(position[axis]) - Pack(vertices_[D][axis]);
+        Pack last(T(1));
+        for (std::size_t k = 0; k < D; ++k) {
+            Pack beta = Pack(gradient_[k][0]) * offset[0];
+            for (std::size_t axis = 1; axis < D; ++axis)
+                beta = beta + Pack(gradient_[k][axis]) * offset[axis];
+            beta.store(row[k]);
+            last = last - beta;
+        }
+        last.store(row[D]);
+
+        const std::size_t first = b * lane_count<T>;
+        const std::size_t used = std::min(lane_count<T>, points.points - first);
+        for (std::size_t lane = 0; lane < used; ++lane) {
+            PointState& state = states[first + lane];
+            if (state == PointState::not_finite) continue;
+            state = PointState::inside;
+            for (std::size_t k = 0; k <= D; ++k) {
+                if (row[k][lane] < -on_face_[k]) {
+                    state = PointState::outside;
+                    break;
+                }
+                if (row[k][lane] <= on_face_[k]) state = PointState::on_boundary;
+            }
+        }
+    }
+
+    std::vector<Vec<T, D>> vertices_;
+    CageReport report_;
+    std::array<Vec<T, D>, D> gradient_{};
+    std::array<T, D + 1> on_face_{};
+};
+
+using BarycentricCoordinates2f = BarycentricCoordinates<float, 2>;
+using BarycentricCoordinates2d = BarycentricCoordinates<double, 2>;
+using BarycentricCoordinates3f = BarycentricCoordinates<float, 3>;
+using BarycentricCoordinates3d = BarycentricCoordinates<double, 3>;
+
+} // namespace cageform::inline CAGEFORM_ABI

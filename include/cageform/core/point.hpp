@@ -1,0 +1,69 @@
+// Any point type, read and written through one trait at the edge of the library.
+//
+// A user's type needs five lines:
+//
+//     template <> struct cageform::PointTraits<my::vec3> {
+//         using scalar = float;
+//         static constexpr std::size_t dimension = 3;
+//         static constexpr scalar get(const my::vec3& p, std::size_t axis) noexcept { return p[axis]; }
+//         static constexpr void set(my::vec3& p, std::size_t axis, scalar x) noexcept { p[axis] = x; }
+//     };
+//
+// `set` is needed only where the type is written to (the output of `clone`).
+#pragma once
+
+#include <cageform/core/vec.hpp>
+
+#include <array>
+#include <type_traits>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Left undefined on purpose: a type without a specialisation is simply not a Point.
+template <class P>
+struct PointTraits;
+
+/// A type whose components can be read.
+template <class P>
+concept Point = requires(const P& p, std::size_t axis) {
+    typename PointTraits<P>::scalar;
+    requires PointTraits<P>::dimension >= 1;
+    { PointTraits<P>::get(p, axis) } -> std::same_as<typename PointTraits<P>::scalar>;
+};
+
+/// A Point whose components can be set.
+template <class P>
+concept MutablePoint = Point<P> && requires(P& p, std::size_t axis) {
+    PointTraits<P>::set(p, axis, typename PointTraits<P>::scalar{});
+};
+
+namespace detail {
+
+template <class P, class T, std::size_t D>
+struct IndexedPointTraits {
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+    static constexpr T get(const P& p, std::size_t axis) noexcept { return p[axis]; }
+    static constexpr void set(P& p, std::size_t axis, T x) noexcept { p[axis] = x; }
+};
+
+} // namespace detail
+
+template <class T, std::size_t D>
+struct PointTraits<Vec<T, D>> : detail::IndexedPointTraits<Vec<T, D>, T, D> {};
+template <class T, std::size_t D>
+struct PointTraits<std::array<T, D>> : detail::IndexedPointTraits<std::array<T, D>, T, D> {};
+template <class T, std::size_t D>
+struct PointTraits<T[D]> : detail::IndexedPointTraits<T[D], T, D> {};
+
+/// Reads a user's point into the library's vector, with conversion to the scalar `T`.
+template <class T, Point P>
+constexpr Vec<T, PointTraits<P>::dimension> to_vec(const P& p) noexcept {
+    Vec<T, PointTraits<P>::dimension> r{};
+    for (std::size_t k = 0; k < PointTraits<P>::dimension; ++k) {
+        r.v[k] = static_cast<T>(PointTraits<P>::get(p, k));
+    }
+    return r;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

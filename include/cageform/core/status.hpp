@@ -1,0 +1,75 @@
+// What went wrong, as values: nothing in the library throws or prints.
+#pragma once
+
+#include <cageform/config.hpp>
+
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Outcome of a call. A bad *input* is a Status; a broken *promise* of the caller is CAGEFORM_ASSERT.
+enum class [[nodiscard]] Status : std::uint8_t{
+    ok,
+    cancelled,                ///< the progress callback asked to stop
+    too_few_vertices,         ///< a cage loop of fewer than three vertices
+    loops_do_not_match,       ///< the loop sizes do not add up to the number of vertices
+    vertex_not_finite,        ///< a cage vertex is NaN or infinite
+    duplicate_vertices,       ///< two consecutive cage vertices coincide
+    cage_self_crossing,       ///< two edges of the cage cross or touch
+    cage_has_no_area,         ///< all vertices of a loop lie on one line
+    not_a_simplex,            ///< barycentric coordinates need exactly dimension + 1 vertices
+    degenerate_simplex,       ///< the simplex has no volume relative to its size
+    resolution_not_supported, ///< the grid is too small to hold a cage, or too large to index
+    options_not_supported,    ///< an option out of its range (a tolerance that is not positive, say)
+    not_converged,            ///< a solver ran out of sweeps before its tolerance was met
+    pose_size_differs,        ///< a pose has another number of points than the binding has handles
+    pose_not_finite,          ///< a pose holds NaN or infinity
+    output_too_small,         ///< fewer places in the output than points
+    out_of_memory,
+};
+
+/// A short English sentence without a full stop, for messages. Never null.
+constexpr const char* to_string(Status status) noexcept {
+    switch (status) {
+    case Status::ok: return "ok";
+    case Status::cancelled: return "cancelled by the progress callback";
+    case Status::too_few_vertices: return "a cage loop has fewer than three vertices";
+    case Status::loops_do_not_match: return "the loop sizes do not add up to the number of vertices";
+    case Status::vertex_not_finite: return "a cage vertex is not a finite number";
+    case Status::duplicate_vertices: return "two consecutive cage vertices coincide";
+    case Status::cage_self_crossing: return "two edges of the cage cross or touch";
+    case Status::cage_has_no_area: return "a cage loop encloses no area";
+    case Status::not_a_simplex: return "barycentric coordinates need a simplex: dimension + 1 vertices";
+    case Status::degenerate_simplex: return "the simplex has no volume relative to its size";
+    case Status::resolution_not_supported: return "the grid resolution is out of range";
+    case Status::options_not_supported: return "an option is out of its range";
+    case Status::not_converged: return "the solver did not reach its tolerance";
+    case Status::pose_size_differs: return "the pose has another number of points than the cage";
+    case Status::pose_not_finite: return "the pose holds a number that is not finite";
+    case Status::output_too_small: return "the output has fewer places than there are points";
+    case Status::out_of_memory: return "out of memory";
+    }
+    return "unknown status";
+}
+
+/// Where a point lies with respect to its cage.
+enum class PointState : std::uint8_t {
+    inside,
+    on_boundary, ///< within rounding of a vertex, edge or face
+    outside,
+    not_finite, ///< NaN or infinite; never bound
+    unreached,  ///< inside, yet the solver has no value there (a grid too coarse for the place)
+};
+
+constexpr const char* to_string(PointState state) noexcept {
+    switch (state) {
+    case PointState::inside: return "inside";
+    case PointState::on_boundary: return "on_boundary";
+    case PointState::outside: return "outside";
+    case PointState::not_finite: return "not_finite";
+    case PointState::unreached: return "unreached";
+    }
+    return "unknown";
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

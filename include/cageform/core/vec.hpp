@@ -1,0 +1,84 @@
+// The vector the library computes in. Users' own point types stay at the edge (core/point.hpp).
+#pragma once
+
+#include <cageform/config.hpp>
+
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// The scalars the library is instantiated with.
+template <class T>
+concept Scalar = std::same_as<T, float> || std::same_as<T, double>;
+
+/// A point or vector of `D` components; an aggregate, so `Vec<double, 2>{1, 2}`.
+template <class T, std::size_t D>
+struct Vec {
+    T v[D];
+
+    constexpr T& operator[](std::size_t axis) noexcept { return v[axis]; }
+    constexpr const T& operator[](std::size_t axis) const noexcept { return v[axis]; }
+
+    friend constexpr Vec operator+(Vec a, const Vec& b) noexcept {
+        for (std::size_t k = 0; k < D; ++k) a.v[k] += b.v[k];
+        return a;
+    }
+    friend constexpr Vec operator-(Vec a, const Vec& b) noexcept {
+        for (std::size_t k = 0; k < D; ++k) a.v[k] -= b.v[k];
+        return a;
+    }
+    friend constexpr Vec operator*(T s, Vec a) noexcept {
+        for (std::size_t k = 0; k < D; ++k) a.v[k] *= s;
+        return a;
+    }
+    friend constexpr bool operator==(const Vec&, const Vec&) = default;
+};
+
+template <class T, std::size_t D>
+constexpr T dot(const Vec<T, D>& a, const Vec<T, D>& b) noexcept {
+    T sum = 0;
+    for (std::size_t k = 0; k < D; ++k) sum += a.v[k] * b.v[k];
+    return sum;
+}
+
+/// The signed area of the parallelogram (a, b); positive when b is to the left of a.
+template <class T>
+constexpr T cross(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
+    return a.v[0] * b.v[1] - a.v[1] * b.v[0];
+}
+
+/// Componentwise conversion, float to double and back.
+template <class To, class T, std::size_t D>
+constexpr Vec<To, D> vec_cast(const Vec<T, D>& a) noexcept {
+    Vec<To, D> r{};
+    for (std::size_t k = 0; k < D; ++k) r.v[k] = static_cast<To>(a.v[k]);
+    return r;
+}
+
+/// Neither NaN nor infinite. Looks at the bits, so it holds under -ffast-math too.
+template <Scalar T>
+constexpr bool is_finite(T x) noexcept {
+    if constexpr (sizeof(T) == 4) {
+        return (std::bit_cast<std::uint32_t>(x) & 0x7f800000u) != 0x7f800000u;
+    } else {
+        return (std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u) != 0x7ff0000000000000u;
+    }
+}
+
+template <Scalar T, std::size_t D>
+constexpr bool is_finite(const Vec<T, D>& a) noexcept {
+    for (std::size_t k = 0; k < D; ++k) {
+        if (!is_finite(a.v[k])) return false;
+    }
+    return true;
+}
+
+/// The distance from 1 to the next number, 2.2e-16 for double; tolerances are stated in it.
+template <Scalar T>
+inline constexpr T epsilon = std::numeric_limits<T>::epsilon();
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,231 @@
+// The papers' solver of the Laplace equation on a grid: averaging sweeps over a pull/push pyramid.
+//
+// Kept for good as the historical baseline, with its known weakness: it stops when values change little,
+// which is not when they are right (on large grids errors of 1e-2 remain at the published tolerance).
+#pragma once
+
+#include <cageform/grid/lattice.hpp>
+
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Which neighbours a cell is the mean of.
+enum class Stencil : std::uint8_t {
+    face_neighbours, ///< 2, 4 or 6 (in 1D, 2D, 3D): the usual discrete Laplace equation
+    all_neighbours,  ///< 2, 8 or 26, diagonals included, all alike: "harmonic crosswords"
+};
+
+struct AveragingOptions {
+    Stencil stencil = Stencil::face_neighbours;
+    std::size_t coarsest = 16; ///< the pyramid ends at this many cells a side; ≥ the grid's: one level
+    double tolerance = 1e-5;   ///< τ: sweeps end when the mean change of a cell is below it
+    std::size_t max_sweeps = 100000; ///< on each level
+};
+
+struct AveragingOutcome {
+    std::size_t sweeps = 0; ///< on the finest level
+    double mean_change = 0; ///< of the last of them
+    bool converged = false;
+    bool cancelled = false;
+};
+
+/// Solves for the interior cells of a grid of any dimension, given the values of the boundary cells, which
+/// may lie anywhere (a border, strokes, single cells). Neighbours that are exterior or beyond the grid do not
+/// count in the mean, as if the grid were mirrored there.
+///
+/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
+/// sec. 4 and 4.2. Where a side is odd the last coarse cell has one child along it; the paper's grids are
+/// 2^s a side. Sweeps are in place (Gauss-Seidel), in the order of the cells.
+///
+/// Construction O(#cells); a solve O(#interior · sweeps). One function at a time, as published.
+template <Scalar T, std::size_t D>
+class AveragingPyramid {
+public:
+    AveragingPyramid(const CellBox<D>& box, std::vector<CellTag> tags, const AveragingOptions& options = {})
+        : options_(options) {
+        CAGEFORM_ASSERT(tags.size() == box.size(), "one tag per cell");
+        levels_.push_back(Level(box, std::move(tags), options.stencil));
+        for (;;) {
+            const Level& fine = levels_.back();
+            std::size_t longest = 0;
+            for (const std::size_t n : fine.box.cells) longest = std::max(longest, n);
+            if (longest <= options.coarsest || longest < 2) break;
+            levels_.push_back(coarsen(fine, options.stencil));
+        }
+    }
+
+    std::size_t unknowns() const noexcept { return levels_[0].regular.size() + levels_[0].rim.size(); }
+
+    /// Fills the interior cells of `values` (#cells), of which the boundary cells are read and the others
+    /// ignored. `keep_going()` is asked now and then and cancels by returning false. Scratch is kept inside,
+    /// so one pyramid serves one thread.
+    template <class KeepGoing>
+    AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
+        CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
+        levels_[0].values.assign(values.begin(), values.end());
+        for (std::size_t l = 1; l < levels_.size(); ++l) pull(levels_[l - 1], levels_[l]);
+        AveragingOutcome outcome;
+        for (std::size_t l = levels_.size(); l-- > 0;) {
+            Level& level = levels_[l];
+            for (const auto* cells : {&level.regular, &level.rim}) {
+                for (const std::size_t c : *cells) {
+                    level.values[c] = l + 1 < levels_.size() ? levels_[l + 1].values[level.parent[c]] : T(0);
+                }
+            }
+            outcome = relax(level, keep_going);
+            if (outcome.cancelled) return outcome;
+        }
+        for (const auto* cells : {&levels_[0].regular, &levels_[0].rim}) {
+            for (const std::size_t c : *cells) values[c] = levels_[0].values[c];
+        }
+        return outcome;
+    }
+
+    AveragingOutcome solve(std::span<T> values) {
+        return solve(values, [] { return true; });
+    }
+
+private:
+    struct Level {
+        CellBox<D> box;
+        std::vector<CellTag> tags;
+        std::vector<T> values;
+        std::vector<std::size_t> parent;  // cell of the next coarser level
+        std::vector<std::size_t> regular; // interior cells all of whose neighbours count
+        std::vector<std::size_t> rim;     // the other interior cells
+        std::vector<std::ptrdiff_t> offsets;
+
+        Level(const CellBox<D>& b, std::vector<CellTag> t, Stencil stencil)
+            : box(b)
+            , tags(std::move(t)) {
+            for_each_neighbour(stencil, [&](const std::array<int, D>& step) {
+                std::ptrdiff_t offset = 0;
+                for (std::size_t k = 0; k < D; ++k) offset += step[k] * std::ptrdiff_t(box.stride(k));
+                offsets.push_back(offset);
+            });
+            for (std::size_t c = 0; c < tags.size(); ++c) {
+                if (tags[c] != CellTag::interior) continue;
+                std::size_t counted = 0;
+                each_counted_neighbour(c, stencil, [&](std::size_t) { ++counted; });
+                (counted == offsets.size() ? regular : rim).push_back(c);
+            }
+        }
+
+        template <class F>
+        static void for_each_neighbour(Stencil stencil, const F& f) {
+            std::array<int, D> step;
+            std::size_t all = 1;
+            for (std::size_t k = 0; k < D; ++k) all *= 3;
+            for (std::size_t code = 0; code < all; ++code) {
+                std::size_t rest = code, moved = 0;
+                for (std::size_t k = 0; k < D; ++k, rest /= 3) {
+                    step[k] = int(rest % 3) - 1;
+                    moved += step[k] != 0;
+                }
+                if (moved == 1 || (moved > 1 && stencil == Stencil::all_neighbours)) f(step);
+            }
+        }
+
+        template <class F>
+        void each_counted_neighbour(std::size_t cell, Stencil stencil, const F& f) const {
+            const auto index = box.index(cell);
+            for_each_neighbour(stencil, [&](const std::array<int, D>& step) {
+                auto next = index;
+                for (std::size_t k = 0; k < D; ++k) {
+                    if ((step[k] < 0 && next[k] == 0) || (step[k] > 0 && next[k] + 1 == box.cells[k])) return;
+                    next[k] += std::size_t(step[k]);
+                }
+                const std::size_t n = box.number(next);
+                if (tags[n] == CellTag::boundary || tags[n] == CellTag::interior) f(n);
+            });
+        }
+    };
+
+    /// A coarse cell is boundary if any child is, exterior if all are, else interior (sec. 4.2).
+    static Level coarsen(const Level& fine, Stencil stencil) {
+        CellBox<D> box;
+        for (std::size_t k = 0; k < D; ++k) box.cells[k] = (fine.box.cells[k] + 1) / 2;
+        std::vector<CellTag> tags(box.size(), CellTag::exterior);
+        auto& parent = const_cast<Level&>(fine).parent;
+        parent.resize(fine.tags.size());
+        for (std::size_t c = 0; c < fine.tags.size(); ++c) {
+            auto index = fine.box.index(c);
+            for (std::size_t& i : index) i /= 2;
+            parent[c] = box.number(index);
+            CellTag& tag = tags[parent[c]];
+            if (fine.tags[c] == CellTag::boundary ||
+                (fine.tags[c] == CellTag::interior && tag == CellTag::exterior)) {
+                tag = fine.tags[c];
+            }
+        }
+        return Level(box, std::move(tags), stencil);
+    }
+
+    /// A coarse boundary cell takes the mean of its boundary children.
+    static void pull(const Level& fine, Level& coarse) {
+        coarse.values.assign(coarse.tags.size(), T(0));
+        std::vector<T> children(coarse.tags.size(), T(0));
+        for (std::size_t c = 0; c < fine.tags.size(); ++c) {
+            if (fine.tags[c] != CellTag::boundary) continue;
+            coarse.values[fine.parent[c]] += fine.values[c];
+            children[fine.parent[c]] += T(1);
+        }
+        for (std::size_t c = 0; c < children.size(); ++c) {
+            if (children[c] > T(0)) coarse.values[c] /= children[c];
+        }
+    }
+
+    template <class KeepGoing>
+    AveragingOutcome relax(Level& level, const KeepGoing& keep_going) const {
+        AveragingOutcome outcome;
+        const std::size_t count = level.regular.size() + level.rim.size();
+        outcome.converged = count == 0;
+        T* const u = level.values.data();
+        const std::size_t neighbours = level.offsets.size();
+        const T share = T(1) / static_cast<T>(neighbours);
+        const std::size_t ask_every = std::max<std::size_t>(1, 1000000 / std::max<std::size_t>(count, 1));
+        while (!outcome.converged && outcome.sweeps < options_.max_sweeps) {
+            double change = 0;
+            for (const std::size_t c : level.regular) {
+                T sum = 0;
+                if constexpr (D == 2) {
+                    const std::size_t row = level.box.cells[0];
+                    sum = u[c - 1] + u[c + 1] + u[c - row] + u[c + row];
+                    if (neighbours == 8)
+                        sum += u[c - row - 1] + u[c - row + 1] + u[c + row - 1] + u[c + row + 1];
+                } else {
+                    for (const std::ptrdiff_t offset : level.offsets) sum += u[std::ptrdiff_t(c) + offset];
+                }
+                const T mean = sum * share;
+                change += std::fabs(double(mean - u[c]));
+                u[c] = mean;
+            }
+            for (const std::size_t c : level.rim) {
+                T sum = 0;
+                T counted = 0;
+                level.each_counted_neighbour(c, options_.stencil, [&](std::size_t n) {
+                    sum += u[n];
+                    counted += T(1);
+                });
+                if (counted == T(0)) continue;
+                const T mean = sum / counted;
+                change += std::fabs(double(mean - u[c]));
+                u[c] = mean;
+            }
+            ++outcome.sweeps;
+            outcome.mean_change = change / double(count);
+            outcome.converged = outcome.mean_change < options_.tolerance;
+            if (outcome.sweeps % ask_every == 0 && !keep_going()) {
+                outcome.cancelled = true;
+                break;
+            }
+        }
+        return outcome;
+    }
+
+    AveragingOptions options_;
+    std::vector<Level> levels_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

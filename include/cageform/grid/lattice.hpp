@@ -1,0 +1,89 @@
+// A regular grid of cells over a box, and what a cell can be.
+#pragma once
+
+#include <cageform/cage/polygon.hpp>
+
+#include <array>
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// The papers' tags of a cell (Joshi et al. 2007, sec. 4).
+enum class CellTag : std::uint8_t {
+    untyped,
+    boundary, ///< its value is given and stays
+    interior, ///< its value is the unknown
+    exterior, ///< not part of the problem
+};
+
+/// Cells of a grid numbered along the first axis first.
+template <std::size_t D>
+struct CellBox {
+    using Index = std::array<std::size_t, D>;
+
+    Index cells{}; ///< along each axis
+
+    std::size_t size() const noexcept {
+        std::size_t n = 1;
+        for (const std::size_t c : cells) n *= c;
+        return n;
+    }
+    std::size_t number(const Index& index) const noexcept {
+        std::size_t n = 0;
+        for (std::size_t k = D; k-- > 0;) n = n * cells[k] + index[k];
+        return n;
+    }
+    Index index(std::size_t number) const noexcept {
+        Index i{};
+        for (std::size_t k = 0; k < D; ++k) {
+            i[k] = number % cells[k];
+            number /= cells[k];
+        }
+        return i;
+    }
+    /// Distance in numbers between neighbours along an axis.
+    std::size_t stride(std::size_t axis) const noexcept {
+        std::size_t n = 1;
+        for (std::size_t k = 0; k < axis; ++k) n *= cells[k];
+        return n;
+    }
+};
+
+/// A CellBox with a place in space. Values live at cell centres; cell 0 begins at `origin`.
+template <Scalar T, std::size_t D>
+struct Lattice : CellBox<D> {
+    Vec<T, D> origin{};
+    T spacing = 1; ///< h, the side of a cell
+
+    Vec<T, D> centre(const typename CellBox<D>::Index& index) const noexcept {
+        Vec<T, D> p = origin;
+        for (std::size_t k = 0; k < D; ++k) p[k] += (static_cast<T>(index[k]) + T(0.5)) * spacing;
+        return p;
+    }
+    /// Position in units of cells, 0 at the beginning of cell 0 and 0.5 at its centre.
+    Vec<T, D> in_cells(const Vec<T, D>& p) const noexcept { return (T(1) / spacing) * (p - origin); }
+};
+
+/// Empty cells left around a cage on every side, so that the exterior is connected.
+inline constexpr std::size_t lattice_margin = 2;
+
+/// The papers' grid: `resolution` cells a side about the cage's longest extent, margin included; along the
+/// shorter axes only as many as the cage needs (the cells left out would be exterior).
+template <Scalar T, std::size_t D>
+Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
+    CAGEFORM_ASSERT(resolution > 2 * lattice_margin, "room for the cage between the margins");
+    const auto extent = bounds.upper - bounds.lower;
+    T longest = 0;
+    for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, extent[k]);
+    Lattice<T, D> lattice;
+    lattice.spacing = longest / static_cast<T>(resolution - 2 * lattice_margin);
+    for (std::size_t k = 0; k < D; ++k) {
+        const auto needed = static_cast<std::size_t>(std::ceil(extent[k] / lattice.spacing - T(1e-3)));
+        lattice.cells[k] = std::min(resolution, needed + 2 * lattice_margin);
+        const T side = static_cast<T>(lattice.cells[k]) * lattice.spacing;
+        lattice.origin[k] = T(0.5) * (bounds.lower[k] + bounds.upper[k] - side);
+    }
+    return lattice;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
