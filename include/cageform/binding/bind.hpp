@@ -3,7 +3,7 @@
 
 #include <cageform/binding/binding.hpp>
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/pack_sqrt.hpp>
 
 #include <Eigen/LU>
 
@@ -173,75 +173,158 @@ private:
     T inverse_[D + 1][D + 1];
 };
 
-inline void raise(Extreme& extreme, double value, std::size_t point) noexcept {
-    if (value > extreme.value) extreme = {value, point};
-}
-
-} // namespace detail
-
-namespace detail {
-
-struct Bind {
-    template <CageCoordinates C, PointRange R>
-        requires(range_dimension<R> == C::dimension)
-    BindResult<typename C::scalar, C::dimension>
-    operator()(const C& coordinates, const R& points, const BindOptions& options = {}) const;
-};
-
-} // namespace detail
-
-/// Binds points to the cage of `coordinates`: evaluates all weights, treats the points outside, restores
-/// linear precision, and reports.
-///
-///   points   any PointRange of the same dimension, converted to the scalar of the coordinates
-///   returns  the binding and its report. Unless the report's status is ok the binding is empty; a bad
-///            *point* is listed and kept in place, and is no reason to refuse the others.
-///   cost     that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory a point
-///   fails    as the cage's check and the coordinates say; cancelled; out_of_memory
-///
-/// A function object, so that argument-dependent lookup never finds std::bind in its place.
-inline constexpr detail::Bind bind{};
-
+/// The state of one bind. Blocks are worked on in pieces that stay in cache; what a piece finds out is kept
+/// apart and put together in the end, so that nothing depends on the threads.
 template <CageCoordinates C, PointRange R>
-    requires(range_dimension<R> == C::dimension)
-BindResult<typename C::scalar, C::dimension> detail::Bind::operator()(const C& coordinates, const R& points,
-                                                                      const BindOptions& options) const {
+class Binder {
+public:
     using T = typename C::scalar;
-    constexpr std::size_t D = C::dimension;
-    constexpr std::size_t lanes = lane_count<T>;
-    const auto start = std::chrono::steady_clock::now();
+    static constexpr std::size_t D = C::dimension;
 
-    BindResult<T, D> result;
-    BindReport& report = result.report;
-    report.cage = coordinates.cage_report();
-    report.status = report.cage.status;
-    report.points = std::size(points);
-    if (report.status != Status::ok) return result;
+    Binder(const C& coordinates, const R& points, const BindOptions& options)
+        : coordinates_(coordinates)
+        , points_(points)
+        , options_(options)
+        , handles_(coordinates.handles())
+        , restorer_(handles_)
+        , count_(std::size(points)) {}
 
-    const auto handles = coordinates.handles();
-    const std::size_t count = report.points;
-    const std::size_t blocks = block_count<T>(count);
-    const auto run = [&]() -> Status {
-        std::vector<Lanes<T>> rest(blocks * D), weights(blocks * handles.size());
-        std::vector<PointState> states(count, PointState::unreached);
-        const BlockView<T> rest_view{rest.data(), D, count};
-        const BlockView<T> weight_view{weights.data(), handles.size(), count};
-        for (std::size_t i = 0; i < blocks * lanes; ++i) {
-            const auto p = to_vec<T>(points[i < count ? i : count - 1]);
-            if (i < count && !is_finite(p)) states[i] = PointState::not_finite;
-            for (std::size_t k = 0; k < D; ++k) rest_view(i, k) = p[k];
+    Status run(Binding<T, D>& binding, BindReport& report) {
+        auto [weights, rest] = std::move(binding).release();
+        binding = {};
+        const std::size_t blocks = block_count<T>(count_);
+        rest.resize(blocks * D);
+        weights.resize(blocks * handles_.size());
+        rest_ = {rest.data(), D, count_};
+        weights_ = {weights.data(), handles_.size(), count_};
+        states_.assign(count_, PointState::unreached);
+        pieces_.assign((blocks + piece_blocks - 1) / piece_blocks, {});
+
+        if constexpr (C::closed_form) {
+            const Status status = for_each_piece(0, 1, [this](std::size_t piece) {
+                load(piece);
+                const BlockView<T> weight_part = part(weights_, piece);
+                pieces_[piece].status =
+                    coordinates_.evaluate(part(rest_, piece), weight_part, states_of(piece), {}).status;
+                finish(piece);
+            });
+            if (status != Status::ok) return status;
+        } else {
+            Status status = for_each_piece(0, 0.1, [this](std::size_t piece) { load(piece); });
+            if (status != Status::ok) return status;
+            EvaluateOptions options{options_.parallel};
+            if (options_.progress) {
+                options.progress = [this](double done) { return options_.progress(0.1 + 0.8 * done); };
+            }
+            const Evaluation evaluation = coordinates_.evaluate(rest_, weights_, states_, options);
+            report.solver = evaluation.solver;
+            if (evaluation.status != Status::ok) return evaluation.status;
+            status = for_each_piece(0.9, 1, [this](std::size_t piece) { finish(piece); });
+            if (status != Status::ok) return status;
         }
+        const Status status = gather(report);
+        if (status != Status::ok) return status;
+        binding =
+            Binding<T, D>(std::move(weights), std::move(rest), {handles_.begin(), handles_.end()}, count_);
+        return Status::ok;
+    }
 
-        EvaluateOptions evaluate_options{options.parallel, {}};
-        if (options.progress) {
-            evaluate_options.progress = [&](double done) { return options.progress(0.9 * done); };
+private:
+    static constexpr std::size_t lanes = lane_count<T>;
+    static constexpr std::size_t piece_blocks = 16;
+
+    struct Piece {
+        Status status = Status::ok;
+        Extreme partition, reproduction, change, before;
+        Extreme least{std::numeric_limits<double>::infinity()};
+    };
+
+    /// Runs body(piece) for all pieces in parallel, telling the progress from `from` to `to` in between.
+    template <class Body>
+    Status for_each_piece(double from, double to, const Body& body) const {
+        EvaluateOptions options{options_.parallel};
+        if (options_.progress) {
+            options.progress = [&](double done) { return options_.progress(from + (to - from) * done); };
         }
-        const Evaluation evaluation = coordinates.evaluate(rest_view, weight_view, states, evaluate_options);
-        report.solver = evaluation.solver;
-        if (evaluation.status != Status::ok) return evaluation.status;
+        return for_each_block(pieces_.size(), options, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t piece = begin; piece < end; ++piece) body(piece);
+        });
+    }
 
-        for (std::size_t i = 0; i < count; ++i) {
-            switch (states[i]) {
+    BlockView<T> part(const BlockView<T>& all, std::size_t piece) const {
+        return {all.block(piece * piece_blocks), all.rows, states_of(piece).size()};
+    }
+    std::span<PointState> states_of(std::size_t piece) const {
+        const std::size_t first = piece * piece_blocks * lanes;
+        return std::span<PointState>(states_).subspan(first, std::min(piece_blocks * lanes, count_ - first));
+    }
+
+    /// Reads the user's points; what is left of the last block is filled with copies of the last one.
+    void load(std::size_t piece) {
+        const std::size_t first = piece * piece_blocks * lanes;
+        const std::size_t used = block_count<T>(states_of(piece).size()) * lanes;
+        for (std::size_t i = first; i < first + used; ++i) {
+            const auto p = to_vec<T>(points_[i < count_ ? i : count_ - 1]);
+            if (i < count_ && !is_finite(p)) states_[i] = PointState::not_finite;
+            for (std::size_t k = 0; k < D; ++k) rest_(i, k) = p[k];
+        }
+    }
+
+    /// Treats the points that are not simply inside, restores linear precision, takes the measures.
+    void finish(std::size_t index) {
+        Piece& piece = pieces_[index];
+        const std::size_t first = index * piece_blocks;
+        for (std::size_t b = first; b < first + block_count<T>(states_of(index).size()); ++b) {
+            auto* const block = weights_.block(b);
+            Lanes<T> target[D], bound;
+            for (std::size_t k = 0; k < D; ++k) target[k] = rest_.block(b)[k];
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                const std::size_t i = b * lanes + lane;
+                const PointState state = i < count_ ? states_[i] : PointState::not_finite;
+                bound[lane] = T(1);
+                if (state == PointState::inside || state == PointState::on_boundary) continue;
+                if (state == PointState::outside) {
+                    if (options_.outside == OutsidePoints::extend && C::has_extension) continue;
+                    if (options_.outside == OutsidePoints::nearest_boundary) {
+                        std::vector<T> row(handles_.size());
+                        const auto q = coordinates_.nearest_boundary(block_point<D>(rest_, i), row);
+                        for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
+                        for (std::size_t h = 0; h < row.size(); ++h) block[h][lane] = row[h];
+                        continue;
+                    }
+                }
+                // Kept in place: no weights. The target is any finite point.
+                bound[lane] = T(0);
+                for (std::size_t h = 0; h < handles_.size(); ++h) block[h][lane] = T(0);
+                for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_[0][k];
+            }
+            const auto outcome = restorer_.run(target, bound, block, options_.linear_precision);
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                if (bound[lane] == T(0)) continue;
+                const std::size_t i = b * lanes + lane;
+                raise(piece.partition, {double(outcome.partition[lane]), i});
+                raise(piece.reproduction, {double(outcome.reproduction[lane]), i});
+                raise(piece.change, {double(outcome.change[lane]), i});
+                if (outcome.change[lane] > T(0)) raise(piece.before, {double(outcome.before[lane]), i});
+                lower(piece.least, {double(outcome.least[lane]), i});
+            }
+        }
+    }
+
+    /// Puts the pieces together, in their order.
+    Status gather(BindReport& report) const {
+        Extreme least{std::numeric_limits<double>::infinity()};
+        for (const Piece& piece : pieces_) {
+            if (piece.status != Status::ok) return piece.status;
+            raise(report.partition_error, piece.partition);
+            raise(report.reproduction_error, piece.reproduction);
+            raise(report.weight_change, piece.change);
+            raise(report.residual_restored, piece.before);
+            lower(least, piece.least);
+        }
+        if (least.value <= std::numeric_limits<double>::max()) report.least_weight = least;
+        for (std::size_t i = 0; i < count_; ++i) {
+            switch (states_[i]) {
             case PointState::inside: break;
             case PointState::on_boundary: report.on_boundary.push_back(i); break;
             case PointState::outside: report.outside.push_back(i); break;
@@ -249,71 +332,64 @@ BindResult<typename C::scalar, C::dimension> detail::Bind::operator()(const C& c
             case PointState::unreached: report.unreached.push_back(i); break;
             }
         }
-
-        const detail::LinearRestorer<T, D> restorer(handles);
-        struct Partial {
-            Extreme partition, reproduction, change, before, least;
-        };
-        std::vector<Partial> partials(blocks == 0 ? 0 : (blocks - 1) / 64 + 1);
-        const auto finish_blocks = [&](std::size_t begin, std::size_t end) {
-            std::vector<T> row(handles.size());
-            Lanes<T> target[D];
-            for (std::size_t b = begin; b < end; ++b) {
-                auto* const block = weight_view.block(b);
-                Lanes<T> bound;
-                for (std::size_t k = 0; k < D; ++k) target[k] = rest_view.block(b)[k];
-                for (std::size_t lane = 0; lane < lanes; ++lane) {
-                    const std::size_t i = b * lanes + lane;
-                    const PointState state = i < count ? states[i] : PointState::not_finite;
-                    const bool outside = state == PointState::outside;
-                    if (outside && options.outside == OutsidePoints::nearest_boundary) {
-                        const auto q = coordinates.nearest_boundary(block_point<D>(rest_view, i), row);
-                        for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
-                        for (std::size_t h = 0; h < row.size(); ++h) block[h][lane] = row[h];
-                    } else if (state == PointState::not_finite || state == PointState::unreached ||
-                               (outside &&
-                                (options.outside == OutsidePoints::keep_in_place || !C::has_extension))) {
-                        for (std::size_t h = 0; h < row.size(); ++h) block[h][lane] = T(0);
-                        for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles[0][k];
-                        bound[lane] = T(0);
-                        continue;
-                    }
-                    bound[lane] = T(1);
-                }
-                const auto outcome = restorer.run(target, bound, block, options.linear_precision);
-                Partial& partial = partials[b / 64];
-                for (std::size_t lane = 0; lane < lanes; ++lane) {
-                    if (bound[lane] == T(0)) continue;
-                    const std::size_t i = b * lanes + lane;
-                    detail::raise(partial.partition, double(outcome.partition[lane]), i);
-                    detail::raise(partial.reproduction, double(outcome.reproduction[lane]), i);
-                    detail::raise(partial.change, double(outcome.change[lane]), i);
-                    if (outcome.change[lane] > T(0))
-                        detail::raise(partial.before, double(outcome.before[lane]), i);
-                    if (double(outcome.least[lane]) < partial.least.value)
-                        partial.least = {double(outcome.least[lane]), i};
-                }
-            }
-        };
-        for (Partial& partial : partials) partial.least.value = std::numeric_limits<double>::infinity();
-        // A grain of 64 blocks gives each range partial results of its own.
-        options.parallel(blocks, 64, finish_blocks);
-        report.least_weight.value = std::numeric_limits<double>::infinity();
-        for (const Partial& partial : partials) {
-            detail::raise(report.partition_error, partial.partition.value, partial.partition.point);
-            detail::raise(report.reproduction_error, partial.reproduction.value, partial.reproduction.point);
-            detail::raise(report.weight_change, partial.change.value, partial.change.point);
-            detail::raise(report.residual_restored, partial.before.value, partial.before.point);
-            if (partial.least.value < report.least_weight.value) report.least_weight = partial.least;
-        }
-        if (options.progress && !options.progress(1.0)) return Status::cancelled;
-        result.binding =
-            Binding<T, D>(std::move(weights), std::move(rest), {handles.begin(), handles.end()}, count);
         return Status::ok;
-    };
-    report.status = detail::guard_memory(run);
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return result;
-}
+    }
+
+    static void raise(Extreme& extreme, const Extreme& other) noexcept {
+        if (other.value > extreme.value) extreme = other;
+    }
+    static void lower(Extreme& extreme, const Extreme& other) noexcept {
+        if (other.value < extreme.value) extreme = other;
+    }
+
+    const C& coordinates_;
+    const R& points_;
+    const BindOptions& options_;
+    std::span<const Vec<T, D>> handles_;
+    LinearRestorer<T, D> restorer_;
+    std::size_t count_;
+    BlockView<T> rest_, weights_;
+    mutable std::vector<PointState> states_;
+    std::vector<Piece> pieces_;
+};
+
+struct Bind {
+    template <CageCoordinates C, PointRange R>
+        requires(range_dimension<R> == C::dimension)
+    BindResult<typename C::scalar, C::dimension>
+    operator()(const C& coordinates, const R& points, const BindOptions& options = {},
+               Binding<typename C::scalar, C::dimension> recycled = {}) const {
+        const auto start = std::chrono::steady_clock::now();
+        BindResult<typename C::scalar, C::dimension> result;
+        BindReport& report = result.report;
+        report.cage = coordinates.cage_report();
+        report.status = report.cage.status;
+        report.points = std::size(points);
+        if (report.status != Status::ok) return result;
+        report.status = guard_memory([&] {
+            const Status status = Binder<C, R>(coordinates, points, options).run(recycled, report);
+            if (status == Status::ok) result.binding = std::move(recycled);
+            return status;
+        });
+        report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return result;
+    }
+};
+
+} // namespace detail
+
+/// Binds points to the cage of `coordinates`: evaluates all weights, treats the points outside, restores
+/// linear precision, and reports.
+///
+///   points    any PointRange of the same dimension, converted to the scalar of the coordinates
+///   recycled  a binding no longer needed, whose memory is used again: a megabyte of new memory costs the
+///             system as much time as the weights to fill it
+///   returns   the binding and its report. Unless the report's status is ok the binding is empty; a bad
+///             *point* is listed and kept in place, and is no reason to refuse the others.
+///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory a point
+///   fails     as the cage's check and the coordinates say; cancelled; out_of_memory
+///
+/// A function object, so that argument-dependent lookup never finds std::bind in its place.
+inline constexpr detail::Bind bind{};
 
 } // namespace cageform::inline CAGEFORM_ABI

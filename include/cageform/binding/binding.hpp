@@ -47,6 +47,12 @@ public:
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");
     }
 
+    /// Gives the memory of weights and rest points away, to be filled anew.
+    struct Memory {
+        std::vector<Lanes<T>> weights, rest;
+    };
+    Memory release() && noexcept { return {std::move(weights_), std::move(rest_)}; }
+
     std::size_t handle_count() const noexcept { return rest_handles_.size(); }
     std::size_t point_count() const noexcept { return point_count_; }
     const Vec<T, D>& rest_handle(std::size_t handle) const noexcept { return rest_handles_[handle]; }

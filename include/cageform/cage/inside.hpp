@@ -37,10 +37,10 @@ BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::
 template <Scalar T>
 BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>& p) noexcept {
     BoundaryPoint<T> best;
-    best.distance = std::numeric_limits<T>::max();
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
         const auto candidate = nearest_on_edge(polygon, i, j, p);
-        if (candidate.distance < best.distance) best = candidate;
+        const bool first = best.i == best.j; // taken as it is: so far out all distances may be infinite
+        if (first || candidate.distance < best.distance) best = candidate;
     });
     return best;
 }

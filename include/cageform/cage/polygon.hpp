@@ -49,9 +49,10 @@ public:
         std::size_t begin = 0;
         for (const std::size_t size : loop_sizes) {
             loops_.push_back({begin, begin + size});
+            loops_match_ = loops_match_ && begin <= count && size <= count - begin;
             begin += size;
         }
-        loops_match_ = begin == count;
+        loops_match_ = loops_match_ && begin == count;
     }
 
     std::size_t size() const noexcept { return vertices_.size(); }
@@ -88,9 +89,10 @@ struct Bounds {
     Vec<T, D> lower;
     Vec<T, D> upper;
 
+    /// Squared in double, so that no float overflows or vanishes.
     T diagonal() const noexcept {
-        const auto d = upper - lower;
-        return std::sqrt(dot(d, d));
+        const auto d = vec_cast<double>(upper - lower);
+        return static_cast<T>(std::sqrt(dot(d, d)));
     }
     /// The largest absolute coordinate: what the rounding of the coordinates is relative to.
     T magnitude() const noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/binding.hpp>
+#include <cageform/core/detail/pack.hpp>
 #include <cageform/core/parallel.hpp>
 #include <cageform/core/status.hpp>
 #include <cageform/core/view.hpp>
@@ -10,16 +11,41 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Points [first block, last block) of a clone. Handles are taken in groups whose displacements fit into
-/// the first cache level, points in tiles whose sums do, so nothing is allocated whatever the sizes.
+/// Handles are taken in groups whose displacements fit into the first cache level, so nothing is allocated
+/// whatever their number.
+inline constexpr std::size_t handle_group = 256;
+
+/// Adds the weighted displacements of `size` handles to the sums of `Blocks` blocks. The blocks go side by side
+/// so that their additions do not wait for each other.
+template <std::size_t Blocks, Scalar T, std::size_t D>
+void add_displacements(const Lanes<T>* weight, std::size_t block_stride, const Vec<T, D>* displacement,
+                       std::size_t size, Lanes<T> (*sums)[D]) noexcept {
+    Pack<T> sum[Blocks][D];
+    for (std::size_t b = 0; b < Blocks; ++b) {
+        for (std::size_t k = 0; k < D; ++k) sum[b][k] = Pack<T>::load(sums[b][k]);
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+        for (std::size_t b = 0; b < Blocks; ++b) {
+            const Pack<T> w = Pack<T>::load(weight[b * block_stride + i]);
+            for (std::size_t k = 0; k < D; ++k) sum[b][k] = sum[b][k] + w * Pack<T>(displacement[i][k]);
+        }
+    }
+    for (std::size_t b = 0; b < Blocks; ++b) {
+        for (std::size_t k = 0; k < D; ++k) sum[b][k].store(sums[b][k]);
+    }
+}
+
+/// Points of blocks [begin, end) of a clone.
 template <Scalar T, std::size_t D, class Pose, class Out>
 void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, std::size_t begin,
                   std::size_t end) noexcept {
-    constexpr std::size_t group = 256;
-    constexpr std::size_t tile = 16;
     constexpr std::size_t lanes = lane_count<T>;
+    // As many blocks side by side as keep their sums in registers.
+    constexpr std::size_t wanted = 12 / (D * Pack<T>::count);
+    constexpr std::size_t together = wanted > 1 ? wanted : 1;
+    constexpr std::size_t tile = 4 * together;
     const std::size_t handles = binding.handle_count();
-    Vec<T, D> displacement[group];
+    Vec<T, D> displacement[handle_group];
     Lanes<T> sums[tile][D];
     std::size_t loaded = handles; // first handle of the group in `displacement`; none yet
 
@@ -28,25 +54,22 @@ void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, 
         for (std::size_t b = 0; b < blocks; ++b) {
             for (std::size_t k = 0; k < D; ++k) sums[b][k] = binding.rest.block(first + b)[k];
         }
-        for (std::size_t h = 0; h < handles; h += group) {
-            const std::size_t size = handles - h < group ? handles - h : group;
+        for (std::size_t h = 0; h < handles; h += handle_group) {
+            const std::size_t size = handles - h < handle_group ? handles - h : handle_group;
             if (loaded != h) {
                 for (std::size_t i = 0; i < size; ++i) {
                     displacement[i] = to_vec<T>(pose[h + i]) - binding.rest_handles[h + i];
                 }
                 loaded = h;
             }
-            for (std::size_t b = 0; b < blocks; ++b) {
-                const Lanes<T>* const weight = binding.weights.block(first + b) + h;
-                Lanes<T> sum[D];
-                for (std::size_t k = 0; k < D; ++k) sum[k] = sums[b][k];
-                for (std::size_t i = 0; i < size; ++i) {
-                    for (std::size_t k = 0; k < D; ++k) {
-                        const T d = displacement[i][k];
-                        for (std::size_t lane = 0; lane < lanes; ++lane) sum[k][lane] += weight[i][lane] * d;
-                    }
-                }
-                for (std::size_t k = 0; k < D; ++k) sums[b][k] = sum[k];
+            std::size_t b = 0;
+            for (; b + together <= blocks; b += together) {
+                add_displacements<together>(binding.weights.block(first + b) + h, handles, displacement, size,
+                                            sums + b);
+            }
+            for (; b < blocks; ++b) {
+                add_displacements<1>(binding.weights.block(first + b) + h, handles, displacement, size,
+                                     sums + b);
             }
         }
         for (std::size_t b = 0; b < blocks; ++b) {

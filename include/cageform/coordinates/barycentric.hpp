@@ -26,6 +26,7 @@ public:
     using scalar = T;
     static constexpr std::size_t dimension = D;
     static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
 
     template <PointRange R>
         requires(range_dimension<R> == D)

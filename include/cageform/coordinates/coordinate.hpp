@@ -41,13 +41,15 @@ struct Evaluation {
     SolverReport solver;
 };
 
-/// The constants of a coordinate type: its scalar, its dimension, whether it is defined outside the cage.
+/// The constants of a coordinate type: its scalar, its dimension, whether it is defined outside the cage, and
+/// whether a point's weights cost the same alone as in a batch.
 template <class C>
 concept CageCoordinateConstants = requires {
     typename C::scalar;
     requires Scalar<typename C::scalar>;
     { C::dimension } -> std::convertible_to<std::size_t>;
     { C::has_extension } -> std::convertible_to<bool>;
+    { C::closed_form } -> std::convertible_to<bool>;
 };
 
 /// Coordinates of points with respect to a cage, one weight per *handle*. For the types here a handle is
@@ -56,6 +58,7 @@ concept CageCoordinateConstants = requires {
 ///   handles()           the handles at rest; a pose holds as many points, in the same order
 ///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that status
 ///   has_extension       whether weights are defined outside the cage
+///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in cache
 ///   evaluate(points, weights, states, options)
 ///                       fills the weights of a whole batch (rows of `weights` are handles) and where each
 ///                       point lies. Points whose state is not_finite on entry are skipped. Weights of
@@ -112,11 +115,11 @@ PointState weights_at(const C& coordinates, const P& point, std::span<typename C
 
 namespace detail {
 
-/// Runs body(first_block, last_block) over `blocks` in parallel, in some fifty steps between which the
+/// Runs body(first, last) over `blocks` (or pieces) in parallel, in at most fifty steps between which the
 /// caller's progress is told. Returns Status::cancelled when it says so.
 template <class Body>
 Status for_each_block(std::size_t blocks, const EvaluateOptions& options, const Body& body) {
-    constexpr std::size_t grain = 64;
+    constexpr std::size_t grain = 16;
     const std::size_t step = options.progress ? std::max<std::size_t>(blocks / 50, 16 * grain) : blocks;
     for (std::size_t begin = 0; begin < blocks; begin += step) {
         const std::size_t count = std::min(step, blocks - begin);

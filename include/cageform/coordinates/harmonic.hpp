@@ -36,7 +36,7 @@ class HarmonicCoordinates;
 ///             Σwc − p of about half a cell; `bind` restores linear precision, the report says by how much
 ///   cost      `evaluate` solves #V functions, unless `solve` has done so before, then samples them;
 ///             memory: handles_at_once (after `solve`: #V) scalars a cell and once 2 words a cell
-///   fails     as check(cage); resolution_not_supported; options_not_supported; not_converged; cancelled
+///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; not_converged; cancelled
 ///   outside   not defined (no extension)
 ///
 /// Point states: unreached is a point inside the cage none of whose surrounding cells has a value.
@@ -46,6 +46,7 @@ public:
     using scalar = T;
     static constexpr std::size_t dimension = 2;
     static constexpr bool has_extension = false;
+    static constexpr bool closed_form = false;
 
     explicit HarmonicCoordinates(Polygon<T> cage, const HarmonicOptions& options = {})
         : cage_(std::move(cage))
@@ -117,8 +118,7 @@ private:
     Status begin(Solution& solution, SolverReport& report) const {
         if (report_.status != Status::ok) return report_.status;
         if (options_.resolution < 8 || options_.resolution > 16384) return Status::resolution_not_supported;
-        if (!(options_.averaging.tolerance > 0) || options_.averaging.max_sweeps == 0)
-            return Status::options_not_supported;
+        if (!(options_.averaging.tolerance > 0)) return Status::tolerance_not_positive;
         solution.domain = rasterise(cage_, lattice_about(bounds_of(cage_.vertices()), options_.resolution));
         report.crowded_cells = solution.domain.crowded_cells;
         return Status::ok;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/pack_sqrt.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -27,6 +27,7 @@ public:
     using scalar = T;
     static constexpr std::size_t dimension = 2;
     static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
 
     explicit MeanValueCoordinates(Polygon<T> cage)
         : cage_(std::move(cage))

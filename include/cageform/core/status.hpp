@@ -20,7 +20,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     not_a_simplex,            ///< barycentric coordinates need exactly dimension + 1 vertices
     degenerate_simplex,       ///< the simplex has no volume relative to its size
     resolution_not_supported, ///< the grid is too small to hold a cage, or too large to index
-    options_not_supported,    ///< an option out of its range (a tolerance that is not positive, say)
+    tolerance_not_positive,   ///< an option out of its range (a tolerance that is not positive, say)
     not_converged,            ///< a solver ran out of sweeps before its tolerance was met
     pose_size_differs,        ///< a pose has another number of points than the binding has handles
     pose_not_finite,          ///< a pose holds NaN or infinity
@@ -42,7 +42,7 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::not_a_simplex: return "barycentric coordinates need a simplex: dimension + 1 vertices";
     case Status::degenerate_simplex: return "the simplex has no volume relative to its size";
     case Status::resolution_not_supported: return "the grid resolution is out of range";
-    case Status::options_not_supported: return "an option is out of its range";
+    case Status::tolerance_not_positive: return "the solver's tolerance is not a positive number";
     case Status::not_converged: return "the solver did not reach its tolerance";
     case Status::pose_size_differs: return "the pose has another number of points than the cage";
     case Status::pose_not_finite: return "the pose holds a number that is not finite";

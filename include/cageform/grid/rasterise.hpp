@@ -33,7 +33,15 @@ GridDomain<T, 2> rasterise(const Polygon<T>& polygon, const Lattice<T, 2>& latti
     domain.tags.assign(lattice.size(), CellTag::untyped);
     constexpr std::size_t none = ~std::size_t{0};
     std::vector<std::size_t> slot(lattice.size(), none); // of a boundary cell in `places`
-    std::vector<bool> crowded;
+    // Edges of a cell that meet each other pairwise are two neighbours, or all three of a triangle: a further
+    // edge has to meet the first two only.
+    using Edge = std::array<std::size_t, 2>;
+    struct Held {
+        std::array<Edge, 2> edges;
+        std::size_t count = 1;
+        bool crowded = false;
+    };
+    std::vector<Held> held;
 
     const auto visit = [&](std::size_t x, std::size_t y, std::size_t i, std::size_t j) {
         const std::size_t cell = lattice.number({x, y});
@@ -43,12 +51,17 @@ GridDomain<T, 2> rasterise(const Polygon<T>& polygon, const Lattice<T, 2>& latti
             domain.tags[cell] = CellTag::boundary;
             domain.boundary_cells.push_back(cell);
             domain.places.push_back(place);
-            crowded.push_back(false);
+            held.push_back({.edges = {Edge{i, j}}});
             return;
         }
-        auto& held = domain.places[slot[cell]];
-        if (held.i != i && held.i != j && held.j != i && held.j != j) crowded[slot[cell]] = true;
-        if (place.distance < held.distance) held = place;
+        auto& cell_edges = held[slot[cell]];
+        for (std::size_t n = 0; n < cell_edges.count; ++n) {
+            const auto [k, l] = cell_edges.edges[n];
+            if (k != i && k != j && l != i && l != j) cell_edges.crowded = true;
+        }
+        if (cell_edges.count < 2) cell_edges.edges[cell_edges.count++] = {i, j};
+        auto& nearest = domain.places[slot[cell]];
+        if (place.distance < nearest.distance) nearest = place;
     };
     // An edge is cut into the columns of cells it passes; in each it covers a range of rows. The slack makes
     // an edge through a corner touch all four cells.
@@ -76,7 +89,8 @@ GridDomain<T, 2> rasterise(const Polygon<T>& polygon, const Lattice<T, 2>& latti
             for (std::size_t y = to_cell(low - slack, lattice.cells[1]); y <= top; ++y) visit(x, y, i, j);
         }
     });
-    domain.crowded_cells = static_cast<std::size_t>(std::count(crowded.begin(), crowded.end(), true));
+    domain.crowded_cells = static_cast<std::size_t>(
+        std::count_if(held.begin(), held.end(), [](const Held& cell) { return cell.crowded; }));
 
     std::vector<std::size_t> front;
     for (std::size_t seed = 0; seed < domain.tags.size(); ++seed) {

@@ -1,15 +1,9 @@
-// One row of a block as registers: the only place that knows about vector instructions.
+// One row of a block as registers, with elementwise arithmetic. Light enough for run time.
 #pragma once
 
 #include <cageform/core/blocks.hpp>
 
 #include <cstring>
-
-#if CAGEFORM_REGISTER_BYTES != 0 && (defined(__x86_64__) || defined(__i386__))
-#include <immintrin.h>
-#else
-#include <cmath>
-#endif
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -107,37 +101,6 @@ Pack<T> max(const Pack<T>& a, const Pack<T>& b) noexcept {
 template <Scalar T>
 Pack<T> min(const Pack<T>& a, const Pack<T>& b) noexcept {
     return select<T>(a < b, a, b);
-}
-
-/// Square roots. Written with intrinsics because a loop over std::sqrt stays scalar unless the user
-/// compiles with -fno-math-errno: 3 times slower binding (bench/mean_value.cpp).
-template <Scalar T>
-Pack<T> sqrt(Pack<T> a) noexcept {
-    for (std::size_t k = 0; k < Pack<T>::count; ++k) {
-        auto& x = a.r[k];
-#if CAGEFORM_REGISTER_BYTES == 64
-        if constexpr (sizeof(T) == 8)
-            x = __builtin_bit_cast(typename Pack<T>::Register,
-                                   _mm512_sqrt_pd(__builtin_bit_cast(__m512d, x)));
-        else
-            x = __builtin_bit_cast(typename Pack<T>::Register, _mm512_sqrt_ps(__builtin_bit_cast(__m512, x)));
-#elif CAGEFORM_REGISTER_BYTES == 32
-        if constexpr (sizeof(T) == 8)
-            x = _mm256_sqrt_pd(x);
-        else
-            x = _mm256_sqrt_ps(x);
-#elif CAGEFORM_REGISTER_BYTES == 16 && defined(__SSE2__)
-        if constexpr (sizeof(T) == 8)
-            x = _mm_sqrt_pd(x);
-        else
-            x = _mm_sqrt_ps(x);
-#elif CAGEFORM_REGISTER_BYTES != 0
-        for (std::size_t lane = 0; lane < register_bytes / sizeof(T); ++lane) x[lane] = std::sqrt(x[lane]);
-#else
-        x = std::sqrt(x);
-#endif
-    }
-    return a;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
