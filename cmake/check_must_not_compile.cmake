@@ -1,0 +1,21 @@
+# cmake -DCOMPILER=… -DSOURCE=… -DINCLUDES=… -P check_must_not_compile.cmake
+# The file must compile as it is, and with -DBROKEN fail with the message named in its first line,
+# "// BROKEN: <regular expression>".
+file(STRINGS ${SOURCE} first LIMIT_COUNT 1)
+if(NOT first MATCHES "^// BROKEN: (.+)$")
+  message(FATAL_ERROR "${SOURCE}: the first line names no message")
+endif()
+set(expected ${CMAKE_MATCH_1})
+list(TRANSFORM INCLUDES PREPEND -isystem)
+set(command ${COMPILER} -std=c++20 -fsyntax-only -Werror=unused-result ${INCLUDES})
+execute_process(COMMAND ${command} ${SOURCE} RESULT_VARIABLE failed ERROR_VARIABLE errors)
+if(failed)
+  message(FATAL_ERROR "the twin that should compile does not:\n${errors}")
+endif()
+execute_process(COMMAND ${command} -DBROKEN ${SOURCE} RESULT_VARIABLE failed ERROR_VARIABLE errors)
+if(NOT failed)
+  message(FATAL_ERROR "compiles, and should not")
+endif()
+if(NOT errors MATCHES "${expected}")
+  message(FATAL_ERROR "fails without saying \"${expected}\":\n${errors}")
+endif()

@@ -1,0 +1,13 @@
+# cmake -DPROGRAM=… -DEXPECTED=<file> -P check_output.cmake
+# Runs a program and compares what it prints with a text file, or with the lines of a source file behind "//> ".
+execute_process(COMMAND ${PROGRAM} RESULT_VARIABLE failed OUTPUT_VARIABLE output)
+file(READ ${EXPECTED} expected)
+if(EXPECTED MATCHES "\\.cpp$")
+  string(REGEX MATCHALL "\n//>[^\n]*" lines "${expected}")
+  list(JOIN lines "" expected)
+  string(REGEX REPLACE "\n//> ?" "\n" expected "${expected}\n")
+  string(REGEX REPLACE "^\n" "" expected "${expected}")
+endif()
+if(failed OR expected STREQUAL "" OR NOT output STREQUAL expected)
+  message(FATAL_ERROR "exit ${failed}; printed:\n${output}expected:\n${expected}")
+endif()

@@ -1,0 +1,16 @@
+# cmake -DREADME=… -DOUT=<stem> -P extract_readme.cmake
+# The README's first ```cpp block becomes <stem>.cpp, the ```text block after it <stem>.txt.
+file(READ ${README} text)
+foreach(kind IN ITEMS cpp text)
+  string(FIND "${text}" "```${kind}\n" begin)
+  if(begin EQUAL -1)
+    message(FATAL_ERROR "the README has no ${kind} block")
+  endif()
+  string(LENGTH "```${kind}\n" skip)
+  math(EXPR begin "${begin} + ${skip}")
+  string(SUBSTRING "${text}" ${begin} -1 text)
+  string(FIND "${text}" "```" end)
+  string(SUBSTRING "${text}" 0 ${end} block)
+  string(REPLACE "text" "txt" suffix ${kind})
+  file(WRITE ${OUT}.${suffix} "${block}")
+endforeach()

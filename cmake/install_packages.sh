@@ -1,0 +1,38 @@
+#!/bin/sh
+# Usage: sh cmake/install_packages.sh PACKAGE…
+# Installs the Debian packages that are missing; does nothing when all are there. Where it may not, it says
+# what to install and fails.
+set -eu
+
+missing=
+if command -v dpkg-query >/dev/null 2>&1; then
+  for package in "$@"; do
+    status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
+    [ "$status" = 'install ok installed' ] || missing="$missing $package"
+  done
+else
+  # Not a Debian machine: trust it when the compiler and cmake are there; cmake names libraries it lacks.
+  for tool in c++ cmake; do
+    command -v "$tool" >/dev/null 2>&1 || missing="$*"
+  done
+fi
+[ -n "$missing" ] || exit 0
+
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+  if command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
+    as_root='sudo -n'
+  else
+    as_root=no
+  fi
+fi
+if [ "$as_root" = no ] || ! command -v apt-get >/dev/null 2>&1; then
+  echo "Please install (names of the Debian 12 packages):$missing" >&2
+  exit 1
+fi
+
+echo "Installing:$missing"
+export DEBIAN_FRONTEND=noninteractive
+$as_root apt-get update -q >/dev/null
+# shellcheck disable=SC2086  # the list is meant to be split
+$as_root apt-get install -y -q --no-install-recommends $missing >/dev/null
