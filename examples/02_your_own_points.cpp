@@ -1,0 +1,57 @@
+// 2. Points as you have them: matrices, vertex buffers, your own struct. Nothing is copied or converted
+// by you; the library reads and writes through a trait or a strided view.
+#include <cageform/adapt/eigen.hpp>
+#include <cageform/cageform.hpp>
+
+#include <cstdio>
+#include <vector>
+
+struct Waypoint { // a struct that is not even an array
+    float east, north;
+    int id;
+};
+
+template <>
+struct cageform::PointTraits<Waypoint> {
+    using scalar = float;
+    static constexpr std::size_t dimension = 2;
+    static constexpr float get(const Waypoint& p, std::size_t axis) noexcept {
+        return axis == 0 ? p.east : p.north;
+    }
+    static constexpr void set(Waypoint& p, std::size_t axis, float x) noexcept {
+        (axis == 0 ? p.east : p.north) = x;
+    }
+};
+
+int main() {
+    // The cage: one column a point, as Eigen users have it.
+    Eigen::Matrix2Xf cage(2, 3);
+    cage << 0, 4, 0, //
+        0, 0, 4;
+    const cageform::BarycentricCoordinates2f coordinates(cageform::points_in_columns<2>(cage));
+
+    // The figure: an interleaved vertex buffer x, y, u, v, of which x and y are the points.
+    std::vector<float> buffer{1, 1, 0.25f, 0.25f, 2, 1, 0.5f, 0.25f};
+    const cageform::StridedPoints<float, 2> positions(buffer.data(), 2, 4 * sizeof(float));
+    const auto [binding, report] = cageform::bind(coordinates, positions);
+    if (report.status != cageform::Status::ok) return 1;
+
+    // The pose: our own struct. The result goes back into the vertex buffer; u and v stay.
+    const std::vector<Waypoint> pose{{0, 0, 17}, {8, 0, 18}, {0, 4, 19}};
+    if (cageform::clone(binding, pose, positions) != cageform::Status::ok) return 1;
+    for (std::size_t i = 0; i < 8; i += 4) {
+        std::printf("%g %g  (u v: %g %g)\n", buffer[i], buffer[i + 1], buffer[i + 2], buffer[i + 3]);
+    }
+
+    // The same into the rows of a matrix.
+    Eigen::MatrixXd rows(2, 2);
+    if (cageform::clone(binding, pose, cageform::points_in_rows<2>(rows)) != cageform::Status::ok) return 1;
+    std::printf("%g %g\n%g %g\n", rows(0, 0), rows(0, 1), rows(1, 0), rows(1, 1));
+}
+
+// The pose stretches the triangle to twice its width, so x doubles.
+//
+//> 2 1  (u v: 0.25 0.25)
+//> 4 1  (u v: 0.5 0.25)
+//> 2 1
+//> 4 1

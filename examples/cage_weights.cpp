@@ -1,0 +1,168 @@
+// The coordinates of points as numbers: the tool to compare with other implementations.
+//
+//     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
+//
+// A cage CSV has "x,y" a line and an empty line between loops (outer first, then holes); points have "x,y" a
+// line. The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
+// weights. Points are read, bound and written in batches, so a file may have any length.
+
+#include "atomic_file.hpp"
+#include "cage_file.hpp"
+#include "progress_bar.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Settings {
+    std::string cage_path, points_path, out_path, scalar = "double", outside = "extend",
+                                                  linear_precision = "restore";
+    bool report = false;
+    CoordinatesChoice choice;
+};
+
+int fail(const std::string& message) {
+    std::cerr << "cage_weights: " << message << '\n';
+    return 1;
+}
+
+/// Adds what a batch found to what is known; point numbers count from the beginning of the file.
+void merge(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first) {
+    const auto append = [first](std::vector<std::size_t>& to, const std::vector<std::size_t>& from) {
+        // Only counts and the first few are shown, so a long list costs no memory beyond a word an entry.
+        for (const std::size_t i : from) to.push_back(first + i);
+    };
+    append(total.on_boundary, part.on_boundary);
+    append(total.outside, part.outside);
+    append(total.not_finite, part.not_finite);
+    append(total.unreached, part.unreached);
+    const auto raise = [first](cageform::Extreme& to, const cageform::Extreme& from) {
+        if (from.value > to.value) to = {from.value, first + from.point};
+    };
+    raise(total.partition_error, part.partition_error);
+    raise(total.reproduction_error, part.reproduction_error);
+    raise(total.weight_change, part.weight_change);
+    raise(total.residual_restored, part.residual_restored);
+    if (total.points == 0 || part.least_weight.value < total.least_weight.value) {
+        total.least_weight = {part.least_weight.value, first + part.least_weight.point};
+    }
+    total.points += part.points;
+    total.seconds += part.seconds;
+    total.cage = part.cage;
+}
+
+template <class T>
+int run(const Settings& settings, const CageFile& cage) {
+    PointReader reader(settings.points_path);
+    if (!reader.error().empty()) return fail(reader.error());
+    AtomicFile out(settings.out_path);
+    if (const auto error = out.error()) return fail(*error);
+
+    const auto polygon = cage.polygon<T>();
+    cageform::BindOptions options;
+    options.outside = settings.outside == "extend" ? cageform::OutsidePoints::extend
+                      : settings.outside == "keep" ? cageform::OutsidePoints::keep_in_place
+                                                   : cageform::OutsidePoints::nearest_boundary;
+    options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
+                                                                      : cageform::LinearPrecision::leave;
+    return with_coordinates<T>(settings.choice, polygon, [&](auto coordinates) {
+        cageform::BindReport total;
+        if constexpr (requires { coordinates.solve(); }) {
+            ProgressBar bar("solving");
+            const auto evaluation = coordinates.solve({.progress = bar.callback()});
+            total.status = evaluation.status;
+            total.cage = coordinates.cage_report();
+            if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage.name, total));
+            total.solver = evaluation.solver;
+            total.seconds = evaluation.solver.seconds;
+        }
+        std::string text = "status";
+        for (std::size_t h = 0; h < cage.vertices.size(); ++h) text += ",w" + std::to_string(h);
+        text += '\n';
+
+        const std::size_t batch =
+            std::clamp<std::size_t>((std::size_t{1} << 22) / cage.vertices.size(), 1024, 65536);
+        const bool weights_outside =
+            settings.outside == "nearest" ||
+            (settings.outside == "extend" && std::decay_t<decltype(coordinates)>::has_extension);
+        ProgressBar bar("binding");
+        const auto progress = bar.callback();
+        std::vector<Point2> points;
+        std::vector<cageform::PointState> states;
+        // A first round without points checks the cage even where there are none.
+        bool more = true;
+        while (more) {
+            more = reader.read(points, batch);
+            if (!reader.error().empty()) return fail(reader.error());
+            const auto [binding, report] = cageform::bind(coordinates, points, options);
+            if (report.status != cageform::Status::ok) return fail(describe_faults(cage.name, report));
+            states.assign(points.size(), cageform::PointState::inside);
+            for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
+            for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;
+            for (const std::size_t i : report.not_finite) states[i] = cageform::PointState::not_finite;
+            for (const std::size_t i : report.unreached) states[i] = cageform::PointState::unreached;
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const auto state = states[i];
+                const bool known = state == cageform::PointState::inside ||
+                                   state == cageform::PointState::on_boundary ||
+                                   (state == cageform::PointState::outside && weights_outside);
+                text += to_string(state);
+                for (std::size_t h = 0; h < binding.handle_count(); ++h) {
+                    text += ',';
+                    if (!known) {
+                        text += "nan";
+                        continue;
+                    }
+                    std::array<char, 32> digits;
+                    const auto end = std::to_chars(digits.begin(), digits.end(), double(binding.weight(i, h)),
+                                                   std::chars_format::general, 17);
+                    text.append(digits.data(), end.ptr);
+                }
+                text += '\n';
+            }
+            out.write(text);
+            text.clear();
+            merge(total, report, total.points);
+            if (progress) progress(reader.fraction());
+        }
+        if (const auto error = out.commit()) return fail(*error);
+        if (total.points == 0) return fail(settings.points_path + ": holds no points");
+        if (settings.report) std::cout << describe(total);
+        return 0;
+    });
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Writes the cage coordinates of points.");
+    Settings settings;
+    app.add_option("--cage", settings.cage_path, "CSV (x,y a line, empty line between loops) or SVG")
+        ->required();
+    app.add_option("--points", settings.points_path, "CSV, x,y a line")->required();
+    app.add_option("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…")->required();
+    app.add_option("--scalar", settings.scalar, "float or double")
+        ->check(CLI::IsMember({"float", "double"}))
+        ->capture_default_str();
+    app.add_option("--outside", settings.outside, "points outside: extend, keep or nearest")
+        ->check(CLI::IsMember({"extend", "keep", "nearest"}))
+        ->capture_default_str();
+    app.add_option("--linear-precision", settings.linear_precision,
+                   "restore or leave what a solver's weights miss")
+        ->check(CLI::IsMember({"restore", "leave"}))
+        ->capture_default_str();
+    app.add_flag("--report", settings.report, "print the bind report");
+    settings.choice.add_options(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 1;
+    }
+    const auto cage = load_cage(settings.cage_path);
+    if (!cage) return fail(to_string(cage.error()));
+    return settings.scalar == "float" ? run<float>(settings, *cage) : run<double>(settings, *cage);
+}

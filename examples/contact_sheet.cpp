@@ -1,0 +1,115 @@
+// Puts several SVG files side by side into one, with captions.
+//
+//     contact_sheet -o sheet.svg --columns 2 --png "at rest" cat.svg "a step" step.svg
+
+#include "render.hpp"
+#include "svg_document.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+int fail(const std::string& message) {
+    std::cerr << "contact_sheet: " << message << '\n';
+    return 1;
+}
+
+/// Makes the identifiers of a document its own, so that several can share a file.
+void prefix_ids(pugi::xml_node node, const std::string& prefix) {
+    for (auto attribute : node.attributes()) {
+        const std::string name = attribute.name();
+        std::string value = attribute.value();
+        if (name == "id")
+            value = prefix + value;
+        else if ((name == "href" || name == "xlink:href") && value.starts_with('#'))
+            value = '#' + prefix + value.substr(1);
+        else {
+            for (std::size_t at = 0; (at = value.find("url(#", at)) != std::string::npos; at += 5)
+                value.insert(at + 5, prefix);
+        }
+        attribute.set_value(value.c_str());
+    }
+    for (auto child : node.children()) prefix_ids(child, prefix);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Puts several SVG files side by side, with captions.");
+    std::string out_path;
+    std::vector<std::string> words;
+    std::size_t columns = 2;
+    bool png = false;
+    int png_width = 1200, tile = 400;
+    app.add_option("-o,--output", out_path, "the SVG file to write")->required();
+    app.add_option("--columns", columns, "tiles in a row")->check(CLI::Range(1, 64))->capture_default_str();
+    app.add_option("--tile", tile, "width of a tile, in user units")
+        ->check(CLI::Range(10, 10000))
+        ->capture_default_str();
+    app.add_flag("--png", png, "also render it, to the same name with .png");
+    app.add_option("--png-width", png_width, "in pixels")->check(CLI::Range(1, 16384))->capture_default_str();
+    app.add_option("tiles", words, "CAPTION FILE.svg, alternately")->required();
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 1;
+    }
+    if (words.size() % 2 != 0) return fail("captions and files have to alternate");
+
+    SvgDocument sheet;
+    auto root = sheet.xml.append_child("svg");
+    root.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
+    root.append_attribute("xmlns:xlink") = "http://www.w3.org/1999/xlink";
+    constexpr double caption = 30, gap = 12;
+    double height = gap, row_height = 0;
+    for (std::size_t n = 0; n < words.size() / 2; ++n) {
+        const auto document = load_svg(words[2 * n + 1]);
+        if (!document) return fail(to_string(document.error()));
+        const auto view = view_box(*document);
+        if (!view) return fail(to_string(view.error()));
+        if (n % columns == 0) {
+            height += row_height;
+            row_height = 0;
+        }
+        const double x = gap + double(n % columns) * (tile + gap);
+        const double tile_height = tile * view->height / view->width;
+        row_height = std::max(row_height, caption + tile_height + gap);
+
+        auto text = root.append_child("text");
+        text.append_attribute("x") = x + tile / 2.0;
+        text.append_attribute("y") = height + 0.7 * caption;
+        text.append_attribute("font-family") = "DejaVu Sans, sans-serif";
+        text.append_attribute("font-size") = 17;
+        text.append_attribute("text-anchor") = "middle";
+        text.text() = words[2 * n].c_str();
+        auto nested = root.append_copy(document->xml.document_element());
+        prefix_ids(nested, "t" + std::to_string(n) + "-");
+        for (const char* name : {"x", "y", "width", "height", "viewBox"}) nested.remove_attribute(name);
+        nested.append_attribute("x") = x;
+        nested.append_attribute("y") = height + caption;
+        nested.append_attribute("width") = tile;
+        nested.append_attribute("height") = tile_height;
+        nested.append_attribute("viewBox") =
+            (std::to_string(view->x) + " " + std::to_string(view->y) + " " + std::to_string(view->width) +
+             " " + std::to_string(view->height))
+                .c_str();
+    }
+    height += row_height;
+    const double width = gap + double(std::min(columns, words.size() / 2)) * (tile + gap);
+    root.append_attribute("viewBox") =
+        ("0 0 " + std::to_string(width) + " " + std::to_string(height)).c_str();
+    root.append_attribute("width") = width;
+    root.append_attribute("height") = height;
+    if (const auto error = save_svg(sheet, out_path)) return fail(to_string(*error));
+    if (png) {
+        if (const auto error =
+                render_png(out_path, std::filesystem::path(out_path).replace_extension(".png"), png_width)) {
+            return fail(*error);
+        }
+    }
+    return 0;
+}

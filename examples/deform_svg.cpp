@@ -1,0 +1,166 @@
+// Deforms any SVG figure by a cage and a pose of it.
+//
+//     deform_svg cat.svg --cage cat_cage.svg --pose cat_pose_step.svg --coordinates harmonic -o step.svg --png
+//
+// Curves and long lines are refined until they follow the deformed shape, since straight lines and control
+// points do not map to it. Everything that is not geometry stays: styles, gradients, groups, identifiers.
+
+#include "cage_file.hpp"
+#include "progress_bar.hpp"
+#include "render.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+int fail(const std::string& message) {
+    std::cerr << "deform_svg: " << message << '\n';
+    return 1;
+}
+
+/// "point 3 (412, 88)" for the first few of a list of points.
+std::string name_points(std::span<const Point2> points, const std::vector<std::size_t>& indices) {
+    std::ostringstream text;
+    for (std::size_t n = 0; n < std::min<std::size_t>(indices.size(), 5); ++n) {
+        text << (n == 0 ? "" : ", ") << '(' << points[indices[n]].x << ", " << points[indices[n]].y << ')';
+    }
+    if (indices.size() > 5) text << ", …";
+    return text.str();
+}
+
+/// Appends the outline of a cage to a document, in root user space.
+void draw_cage(SvgDocument& document, const CageFile& cage) {
+    Path path;
+    std::size_t first = 0;
+    for (const std::size_t size : cage.loop_sizes) {
+        Subpath loop;
+        loop.start = cage.vertices[first];
+        for (std::size_t i = 1; i <= size; ++i) {
+            const Point2 p = cage.vertices[first + i % size];
+            loop.segments.push_back({p, p, p, true});
+        }
+        loop.closed = true;
+        path.push_back(loop);
+        first += size;
+    }
+    const auto view = view_box(document);
+    const double diagonal = view ? std::hypot(view->width, view->height) : 100;
+    auto node = document.xml.document_element().append_child("path");
+    node.append_attribute("d") = write_path_data(path, 3).c_str();
+    node.append_attribute("fill") = "none";
+    node.append_attribute("stroke") = "#c2377a";
+    node.append_attribute("stroke-width") = diagonal / 400;
+    node.append_attribute("stroke-linejoin") = "round";
+    node.append_attribute("stroke-dasharray") = diagonal / 100;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Deforms an SVG figure by a cage polygon and a pose of it.");
+    std::string figure_path, cage_path, pose_path, out_path, outside = "refuse";
+    bool png = false, show_cage = false, report = false;
+    int png_width = 900;
+    CoordinatesChoice choice;
+    DeformOptions options;
+    app.add_option("figure", figure_path, "the SVG file to deform")->required();
+    app.add_option("--cage", cage_path, "its cage: the first closed polygon of an SVG, or a CSV file")
+        ->required();
+    app.add_option("--pose", pose_path, "the moved cage, vertex by vertex")->required();
+    app.add_option("-o,--output", out_path, "the SVG file to write")->required();
+    app.add_flag("--png", png, "also render it, to the same name with .png");
+    app.add_option("--png-width", png_width, "in pixels")->check(CLI::Range(1, 16384))->capture_default_str();
+    app.add_option("--outside", outside,
+                   "points outside the cage: refuse, keep (in place), nearest (follow the nearest boundary "
+                   "point) or extend (where the coordinates are defined outside)")
+        ->check(CLI::IsMember({"refuse", "keep", "nearest", "extend"}))
+        ->capture_default_str();
+    app.add_option("--flatness", options.tolerance,
+                   "how far curves may miss the deformed shape, in user units; 0: invisibly little")
+        ->check(CLI::NonNegativeNumber);
+    app.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
+    app.add_flag("--report", report, "print the bind report and what became of the shapes");
+    choice.add_options(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 1;
+    }
+
+    auto document = load_svg(figure_path);
+    if (!document) return fail(to_string(document.error()));
+    const auto cage = load_cage(cage_path);
+    if (!cage) return fail(to_string(cage.error()));
+    const auto pose = load_pose(pose_path, *cage);
+    if (!pose) return fail(to_string(pose.error()));
+
+    return with_coordinates<double>(choice, cage->polygon<double>(), [&](auto coordinates) {
+        using Coordinates = std::decay_t<decltype(coordinates)>;
+        cageform::BindReport last;
+        if constexpr (requires { coordinates.solve(); }) {
+            // The points come in several batches; the functions are solved once.
+            ProgressBar bar("solving");
+            const auto evaluation = coordinates.solve({.progress = bar.callback()});
+            last.status = evaluation.status;
+            last.cage = coordinates.cage_report();
+            if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage_path, last));
+        }
+        cageform::BindOptions bind_options;
+        bind_options.outside = outside == "nearest"  ? cageform::OutsidePoints::nearest_boundary
+                               : outside == "extend" ? cageform::OutsidePoints::extend
+                                                     : cageform::OutsidePoints::keep_in_place;
+        std::string failure;
+        const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
+            const auto [binding, bound] = cageform::bind(coordinates, in, bind_options);
+            if (bound.status != cageform::Status::ok) {
+                failure = describe_faults(cage_path, bound);
+                return false;
+            }
+            if (outside == "refuse" && !bound.outside.empty()) {
+                failure = figure_path + ": " + std::to_string(bound.outside.size()) + " of " +
+                          std::to_string(in.size()) + " points lie outside the cage " + cage_path +
+                          ", first " + name_points(in, bound.outside) +
+                          "; --outside says what to do with them";
+                return false;
+            }
+            if (outside == "extend" && !Coordinates::has_extension && !bound.outside.empty()) {
+                failure = choice.name + " coordinates are not defined outside the cage, where " +
+                          std::to_string(bound.outside.size()) + " points lie, first " +
+                          name_points(in, bound.outside);
+                return false;
+            }
+            if (!bound.unreached.empty()) {
+                failure = "the grid is too coarse near " + name_points(in, bound.unreached) +
+                          ": raise --resolution";
+                return false;
+            }
+            const auto status = cageform::clone(binding, pose->vertices, moved);
+            if (status != cageform::Status::ok) failure = pose_path + ": " + cageform::to_string(status);
+            if (last.points == 0) last = bound;
+            return status == cageform::Status::ok;
+        };
+        const auto deformed = deform(*document, deformer, options);
+        if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
+        for (const std::string& warning : deformed->warnings)
+            std::cerr << "deform_svg: warning: " << warning << '\n';
+        if (show_cage) draw_cage(*document, *pose);
+        if (const auto error = save_svg(*document, out_path)) return fail(to_string(*error));
+        if (png) {
+            if (const auto error = render_png(
+                    out_path, std::filesystem::path(out_path).replace_extension(".png"), png_width)) {
+                return fail(*error);
+            }
+        }
+        if (report) {
+            std::cout << "shapes: " << deformed->shapes << ", segments written: " << deformed->segments
+                      << ", points bound: " << deformed->points << " in " << deformed->batches
+                      << " batches\nfirst batch:\n"
+                      << describe(last);
+        }
+        return 0;
+    });
+}

@@ -1,0 +1,86 @@
+// Binds figures to their cages and prints a table of what it took and how exact it is.
+//
+//     figure_table FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…] …
+
+#include "cage_file.hpp"
+
+#include <chrono>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+/// Median seconds of a call, over `repeats` samples of `calls` calls each.
+template <class F>
+double median_seconds(int repeats, int calls, F&& f) {
+    std::vector<double> samples;
+    for (int r = 0; r < repeats; ++r) {
+        const auto start = std::chrono::steady_clock::now();
+        for (int c = 0; c < calls; ++c) f();
+        samples.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /
+                          calls);
+    }
+    std::nth_element(samples.begin(), samples.begin() + repeats / 2, samples.end());
+    return samples[std::size_t(repeats / 2)];
+}
+
+/// One row; returns why it could not be made, or nothing.
+std::string print_row(const std::string& figure_path, const std::string& cage_path,
+                      const std::string& pose_path, const std::string& coordinates_name) {
+    const auto document = load_svg(figure_path);
+    if (!document) return to_string(document.error());
+    const auto figure = figure_vertices(*document);
+    if (!figure) return to_string(figure.error());
+    const auto cage = load_cage(cage_path);
+    if (!cage) return to_string(cage.error());
+    const auto pose = load_pose(pose_path, *cage);
+    if (!pose) return to_string(pose.error());
+    CoordinatesChoice choice;
+    choice.name = coordinates_name;
+    return with_coordinates<double>(
+        choice, cage->polygon<double>(), [&](const auto& coordinates) -> std::string {
+            const auto [binding, report] = cageform::bind(coordinates, *figure);
+            if (report.status != cageform::Status::ok) return describe_faults(cage_path, report);
+            const double bind_seconds =
+                median_seconds(5, 1, [&] { (void)cageform::bind(coordinates, *figure); });
+            std::vector<Point2> out(figure->size());
+            cageform::Status status = cageform::Status::ok;
+            const double clone_seconds =
+                median_seconds(21, 100, [&] { status = cageform::clone(binding, pose->vertices, out); });
+            if (status != cageform::Status::ok) return cageform::to_string(status);
+            if (cageform::clone(binding, cage->vertices, out) != cageform::Status::ok || !(out == *figure)) {
+                return figure_path + ": the rest pose is not exact";
+            }
+            std::printf("%-8s %-12s %6zu %8zu %9.3f %9.2f %15.1e %13.4f\n",
+                        std::filesystem::path(figure_path).stem().string().c_str(), coordinates_name.c_str(),
+                        binding.point_count(), binding.handle_count(), bind_seconds * 1e3,
+                        clone_seconds * 1e6, report.reproduction_error.value, report.least_weight.value);
+            return {};
+        });
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 5 || (argc - 1) % 4 != 0) {
+        std::cerr << "figure_table: arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], "
+                     "repeatedly\n";
+        return 1;
+    }
+    std::printf("%-8s %-12s %6s %8s %9s %9s %15s %13s\n", "figure", "coordinates", "points", "handles",
+                "bind ms", "clone us", "max |Swc - p|", "least weight");
+    for (int i = 1; i < argc; i += 4) {
+        std::istringstream names(argv[i + 3]);
+        for (std::string name; std::getline(names, name, ',');) {
+            const auto& known = CoordinatesChoice::names();
+            std::string error = std::find(known.begin(), known.end(), name) == known.end()
+                                    ? "\"" + name + "\" is not one of barycentric, mean-value, harmonic"
+                                    : print_row(argv[i], argv[i + 1], argv[i + 2], name);
+            if (error.empty()) continue;
+            std::cerr << "figure_table: " << error << '\n';
+            return 1;
+        }
+    }
+    return 0;
+}

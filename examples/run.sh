@@ -1,0 +1,71 @@
+#!/bin/sh
+# Usage: sh examples/run.sh [--build-only]
+# Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
+# pictures: the cat at rest and in every pose by mean value and harmonic coordinates, the man, the aleph,
+# heat maps of coordinates; then prints a table of figures.
+set -eu
+cd "$(dirname "$0")/.."
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev librsvg2-bin
+
+cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O3 -march=native -DNDEBUG' \
+  -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_BENCH=OFF >/dev/null
+cmake --build build
+[ "${1:-}" != --build-only ] || exit 0
+
+programs=build/examples
+data=examples/data
+mkdir -p out
+for lesson in "$programs"/0*; do
+  echo
+  echo "== $(basename "$lesson")"
+  "$lesson"
+done
+
+echo
+echo "== pictures, in out/"
+# name FIGURE CAGE POSE COORDINATES
+deform() {
+  "$programs/deform_svg" "$data/$2.svg" --cage "$data/$3.svg" --pose "$data/$4.svg" --coordinates "$5" -o "out/$1.svg" --png --show-cage
+}
+deform cat_rest cat cat_cage cat_cage mean-value
+set -- "at rest" out/cat_rest.svg
+for pose in step look tail stretch leap short_leg; do
+  deform cat_${pose}_mean_value cat cat_cage cat_pose_$pose mean-value
+  deform cat_${pose}_harmonic cat cat_cage cat_pose_$pose harmonic
+  words=$(echo $pose | tr _ ' ')
+  "$programs/contact_sheet" -o out/cat_$pose.svg --columns 2 --png "$words: mean value" out/cat_${pose}_mean_value.svg \
+    "$words: harmonic" out/cat_${pose}_harmonic.svg
+  [ $pose = short_leg ] || set -- "$@" "$words" out/cat_${pose}_harmonic.svg
+done
+"$programs/contact_sheet" -o out/cat.svg --columns 3 --tile 300 --png "$@"
+
+deform man_posed man man_cage man_pose barycentric
+deform man_rest man man_cage man_cage barycentric
+deform aleph_rest aleph aleph_cage aleph_cage mean-value
+deform aleph_mean_value aleph aleph_cage aleph_pose mean-value
+deform aleph_harmonic aleph aleph_cage aleph_pose harmonic
+"$programs/contact_sheet" -o out/man.svg --columns 2 --png "at rest" out/man_rest.svg "posed: barycentric" out/man_posed.svg
+"$programs/contact_sheet" -o out/aleph.svg --columns 3 --png "at rest" out/aleph_rest.svg \
+  "mean value" out/aleph_mean_value.svg "harmonic" out/aleph_harmonic.svg
+
+field() { # NAME CAGE VERTEX COORDINATES
+  echo "$1: $("$programs/coordinate_field" --cage "$data/$2.svg" --vertex "$3" --coordinates "$4" -o "out/$1.png")"
+}
+field field_cat_8_harmonic cat_cage 8 harmonic
+field field_cat_8_mean_value cat_cage 8 mean-value
+for vertex in 1 2; do
+  field field_biped_${vertex}_mean_value biped_cage $vertex mean-value
+  field field_biped_${vertex}_harmonic biped_cage $vertex harmonic
+done
+
+# Every grid point of the biped's cage, as numbers.
+awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print x "," y }' >out/biped_points.csv
+"$programs/cage_weights" --cage "$data/biped_cage.svg" --points out/biped_points.csv --coordinates mean-value \
+  --outside keep --report -o out/biped_weights.csv >out/biped_report.txt
+echo "biped_weights.csv: $(grep '^least weight' out/biped_report.txt)"
+
+echo
+echo "== figures"
+"$programs/figure_table" "$data/man.svg" "$data/man_cage.svg" "$data/man_pose.svg" barycentric \
+  "$data/cat.svg" "$data/cat_cage.svg" "$data/cat_pose_step.svg" mean-value,harmonic \
+  "$data/aleph.svg" "$data/aleph_cage.svg" "$data/aleph_pose.svg" mean-value,harmonic
