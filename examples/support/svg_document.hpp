@@ -18,7 +18,7 @@
 // element became a path. Classes outweigh types, so next to other classes a warning is given.
 
 #include "atomic_file.hpp"
-#include "svg_path.hpp"
+#include "svg_curves.hpp"
 
 #include <pugixml.hpp>
 
@@ -64,26 +64,6 @@ struct ViewBox {
 struct SvgShape {
     std::string label; // such as: rect "wall" (line 12)
     Path path;
-};
-
-/// Maps `in` to `out`, of the same length, both in root user space; false stops the deformation. Has to be
-/// a pure function of the point: curves meet because the same point always goes to the same place.
-using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
-
-struct DeformOptions {
-    double tolerance =
-        0; // user units of the root; 0 takes 2e-5 of the viewBox's diagonal, which is invisible
-    int max_halvings = 8; // of a piece that misses the tolerance
-    int decimals = -1;    // written; negative takes what makes rounding a twentieth of the tolerance
-};
-
-struct DeformReport {
-    std::size_t shapes = 0;
-    std::size_t points = 0;   // handed to the deformer
-    std::size_t batches = 0;  // calls of the deformer
-    std::size_t segments = 0; // written
-    std::size_t coarse = 0;   // of these, accepted outside the tolerance after `max_halvings`
-    std::vector<std::string> warnings;
 };
 
 namespace detail {
@@ -387,20 +367,6 @@ inline bool is_group(const std::string& kind) {
 }
 inline bool is_fixed(const std::string& kind) {
     return kind == "text" || kind == "image" || kind == "foreignObject";
-}
-
-/// What may be written: beyond it sums and products of coordinates overflow.
-inline bool in_range(const Point2& p) {
-    return std::abs(p.x) <= 1e100 && std::abs(p.y) <= 1e100;
-}
-
-inline bool in_range(const Path& path) {
-    return std::all_of(path.begin(), path.end(), [](const Subpath& subpath) {
-        return in_range(subpath.start) &&
-               std::all_of(subpath.segments.begin(), subpath.segments.end(), [](const Segment& s) {
-                   return in_range(s.p1) && in_range(s.p2) && in_range(s.p3);
-               });
-    });
 }
 
 struct DrawnShape {
@@ -911,236 +877,6 @@ inline void warn_of_fixed_paint(const SvgDocument& document, std::vector<std::st
     }
 }
 
-// ---- curves ----
-
-/// Deforms paths and covers the result with cubics. Every segment is sampled at equal steps, a multiple of
-/// six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if all other samples are within
-/// the tolerance of it at the same parameter, and is halved otherwise. A line that stays straight stays one.
-/// All pieces of all paths go to the deformer together, so there are only as many calls as halvings.
-class CurveDeformer {
-public:
-    CurveDeformer(const Deformer& deformer, double tolerance, double diagonal, int max_halvings,
-                  DeformReport& report)
-        : deformer_(deformer)
-        , tolerance_(tolerance)
-        , diagonal_(diagonal)
-        , max_halvings_(max_halvings)
-        , report_(report) {}
-
-    /// In place; false if the deformer stopped or gave a point out of range: see `failure()`.
-    bool run(std::vector<Path>& paths) {
-        std::vector<Point2> starts;
-        std::vector<std::size_t> piece_counts; // of each subpath, before halving
-        for (const Path& path : paths) {
-            for (const Subpath& subpath : path) {
-                starts.push_back(subpath.start);
-                piece_counts.push_back(subpath.segments.size());
-                Point2 from = subpath.start;
-                for (const Segment& s : subpath.segments) {
-                    curves_.push_back({from, s});
-                    pieces_.push_back(
-                        {curves_.size() - 1, 0, 1, 0, std::vector<Point2>(steps(from, s) + 1), {}, false});
-                    from = s.p3;
-                }
-            }
-        }
-        if (!sample(1, starts)) return false;
-        std::size_t first = 0;
-        std::size_t next_subpath = 0;
-        for (const Path& path : paths) {
-            for (const Subpath& subpath : path) {
-                const std::size_t end = first + piece_counts[next_subpath];
-                const Point2 start = starts[next_subpath++];
-                for (std::size_t i = first; i < end; ++i) {
-                    pieces_[i].samples.front() = i == first ? start : pieces_[i - 1].samples.back();
-                }
-                if (subpath.closed && end > first) pieces_[end - 1].samples.back() = start;
-                first = end;
-            }
-        }
-
-        while (settle_all()) {
-            std::vector<Point2> none;
-            if (!sample(2, none)) return false;
-        }
-        report_.segments += pieces_.size();
-        std::size_t curve = 0;
-        std::size_t piece = 0;
-        next_subpath = 0;
-        for (Path& path : paths) {
-            for (Subpath& subpath : path) {
-                subpath.start = starts[next_subpath];
-                curve += piece_counts[next_subpath++];
-                subpath.segments.clear();
-                for (; piece < pieces_.size() && pieces_[piece].curve < curve; ++piece) {
-                    subpath.segments.push_back(pieces_[piece].result);
-                }
-            }
-        }
-        return true;
-    }
-
-    const std::string& failure() const { return failure_; }
-
-private:
-    struct Curve {
-        Point2 p0;
-        Segment rest;
-    };
-
-    struct Piece {
-        std::size_t curve = 0;
-        double from = 0; // the part of the curve
-        double to = 1;
-        int halvings = 0;
-        std::vector<Point2> samples; // deformed, at equal steps from `from` to `to`
-        Segment result;              // once settled
-        bool settled = false;
-    };
-
-    static double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
-    static Point2 at(const Point2& p0, const Segment& s, double t) {
-        const double u = 1 - t;
-        const double b0 = u * u * u;
-        const double b1 = 3 * u * u * t;
-        const double b2 = 3 * u * t * t;
-        const double b3 = t * t * t;
-        return {b0 * p0.x + b1 * s.p1.x + b2 * s.p2.x + b3 * s.p3.x,
-                b0 * p0.y + b1 * s.p1.y + b2 * s.p2.y + b3 * s.p3.y};
-    }
-
-    /// At least six; so many that none is longer than a 64th of the diagonal, lest a narrow bulge be missed.
-    std::size_t steps(const Point2& from, const Segment& s) const {
-        const double length = distance(from, s.p1) + distance(s.p1, s.p2) + distance(s.p2, s.p3);
-        std::size_t n = 6;
-        while (n < 1536 && 64 * length > diagonal_ * static_cast<double>(n)) n *= 2;
-        return n;
-    }
-
-    /// Deforms `extra` in place, and the samples 1, 1 + stride, ... of every piece not settled.
-    bool sample(std::size_t stride, std::vector<Point2>& extra) {
-        std::vector<Point2> in = extra;
-        for (const Piece& piece : pieces_) {
-            if (piece.settled) continue;
-            const Curve& curve = curves_[piece.curve];
-            const auto n = static_cast<double>(piece.samples.size() - 1);
-            for (std::size_t i = 1; i < piece.samples.size(); i += stride) {
-                const double t = piece.from + (piece.to - piece.from) * (static_cast<double>(i) / n);
-                in.push_back(at(curve.p0, curve.rest, t));
-            }
-        }
-        if (in.empty()) return true;
-        std::vector<Point2> out(in.size());
-        report_.points += in.size();
-        report_.batches += 1;
-        if (!deformer_(in, out)) {
-            failure_ = "the deformation was stopped";
-            return false;
-        }
-        if (!std::all_of(out.begin(), out.end(), [](const Point2& p) { return in_range(p); })) {
-            failure_ = "the deformation gave a point that is not finite, or out of range";
-            return false;
-        }
-        auto next = out.begin();
-        for (Point2& p : extra) p = *next++;
-        for (Piece& piece : pieces_) {
-            if (piece.settled) continue;
-            for (std::size_t i = 1; i < piece.samples.size(); i += stride) piece.samples[i] = *next++;
-        }
-        return true;
-    }
-
-    /// True if some pieces were halved and need more samples.
-    bool settle_all() {
-        std::vector<Piece> next;
-        next.reserve(pieces_.size());
-        for (Piece& piece : pieces_) {
-            if (piece.settled) {
-                next.push_back(std::move(piece));
-            } else {
-                settle(piece, 0, piece.samples.size() - 1, next);
-            }
-        }
-        pieces_ = std::move(next);
-        return std::any_of(pieces_.begin(), pieces_.end(), [](const Piece& p) { return !p.settled; });
-    }
-
-    void settle(const Piece& piece, std::size_t first, std::size_t last, std::vector<Piece>& next) {
-        const std::size_t n = last - first;
-        const std::span<const Point2> samples(piece.samples.data() + first, n + 1);
-        const auto steps = static_cast<double>(piece.samples.size() - 1);
-        const double size = piece.to - piece.from;
-        Piece part{piece.curve,
-                   piece.from + size * (static_cast<double>(first) / steps),
-                   piece.from + size * (static_cast<double>(last) / steps),
-                   piece.halvings,
-                   {},
-                   {},
-                   true};
-        if (fit(samples, curves_[piece.curve].rest.is_line, part.result)) {
-            next.push_back(std::move(part));
-        } else if (n > 6) {
-            settle(piece, first, first + n / 2, next);
-            settle(piece, first + n / 2, last, next);
-        } else if (piece.halvings >= max_halvings_) {
-            ++report_.coarse;
-            next.push_back(std::move(part));
-        } else {
-            part.settled = false;
-            part.halvings += 1;
-            part.samples.resize(2 * n + 1);
-            for (std::size_t i = 0; i <= n; ++i) part.samples[2 * i] = samples[i];
-            next.push_back(std::move(part));
-        }
-    }
-
-    /// The line or cubic for these samples, and whether it is within the tolerance of all of them.
-    bool fit(std::span<const Point2> samples, bool was_line, Segment& result) const {
-        const std::size_t n = samples.size() - 1;
-        const Point2& a = samples[0];
-        const Point2& b = samples[n / 3];
-        const Point2& c = samples[2 * n / 3];
-        const Point2& d = samples[n];
-        if (was_line && std::all_of(samples.begin(), samples.end(), [&](const Point2& p) {
-                return distance_to_chord(p, a, d) <= tolerance_;
-            })) {
-            result = {{(2 * a.x + d.x) / 3, (2 * a.y + d.y) / 3},
-                      {(a.x + 2 * d.x) / 3, (a.y + 2 * d.y) / 3},
-                      d,
-                      true};
-            return true;
-        }
-        result = {
-            {(-5 * a.x + 18 * b.x - 9 * c.x + 2 * d.x) / 6, (-5 * a.y + 18 * b.y - 9 * c.y + 2 * d.y) / 6},
-            {(2 * a.x - 9 * b.x + 18 * c.x - 5 * d.x) / 6, (2 * a.y - 9 * b.y + 18 * c.y - 5 * d.y) / 6},
-            d,
-            false};
-        for (std::size_t i = 0; i <= n; ++i) {
-            const double t = static_cast<double>(i) / static_cast<double>(n);
-            if (!(distance(at(a, result, t), samples[i]) <= tolerance_)) return false;
-        }
-        return true;
-    }
-
-    static double distance_to_chord(const Point2& p, const Point2& a, const Point2& b) {
-        const double length = distance(a, b);
-        if (length == 0) return distance(p, a);
-        const Point2 along{(b.x - a.x) / length, (b.y - a.y) / length};
-        const double reach = std::clamp((p.x - a.x) * along.x + (p.y - a.y) * along.y, 0.0, length);
-        return distance(p, {a.x + reach * along.x, a.y + reach * along.y});
-    }
-
-    const Deformer& deformer_;
-    double tolerance_;
-    double diagonal_;
-    int max_halvings_;
-    DeformReport& report_;
-    std::vector<Curve> curves_;
-    std::vector<Piece> pieces_; // in the order of the curves and along each
-    std::string failure_;
-};
-
 /// Makes the element a <path> of this data; `d` takes the place of the first attribute it replaces.
 inline void write_shape(pugi::xml_node node, const std::string& data) {
     const std::string kind = local_name(node);
@@ -1181,7 +917,7 @@ inline SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document)
 }
 
 /// Empty if all subpaths are loops of lines with three corners or more, else what the path is instead.
-///   loops   the corners of each subpath without repetition, the largest loop first
+///   loops   the corners of each subpath, the first not repeated at the end; the largest loop first
 inline std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& loops) {
     std::vector<double> areas;
     loops.clear();
@@ -1190,7 +926,7 @@ inline std::string polygon_loops(const Path& path, std::vector<std::vector<Point
         std::vector<Point2> loop = {subpath.start};
         for (const Segment& s : subpath.segments) {
             if (!s.is_line) return "a path with curves";
-            if (!(s.p3 == loop.back())) loop.push_back(s.p3);
+            loop.push_back(s.p3);
         }
         if (!(loop.back() == loop.front())) return "an open path";
         loop.pop_back();
@@ -1219,8 +955,8 @@ inline SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document) {
 
 /// A cage: the loops of the first shape that is made of closed polygons only, in root user space.
 ///
-///   returns   the loop of the largest area first, then the others (holes) in their order; no corner is
-///             repeated; orientation as drawn
+///   returns   the loop of the largest area first, then the others (holes) in their order; the first
+///             corner is not repeated at the end; orientation as drawn
 ///   counts    a polygon, a closed path of lines, a rect without round corners, a polyline that returns
 ///   fails     where no shape is one; the message says what the first shape is instead
 inline SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document) {
