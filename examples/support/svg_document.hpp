@@ -917,9 +917,8 @@ inline SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document)
 }
 
 /// Empty if all subpaths are loops of lines with three corners or more, else what the path is instead.
-///   loops   the corners of each subpath, the first not repeated at the end; the largest loop first
+///   loops   the corners of each subpath, the first not repeated at the end, in the order drawn
 inline std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& loops) {
-    std::vector<double> areas;
     loops.clear();
     for (const Subpath& subpath : path) {
         if (subpath.segments.empty()) continue;
@@ -931,19 +930,9 @@ inline std::string polygon_loops(const Path& path, std::vector<std::vector<Point
         if (!(loop.back() == loop.front())) return "an open path";
         loop.pop_back();
         if (loop.size() < 3) return "a path of fewer than three corners";
-        double area = 0;
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Point2& p = loop[i];
-            const Point2& q = loop[(i + 1) % loop.size()];
-            area += p.x * q.y - p.y * q.x;
-        }
         loops.push_back(std::move(loop));
-        areas.push_back(std::abs(area));
     }
-    if (loops.empty()) return "an empty path";
-    const auto largest = std::max_element(areas.begin(), areas.end()) - areas.begin();
-    std::rotate(loops.begin(), loops.begin() + largest, loops.begin() + largest + 1);
-    return {};
+    return loops.empty() ? "an empty path" : "";
 }
 
 } // namespace detail
@@ -955,8 +944,8 @@ inline SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document) {
 
 /// A cage: the loops of the first shape that is made of closed polygons only, in root user space.
 ///
-///   returns   the loop of the largest area first, then the others (holes) in their order; the first
-///             corner is not repeated at the end; orientation as drawn
+///   returns   the loops in the order and orientation drawn, all their corners, the first not repeated at the
+///             end: a pose has to match its cage corner by corner, so nothing is merged or sorted
 ///   counts    a polygon, a closed path of lines, a rect without round corners, a polyline that returns
 ///   fails     where no shape is one; the message says what the first shape is instead
 inline SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document) {

@@ -151,12 +151,13 @@ private:
     }
 
     Pack distance(const Pack* missing) const {
+        // Squared in units of the cage: in the caller's the square of a small error may vanish.
         Pack sum(T(0));
         for (std::size_t k = 0; k < D; ++k) {
-            const Pack d = Pack(size_) * missing[k + 1] + Pack(centre_[k]) * missing[0];
+            const Pack d = missing[k + 1] + Pack(centre_[k] / size_) * missing[0];
             sum = sum + d * d;
         }
-        return sqrt(sum);
+        return Pack(size_) * sqrt(sum);
     }
 
     static bool any(const Pack& flags) {

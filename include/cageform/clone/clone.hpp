@@ -76,8 +76,12 @@ void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, 
             const std::size_t p = (first + b) * lanes;
             const std::size_t used = binding.point_count() - p < lanes ? binding.point_count() - p : lanes;
             for (std::size_t lane = 0; lane < used; ++lane) {
+                // An unmoved point keeps its bits: −0 plus nothing would be +0.
                 Vec<T, D> moved{};
-                for (std::size_t k = 0; k < D; ++k) moved[k] = sums[b][k][lane];
+                for (std::size_t k = 0; k < D; ++k) {
+                    const T rest = binding.rest.block(first + b)[k][lane];
+                    moved[k] = sums[b][k][lane] == rest ? rest : sums[b][k][lane];
+                }
                 store_point(out, p + lane, moved);
             }
         }
@@ -105,7 +109,7 @@ noexcept {
     if (std::size(pose) != binding.handle_count()) return Status::pose_size_differs;
     if (std::size(out) < binding.point_count()) return Status::output_too_small;
     for (std::size_t i = 0; i < binding.handle_count(); ++i) {
-        if (!is_finite(to_vec<T>(pose[i]))) return Status::pose_not_finite;
+        if (!is_finite(to_vec<T>(pose[i]) - binding.rest_handles[i])) return Status::pose_not_finite;
     }
     constexpr std::size_t grain = 256;
     parallel_for(block_count<T>(binding.point_count()), grain, [&](std::size_t begin, std::size_t end) {

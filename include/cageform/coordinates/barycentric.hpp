@@ -109,16 +109,14 @@ private:
         const Eigen::FullPivLU<decltype(edges)> lu(edges);
         if (!lu.isInvertible()) return report_.add(CageFaultKind::degenerate_simplex);
         const auto inverse = lu.inverse().eval();
-        Column last = Column::Zero();
-        for (std::size_t k = 0; k < D; ++k) {
-            for (std::size_t axis = 0; axis < D; ++axis)
-                gradient_[k][axis] = static_cast<T>(inverse(long(k), long(axis)));
-            last -= inverse.row(long(k)).transpose();
-        }
         // The gradient of β_k is one over the height of vertex k above the opposite face.
         const double tolerance = coincidence_tolerance(bounds_of(handles()));
         for (std::size_t k = 0; k <= D; ++k) {
-            const double inverse_height = k < D ? inverse.row(long(k)).norm() : last.norm();
+            const Column gradient = k < D ? Column(inverse.row(long(k)).transpose())
+                                          : Column(-inverse.colwise().sum().transpose());
+            for (std::size_t axis = 0; axis < D; ++axis)
+                gradient_[k][axis] = static_cast<T>(gradient[long(axis)]);
+            const double inverse_height = gradient.norm();
             if (!(tolerance * inverse_height < 1)) return report_.add(CageFaultKind::degenerate_simplex);
             on_face_[k] = static_cast<T>(tolerance * inverse_height);
         }
@@ -128,18 +126,15 @@ private:
                         std::span<PointState> states) const {
         const auto* const position = points.block(b);
         auto* const row = weights.block(b);
-        Pack offset[D];
-        for (std::size_t axis = 0; axis < D; ++axis)
-            offset[axis] = Pack::load(position[axis]) - Pack(vertices_[D][axis]);
-        Pack last(T(1));
-        for (std::size_t k = 0; k < D; ++k) {
-            Pack beta = Pack(gradient_[k][0]) * offset[0];
-            for (std::size_t axis = 1; axis < D; ++axis)
-                beta = beta + Pack(gradient_[k][axis]) * offset[axis];
+        // β_k grows from a vertex of the opposite face, so that it is accurate on that face.
+        for (std::size_t k = 0; k <= D; ++k) {
+            const Vec<T, D>& from = vertices_[k < D ? D : 0];
+            Pack beta(T(0));
+            for (std::size_t axis = 0; axis < D; ++axis) {
+                beta = beta + Pack(gradient_[k][axis]) * (Pack::load(position[axis]) - Pack(from[axis]));
+            }
             beta.store(row[k]);
-            last = last - beta;
         }
-        last.store(row[D]);
 
         const std::size_t first = b * lane_count<T>;
         const std::size_t used = std::min(lane_count<T>, points.points - first);
@@ -159,7 +154,7 @@ private:
 
     std::vector<Vec<T, D>> vertices_;
     CageReport report_;
-    std::array<Vec<T, D>, D> gradient_{};
+    std::array<Vec<T, D>, D + 1> gradient_{};
     std::array<T, D + 1> on_face_{};
 };
 

@@ -209,8 +209,12 @@ private:
             sum += t / r + t / q;
         });
         if (sum == 0) return PointState::unreached;
-        for (std::size_t i = 0; i < cage_.size(); ++i) row[i][lane] = static_cast<T>(w[i] / sum);
-        return sum > 0 ? PointState::inside : PointState::outside;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            row[i][lane] = static_cast<T>(w[i] / sum);
+            if (!is_finite(row[i][lane])) return PointState::unreached;
+        }
+        // Farther than the diagonal is outside, though rounding may turn the sum's sign (from 1e15 diagonals on).
+        return sum > 0 && scale_ * near.distance < T(1) ? PointState::inside : PointState::outside;
     }
 
     Polygon<T> cage_;

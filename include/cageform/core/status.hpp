@@ -20,10 +20,10 @@ enum class [[nodiscard]] Status : std::uint8_t{
     not_a_simplex,            ///< barycentric coordinates need exactly dimension + 1 vertices
     degenerate_simplex,       ///< the simplex has no volume relative to its size
     resolution_not_supported, ///< the grid is too small to hold a cage, or too large to index
-    tolerance_not_positive,   ///< an option out of its range (a tolerance that is not positive, say)
+    tolerance_not_positive,   ///< a solver's tolerance is zero, negative or NaN
     not_converged,            ///< a solver ran out of sweeps before its tolerance was met
     pose_size_differs,        ///< a pose has another number of points than the binding has handles
-    pose_not_finite,          ///< a pose holds NaN or infinity
+    pose_not_finite,          ///< a pose holds NaN or infinity, or lies too far off to be represented
     output_too_small,         ///< fewer places in the output than points
     out_of_memory,
 };
@@ -58,7 +58,7 @@ enum class PointState : std::uint8_t {
     on_boundary, ///< within rounding of a vertex, edge or face
     outside,
     not_finite, ///< NaN or infinite; never bound
-    unreached,  ///< inside, yet the solver has no value there (a grid too coarse for the place)
+    unreached,  ///< no weights can be had: a grid too coarse for the place, a distance too large to resolve
 };
 
 constexpr const char* to_string(PointState state) noexcept {

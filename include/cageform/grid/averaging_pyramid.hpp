@@ -6,6 +6,9 @@
 
 #include <cageform/grid/lattice.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <span>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -32,7 +35,7 @@ struct AveragingOutcome {
 
 /// Solves for the interior cells of a grid of any dimension, given the values of the boundary cells, which
 /// may lie anywhere (a border, strokes, single cells). Neighbours that are exterior or beyond the grid do not
-/// count in the mean, as if the grid were mirrored there.
+/// count in the mean; with face neighbours that is as if the grid were mirrored there.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 4 and 4.2. Where a side is odd the last coarse cell has one child along it; the paper's grids are

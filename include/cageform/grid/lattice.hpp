@@ -3,6 +3,7 @@
 
 #include <cageform/cage/polygon.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 

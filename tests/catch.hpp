@@ -1,0 +1,18 @@
+// Hides which Catch2 is installed: version 2 (Debian 12) or 3.
+#pragma once
+
+#if defined(CAGEFORM_CATCH3)
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/generators/catch_generators_range.hpp>
+using Catch::Approx;
+#else
+#include <catch2/catch.hpp>
+#endif
+
+/// `GENERATE(seeds(50))` runs a test case for the seeds 0 … 49.
+inline auto seeds(int count) {
+    return Catch::Generators::range(0, count);
+}

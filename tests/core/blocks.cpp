@@ -1,0 +1,96 @@
+#include "../catch.hpp"
+#include "../support/cages.hpp"
+
+#include <cageform/core/blocks.hpp>
+
+#include <type_traits>
+#include <vector>
+
+using cageform::block_count;
+using cageform::block_point;
+using cageform::BlockView;
+using cageform::lane_count;
+using cageform::Lanes;
+using cageform::Vec;
+using cageform_tests::Random;
+
+TEMPLATE_TEST_CASE("a row of a block is one cache line", "[core][blocks]", float, double) {
+    STATIC_REQUIRE(lane_count<TestType> * sizeof(TestType) == 64);
+    STATIC_REQUIRE(sizeof(Lanes<TestType>) == 64);
+    STATIC_REQUIRE(alignof(Lanes<TestType>) == 64);
+    STATIC_REQUIRE(std::is_trivially_copyable_v<Lanes<TestType>>);
+    STATIC_REQUIRE(std::is_nothrow_default_constructible_v<Lanes<TestType>>);
+    const std::vector<Lanes<TestType>> rows(3);
+    CHECK(reinterpret_cast<std::uintptr_t>(rows.data()) % 64 == 0);
+}
+
+TEMPLATE_TEST_CASE("blocks hold all points and none too many", "[core][blocks]", float, double) {
+    constexpr std::size_t lanes = lane_count<TestType>;
+    STATIC_REQUIRE(block_count<TestType>(0) == 0);
+    for (std::size_t points = 1; points < 5 * lanes; ++points) {
+        CAPTURE(points);
+        const std::size_t blocks = block_count<TestType>(points);
+        CHECK(blocks * lanes >= points);
+        CHECK((blocks - 1) * lanes < points);
+    }
+}
+
+TEMPLATE_TEST_CASE("a block view puts rows of a block side by side", "[core][blocks][property]", float,
+                   double) {
+    const auto seed = GENERATE(seeds(30));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    constexpr std::size_t lanes = lane_count<TestType>;
+    const std::size_t points = random.below(4 * lanes + 1);
+    const std::size_t rows = 1 + random.below(5);
+    std::vector<Lanes<TestType>> memory(block_count<TestType>(points) * rows);
+    for (auto& row : memory) {
+        for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = TestType(-1);
+    }
+    const BlockView<TestType> view{memory.data(), rows, points};
+    REQUIRE(view.blocks() == block_count<TestType>(points));
+    REQUIRE(view.lanes == lanes);
+    for (std::size_t i = 0; i < points; ++i) {
+        for (std::size_t row = 0; row < rows; ++row) view(i, row) = TestType(i * rows + row);
+    }
+    // The slow way round: walk the memory in order, and count what stands where.
+    std::size_t untouched = 0;
+    for (std::size_t block = 0; block < view.blocks(); ++block) {
+        for (std::size_t row = 0; row < rows; ++row) {
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                const std::size_t i = block * lanes + lane;
+                const TestType x = memory[block * rows + row][lane];
+                CHECK(x == (i < points ? TestType(i * rows + row) : TestType(-1)));
+                CHECK(view.block(block)[row][lane] == x);
+                untouched += x == TestType(-1);
+            }
+        }
+    }
+    CHECK(untouched == (view.blocks() * lanes - points) * rows);
+
+    const BlockView<const TestType> reads = view;
+    for (std::size_t i = 0; i < points; ++i) CHECK(&reads(i, rows - 1) == &view(i, rows - 1));
+    CHECK((reads.rows == rows && reads.points == points && reads.blocks() == view.blocks()));
+}
+
+TEMPLATE_TEST_CASE("block_point gathers the axes", "[core][blocks]", float, double) {
+    constexpr std::size_t points = lane_count<TestType> + 3;
+    std::vector<Lanes<TestType>> memory(block_count<TestType>(points) * 3);
+    const BlockView<TestType> view{memory.data(), 3, points};
+    for (std::size_t i = 0; i < points; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) view(i, k) = TestType(10 * i + k);
+    }
+    for (std::size_t i = 0; i < points; ++i) {
+        const TestType x = TestType(10 * i);
+        CHECK(block_point<3>(view, i) == Vec<TestType, 3>{x, x + 1, x + 2});
+        CHECK(block_point<2>(BlockView<const TestType>(view), i) == Vec<TestType, 2>{x, x + 1});
+    }
+}
+
+TEST_CASE("block views give up constness, never gain it", "[core][blocks]") {
+    STATIC_REQUIRE(std::is_convertible_v<BlockView<float>, BlockView<const float>>);
+    STATIC_REQUIRE(!std::is_convertible_v<BlockView<const float>, BlockView<float>>);
+    STATIC_REQUIRE(!std::is_convertible_v<BlockView<float>, BlockView<const double>>);
+    const BlockView<float> empty;
+    CHECK((empty.data == nullptr && empty.points == 0 && empty.blocks() == 0));
+}

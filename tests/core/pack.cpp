@@ -1,0 +1,112 @@
+#include "../catch.hpp"
+#include "../support/cages.hpp"
+
+#include <cageform/core/detail/pack_sqrt.hpp>
+
+#include <bit>
+#include <cmath>
+
+using cageform::lane_count;
+using cageform::Lanes;
+using cageform::detail::Pack;
+using cageform_tests::Random;
+
+namespace {
+
+/// Ordinary numbers, and now and then one that needs care.
+template <class T>
+Lanes<T> random_lanes(Random& random) {
+    using limits = std::numeric_limits<T>;
+    const T special[] = {T(0),
+                         T(-0.0),
+                         T(1),
+                         limits::infinity(),
+                         -limits::infinity(),
+                         limits::quiet_NaN(),
+                         limits::denorm_min(),
+                         limits::max(),
+                         limits::lowest(),
+                         limits::min()};
+    Lanes<T> lanes;
+    for (std::size_t i = 0; i < lane_count<T>; ++i) {
+        lanes[i] = random.below(3) == 0 ? special[random.below(std::size(special))]
+                                        : T(random.uniform(-2, 2) * std::pow(10.0, random.uniform(-8, 8)));
+    }
+    return lanes;
+}
+
+/// The same bits, or both not a number.
+template <class T>
+bool same(T a, T b) {
+    using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    return (std::isnan(a) && std::isnan(b)) || std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
+
+template <class T, class Scalars>
+void check_lanes(const Pack<T>& pack, const Scalars& expected) {
+    Lanes<T> got;
+    pack.store(got);
+    for (std::size_t i = 0; i < lane_count<T>; ++i) {
+        CAPTURE(i, got[i], expected(i));
+        CHECK(same<T>(got[i], expected(i)));
+    }
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("pack arithmetic is that of its lanes", "[core][pack][property]", float, double) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(50));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const auto a = random_lanes<T>(random);
+    const auto b = random_lanes<T>(random);
+    const auto x = Pack<T>::load(a);
+    const auto y = Pack<T>::load(b);
+    check_lanes<T>(x, [&](std::size_t i) { return a[i]; });
+    check_lanes<T>(x + y, [&](std::size_t i) { return a[i] + b[i]; });
+    check_lanes<T>(x - y, [&](std::size_t i) { return a[i] - b[i]; });
+    check_lanes<T>(x * y, [&](std::size_t i) { return a[i] * b[i]; });
+    check_lanes<T>(x / y, [&](std::size_t i) { return a[i] / b[i]; });
+    check_lanes<T>(sqrt(x), [&](std::size_t i) { return std::sqrt(a[i]); });
+    check_lanes<T>(max(x, y), [&](std::size_t i) { return a[i] < b[i] ? b[i] : a[i]; });
+    check_lanes<T>(min(x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
+    // Of abs only the value is promised: the sign of a zero may stay.
+    const Pack<T> size = abs(x) + Pack<T>(T(0));
+    check_lanes<T>(size, [&](std::size_t i) { return std::fabs(a[i]); });
+    check_lanes<T>(sqrt(size), [&](std::size_t i) { return std::sqrt(std::fabs(a[i])); });
+}
+
+TEMPLATE_TEST_CASE("pack comparisons select lane by lane", "[core][pack][property]", float, double) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(50));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const auto a = random_lanes<T>(random);
+    auto b = random_lanes<T>(random);
+    for (std::size_t i = 0; i < lane_count<T>; ++i) {
+        if (random.below(4) == 0) b[i] = a[i]; // where < and <= differ
+    }
+    const auto x = Pack<T>::load(a);
+    const auto y = Pack<T>::load(b);
+    const Pack<T> yes(T(1));
+    const Pack<T> no(T(2));
+    const Pack<T> zero(T(0));
+    const auto choice = [](bool first) { return first ? T(1) : T(2); };
+    check_lanes<T>(select<T>(x < y, yes, no), [&](std::size_t i) { return choice(a[i] < b[i]); });
+    check_lanes<T>(select<T>(x <= y, yes, no), [&](std::size_t i) { return choice(a[i] <= b[i]); });
+    check_lanes<T>(select<T>((x < y) & (zero < x), yes, no),
+                   [&](std::size_t i) { return choice(a[i] < b[i] && 0 < a[i]); });
+    check_lanes<T>(select<T>((x < y) | (zero < x), yes, no),
+                   [&](std::size_t i) { return choice(a[i] < b[i] || 0 < a[i]); });
+    check_lanes<T>(select<T>(x < y, x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
+}
+
+TEMPLATE_TEST_CASE("a pack of one number holds it in every lane", "[core][pack]", float, double) {
+    using limits = std::numeric_limits<TestType>;
+    for (const TestType x : {TestType(1.5), TestType(0), TestType(-0.0), limits::infinity(),
+                             limits::quiet_NaN(), limits::denorm_min()}) {
+        check_lanes<TestType>(Pack<TestType>(x), [&](std::size_t) { return x; });
+    }
+    STATIC_REQUIRE(sizeof(Pack<TestType>) == 64);
+}

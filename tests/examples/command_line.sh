@@ -1,0 +1,141 @@
+#!/bin/sh
+# Usage: command_line.sh PROGRAMS DATA
+# Runs the example programs as a newcomer would, wrong arguments and broken files included. A failure must
+# exit with 1, name the culprit and leave no output behind.
+set -u
+programs=$1
+data=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+passed=0
+failed=0
+
+report() { # OK? WHAT
+  if [ "$1" = yes ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $2"; cat log 2>/dev/null; fi
+}
+works() { # WHAT COMMAND…
+  what=$1; shift
+  if "$@" >log 2>&1; then report yes "$what"; else report no "$what (exit $?)"; fi
+}
+refuses() { # MESSAGE COMMAND…   exits 1, says MESSAGE, writes neither out.* nor a temporary file
+  message=$1; shift
+  rm -f out.* ./*.tmp*
+  "$@" >log 2>&1
+  code=$?
+  ok=yes
+  [ "$code" -eq 1 ] || { ok=no; echo "exit code $code" >>log; }
+  grep -qF -- "$message" log || { ok=no; echo "does not say: $message" >>log; }
+  [ -z "$(find . -name 'out.*' -o -name '*.tmp*')" ] || { ok=no; echo "left a file behind" >>log; }
+  report "$ok" "$*"
+}
+
+deform="$programs/deform_svg"
+weights="$programs/cage_weights"
+field="$programs/coordinate_field"
+table="$programs/figure_table"
+cat="$data/cat.svg"
+cage="$data/cat_cage.svg"
+pose="$data/cat_pose_step.svg"
+
+# ---- deform_svg ----
+for type in mean-value harmonic; do
+  works "deform the cat, $type" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates $type -o cat.svg
+done
+works "deform the man" "$deform" "$data/man.svg" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --coordinates barycentric -o man.svg
+works "the rest pose" "$deform" "$cat" --cage "$cage" --pose "$cage" -o rest.svg --report --show-cage
+works "help" "$deform" --help
+: >empty.svg
+printf '<svg xmlns="http://www.w3.org/2000/svg"><path d="M 0 0 L 10 0 L 10 10"/></svg>' >open.svg
+printf '<svg xmlns="http://www.w3.org/2000/svg"><polygon points="0,0 10,10 10,0 0,10"/></svg>' >bow_tie.svg
+printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><path d="M 200 300\n L 210 300 ?"/></svg>' >malformed.svg
+printf '<svg xmlns="http://www.w3.org/2000/svg"><g></svg>' >unclosed.svg
+printf 'this is no svg' >text.svg
+refuses 'nowhere.svg' "$deform" nowhere.svg --cage "$cage" --pose "$pose" -o out.svg
+refuses 'nowhere.svg' "$deform" "$cat" --cage nowhere.svg --pose "$pose" -o out.svg
+refuses 'nowhere.svg' "$deform" "$cat" --cage "$cage" --pose nowhere.svg -o out.svg
+refuses 'empty.svg' "$deform" empty.svg --cage "$cage" --pose "$pose" -o out.svg
+refuses 'empty.svg' "$deform" "$cat" --cage empty.svg --pose "$pose" -o out.svg
+refuses 'open path' "$deform" "$cat" --cage open.svg --pose "$pose" -o out.svg
+refuses 'cross' "$deform" "$cat" --cage bow_tie.svg --pose bow_tie.svg -o out.svg
+refuses 'cross' "$deform" "$cat" --cage bow_tie.svg --pose bow_tie.svg --coordinates harmonic -o out.svg
+refuses 'line' "$deform" malformed.svg --cage "$cage" --pose "$pose" -o out.svg
+refuses 'unclosed.svg' "$deform" unclosed.svg --cage "$cage" --pose "$pose" -o out.svg
+refuses 'text.svg' "$deform" text.svg --cage "$cage" --pose "$pose" -o out.svg
+refuses 'the pose has 3 vertices' "$deform" "$cat" --cage "$cage" --pose "$data/man_pose.svg" -o out.svg
+refuses 'outside the cage' "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" -o out.svg
+refuses 'not defined outside' "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --coordinates harmonic --outside extend -o out.svg
+refuses 'simplex' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates barycentric -o out.svg
+refuses 'wachspress' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates wachspress -o out.svg
+refuses 'resolution' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 3 -o out.svg
+refuses '--pose' "$deform" "$cat" --cage "$cage" -o out.svg
+refuses 'missing/out.svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o missing/out.svg
+for policy in keep nearest extend; do
+  works "outside: $policy" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --outside $policy -o kept.svg
+done
+
+# ---- cage_weights ----
+printf '0,0\n2,0\n2,2\n0,2\n\n0.5,0.5\n0.5,1\n1,1\n' >hole.csv
+printf '1.5,1.5\n2,1\n0.6,0.7\nnan,0\n5,5\n' >points.csv
+works "weights" "$weights" --cage hole.csv --points points.csv --report -o weights.csv
+grep -q '^points: 5$' log && grep -q '^  outside: 2 (2, 4)$' log && grep -q '^  not finite: 1 (3)$' log && ok=yes || ok=no
+report $ok "the report counts and names points"
+[ "$(wc -l <weights.csv)" -eq 6 ] && [ "$(head -1 weights.csv)" = status,w0,w1,w2,w3,w4,w5,w6 ] && ok=yes || ok=no
+report $ok "a header and a line a point"
+sed -n 3p weights.csv | grep -q '^on_boundary,0,0.5,0.5,0,0,0,0$' && ok=yes || ok=no
+report $ok "the middle of an edge"
+sed -n 5p weights.csv | grep -q '^not_finite,nan,' && ok=yes || ok=no
+report $ok "no weights for a point that is not finite"
+for scalar in float double; do
+  for type in mean-value harmonic; do
+    works "weights, $scalar $type" "$weights" --cage hole.csv --points points.csv --coordinates $type --scalar $scalar --resolution 64 --tolerance 1e-5 -o w.csv
+  done
+done
+printf '1,2\n3\n' >short.csv
+printf '1,2\n3,x\n' >word.csv
+printf '0,0\n1,1\n' >two.csv
+: >empty.csv
+refuses 'short.csv:2' "$weights" --cage hole.csv --points short.csv -o out.csv
+refuses 'word.csv:2: not a number: "x"' "$weights" --cage hole.csv --points word.csv -o out.csv
+refuses 'empty.csv' "$weights" --cage hole.csv --points empty.csv -o out.csv
+refuses 'empty.csv' "$weights" --cage empty.csv --points points.csv -o out.csv
+refuses 'fewer than three vertices' "$weights" --cage two.csv --points points.csv -o out.csv
+refuses 'nowhere.csv' "$weights" --cage hole.csv --points nowhere.csv -o out.csv
+refuses 'half' "$weights" --cage hole.csv --points points.csv --scalar half -o out.csv
+refuses 'tolerance' "$weights" --cage hole.csv --points points.csv --coordinates harmonic --tolerance 0 -o out.csv
+
+# ---- coordinate_field, figure_table, contact_sheet ----
+works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
+works "a negative field" "$field" --cage "$data/biped_cage.svg" --vertex 2 --size 120 -o field.png
+grep -q ': -0.3' log && ok=yes || ok=no
+report $ok "mean value is negative in the biped's other leg"
+refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
+refuses 'cross' "$field" --cage bow_tie.svg --vertex 0 -o out.png
+works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic
+refuses 'not one of' "$table" "$cat" "$cage" "$pose" wachspress
+refuses 'arguments' "$table" "$cat"
+works "a sheet" "$programs/contact_sheet" -o sheet.svg "at rest" "$cat" "a step" cat.svg
+refuses 'alternate' "$programs/contact_sheet" -o out.svg lonely
+refuses 'nowhere.svg' "$programs/contact_sheet" -o out.svg caption nowhere.svg
+
+# ---- icons that nobody here drew, where they are installed (package tango-icon-theme) ----
+icons=/usr/share/icons/Tango/scalable
+if [ -d $icons ]; then
+  printf '%s\n' -12,-12 24,-12 60,-12 60,24 60,60 24,60 -12,60 -12,24 >icon_cage.csv
+  printf '%s\n' -12,-16 24,6 60,-12 52,24 66,60 24,50 -12,64 -20,24 >icon_pose.csv
+  count() { grep -oE "$1" "$2" | sort | uniq -c; }
+  for icon in apps/internet-web-browser places/user-trash emotes/face-smile devices/camera-photo apps/system-users; do
+    works "icon $icon" "$deform" $icons/$icon.svg --cage icon_cage.csv --pose icon_pose.csv --outside extend -o icon.svg
+    for what in 'style="[^"]*"' ' id="[^"]*"' '<[a-zA-Z:]*Gradient' '<stop'; do
+      [ "$(count "$what" $icons/$icon.svg)" = "$(count "$what" icon.svg)" ] && ok=yes || ok=no
+      report $ok "icon $icon keeps every $what"
+    done
+    [ "$(grep -oE '<[a-zA-Z]' $icons/$icon.svg | wc -l)" = "$(grep -oE '<[a-zA-Z]' icon.svg | wc -l)" ] && ok=yes || ok=no
+    report $ok "icon $icon keeps every element"
+    cmp -s $icons/$icon.svg icon.svg && ok=no || ok=yes
+    report $ok "icon $icon is deformed"
+  done
+fi
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

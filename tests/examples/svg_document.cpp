@@ -1,0 +1,796 @@
+#include "svg_document.hpp"
+
+#include "catch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+using namespace cageform_examples;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string head = R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">)";
+
+std::string svg(std::string_view content) {
+    return head + std::string(content) + "</svg>";
+}
+
+SvgDocument parsed(std::string_view text) {
+    auto document = parse_svg(text, "test.svg");
+    INFO(text);
+    INFO((document ? std::string() : to_string(document.error())));
+    REQUIRE(document);
+    return std::move(*document);
+}
+
+bool contains(std::string_view text, std::string_view part) {
+    return text.find(part) != std::string_view::npos;
+}
+
+bool identity(std::span<const Point2> in, std::span<Point2> out) {
+    std::copy(in.begin(), in.end(), out.begin());
+    return true;
+}
+
+bool shift(std::span<const Point2> in, std::span<Point2> out) {
+    std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) { return Point2{p.x + 100, p.y}; });
+    return true;
+}
+
+Point2 waved(const Point2& p) {
+    return {p.x, p.y + std::sin(p.x)};
+}
+
+bool wave(std::span<const Point2> in, std::span<Point2> out) {
+    std::transform(in.begin(), in.end(), out.begin(), waved);
+    return true;
+}
+
+struct Result {
+    std::string text;
+    DeformReport report;
+};
+
+Result deformed(std::string_view text, const Deformer& deformer, const DeformOptions& options = {}) {
+    SvgDocument document = parsed(text);
+    auto report = deform(document, deformer, options);
+    INFO((report ? std::string() : to_string(report.error())));
+    REQUIRE(report);
+    return {to_text(document), *report};
+}
+
+std::string error_of(std::string_view text) {
+    SvgDocument document = parsed(text);
+    const std::string before = to_text(document);
+    const auto report = deform(document, identity);
+    INFO(text);
+    REQUIRE_FALSE(report);
+    CHECK(to_text(document) == before);
+    return to_string(report.error());
+}
+
+std::vector<SvgShape> shapes_of(std::string_view text) {
+    const auto all = shapes(parsed(text));
+    INFO(text);
+    INFO((all ? std::string() : to_string(all.error())));
+    REQUIRE(all);
+    return *all;
+}
+
+/// The first shape as it is drawn, in root user space, to four decimals.
+std::string drawn(std::string_view content) {
+    const auto all = shapes_of(svg(content));
+    REQUIRE_FALSE(all.empty());
+    return write_path_data(all.front().path, 4);
+}
+
+std::vector<std::string> warnings_of(std::string_view content) {
+    return deformed(svg(content), identity).report.warnings;
+}
+
+Point2 on_cubic(const Point2& a, const Segment& s, double t) {
+    const double u = 1 - t;
+    const auto mix = [&](double p, double q, double r, double v) {
+        return u * (u * (u * p + t * q) + t * (u * q + t * r)) +
+               t * (u * (u * q + t * r) + t * (u * r + t * v));
+    };
+    return {mix(a.x, s.p1.x, s.p2.x, s.p3.x), mix(a.y, s.p1.y, s.p2.y, s.p3.y)};
+}
+
+std::vector<Point2> samples(const Path& path, int steps) {
+    std::vector<Point2> points;
+    for (const Subpath& subpath : path) {
+        Point2 from = subpath.start;
+        for (const Segment& s : subpath.segments) {
+            for (int i = 0; i <= steps; ++i)
+                points.push_back(on_cubic(from, s, static_cast<double>(i) / steps));
+            from = s.p3;
+        }
+    }
+    return points;
+}
+
+/// A folder of its own that goes with the test.
+class Folder {
+public:
+    Folder()
+        : path_(fs::temp_directory_path() / ("cageform-svg-" + std::to_string(std::random_device()()))) {
+        fs::create_directories(path_);
+    }
+    ~Folder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    const fs::path& path() const { return path_; }
+    std::ptrdiff_t count() const {
+        return std::distance(fs::directory_iterator(path_), fs::directory_iterator());
+    }
+
+private:
+    fs::path path_;
+};
+
+std::string content_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+void put(const fs::path& path, std::string_view text) {
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+/// A document with one of almost everything, used where all of it has to survive.
+const std::string rich = R"xml(<?xml version="1.0" encoding="UTF-8"?>
+<?xml-stylesheet href="none.css"?>
+<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "svg11.dtd" [ <!ENTITY grey "fill:#888"> ]>
+<!-- before the root -->
+<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 200 100">
+  <title>a &amp; b &lt;c&gt; &#8364; é</title>
+  <style><![CDATA[ .hero { fill: "red" } ]]></style>
+  <defs>
+    <linearGradient id="paint"><stop offset="0" stop-color="#123456"/></linearGradient>
+    <linearGradient id="fixed" gradientUnits="userSpaceOnUse" x1="0" x2="200"/>
+    <path id="leaf" d="M0 0 C 5 -5 10 -5 15 0 Z"/>
+    <clipPath id="window"><rect width="60" height="60"/></clipPath>
+  </defs>
+
+  <g id="all" class="hero" transform="translate(10 10)" clip-path="url(#window)">
+	<rect id="house" x="1" y="2" width="30" height="20" rx="3" fill="url(#paint)" style="&grey;" data-note="kept"/>
+    <circle cx="20" cy="30" r="10" stroke="black"/> <!-- a comment -->
+    <use xlink:href="#leaf" x="5" y="50" fill="green"/><use href="#leaf" transform="rotate(45)"/>
+    <text x="3" y="4">hello   <tspan>world</tspan></text>
+  </g>
+  <path d="M 150 10 H 190 V 50 Z M 160 20 h 5 v 5 z"/>
+</svg>
+<!-- after the root -->
+)xml";
+
+} // namespace
+
+TEST_CASE("loading: each kind of wrong file has its own message", "[examples][svg_document][load]") {
+    const Folder folder;
+    const auto message = [&](const fs::path& path) {
+        const auto document = load_svg(path);
+        REQUIRE_FALSE(document);
+        return to_string(document.error());
+    };
+    const fs::path file = folder.path() / "a.svg";
+    CHECK(contains(message(file), "a.svg: no such file"));
+    CHECK(contains(message(folder.path()), "is a folder"));
+    put(file, "");
+    CHECK(message(file) == "a.svg: the file is empty");
+    put(file, " \n");
+    CHECK(message(file) == "a.svg: the file is empty");
+    put(file, "hello");
+    CHECK(message(file) == "a.svg: not XML: there is no element");
+    put(file, "<svg>\n<g>\n</h>\n</svg>");
+    CHECK(contains(message(file), "a.svg: not XML: "));
+    CHECK(contains(message(file), "(line 3, column "));
+    put(file, "<html/>");
+    CHECK(message(file) == "a.svg: not SVG: the root element is <html>");
+    put(file, "<svg/><svg/>");
+    CHECK(message(file) == "a.svg: not XML: two root elements");
+    put(file, "<svg/>and more");
+    CHECK(message(file) == "a.svg: not XML: text outside the root element");
+    put(file, std::string_view("<svg>\n\0</svg>", 13));
+    CHECK(message(file) == "a.svg: not XML: null character (line 2, column 1)");
+    put(file, rich);
+    const auto document = load_svg(file);
+    REQUIRE(document);
+    CHECK(document->name == "a.svg");
+}
+
+TEST_CASE("what is not deformed is written as it was read", "[examples][svg_document][save]") {
+    CHECK(to_text(parsed(rich)) == rich);
+    const std::string once = deformed(rich, wave).text;
+    CHECK(to_text(parsed(once)) == once);
+    for (const std::string_view kept :
+         {"<?xml-stylesheet href=\"none.css\"?>", "<!ENTITY grey \"fill:#888\">", "<!-- before the root -->",
+          "a &amp; b &lt;c&gt; &#8364; é", "<![CDATA[ .hero { fill: \"red\" } ]]>",
+          "<linearGradient id=\"paint\"><stop offset=\"0\" stop-color=\"#123456\"/></linearGradient>",
+          "<path id=\"leaf\" d=\"M0 0 C 5 -5 10 -5 15 0 Z\"/>", "<!-- a comment -->",
+          "\n\t<path id=\"house\"", "fill=\"url(#paint)\" style=\"&grey;\" data-note=\"kept\"/>",
+          "hello   <tspan>world</tspan>", "<!-- after the root -->\n"}) {
+        CAPTURE(kept);
+        CHECK(contains(once, kept));
+    }
+    // single quotes may hold what double quotes may not
+    CHECK(to_text(parsed("<svg a='say \"x\"' b='y'/>")) == "<svg a=\"say &quot;x&quot;\" b=\"y\"/>");
+}
+
+TEST_CASE("other encodings are written as UTF-8", "[examples][svg_document][load]") {
+    const std::string latin = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><svg><title>\xe9</title></svg>";
+    CHECK(to_text(parsed(latin)) ==
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?><svg><title>\xc3\xa9</title></svg>");
+    std::string utf16 = "\xff\xfe";
+    for (const char c : std::string("<svg><path d=\"M0 0L1 1\"/></svg>")) utf16 += {c, '\0'};
+    CHECK(to_text(parsed(utf16)) == "<svg><path d=\"M0 0L1 1\"/></svg>");
+    CHECK(shapes_of(utf16).size() == 1);
+    CHECK(to_text(parsed("\xef\xbb\xbf<svg/>")) == "<svg/>");
+}
+
+TEST_CASE("every basic shape becomes the path of the recommendation", "[examples][svg_document][shapes]") {
+    CHECK(drawn(R"(<rect x="1" y="2" width="3" height="4"/>)") == "M1 2 L4 2 L4 6 L1 6 Z");
+    CHECK(drawn(R"(<rect width="10%" height="5mm"/>)") == "M0 0 L10 0 L10 18.8976 L0 18.8976 Z");
+    CHECK(drawn(R"(<line x1="1" y1="2" x2="3"/>)") == "M1 2 L3 0");
+    CHECK(drawn(R"(<polyline points="0,0 1,0 1,1"/>)") == "M0 0 L1 0 L1 1");
+    CHECK(drawn(R"(<polygon points="0,0 1,0 1,1"/>)") == "M0 0 L1 0 L1 1 Z");
+    CHECK(drawn("<polygon points=\"0,0&#10;1,0&#x9;1,1\"/>") == "M0 0 L1 0 L1 1 Z");
+    CHECK(drawn(R"(<path d="M1 1h2v2z"/>)") == "M1 1 L3 1 L3 3 Z");
+    CHECK(drawn(R"(<circle cx="5" cy="6" r="2"/>)").substr(0, 4) == "M7 6");
+    CHECK(drawn(R"(<ellipse rx="2"/>)") == drawn(R"(<circle r="2"/>)"));
+    for (const Point2& p :
+         samples(shapes_of(svg(R"(<ellipse cx="1" cy="2" rx="30" ry="20"/>)"))[0].path, 50)) {
+        CHECK(std::abs(std::hypot((p.x - 1) / 30, (p.y - 2) / 20) - 1) < 3e-4);
+    }
+
+    const std::string round = drawn(R"(<rect width="10" height="8" rx="2" ry="3"/>)");
+    CHECK(round == write_path_data(*parse_path_data("M2 0H8A2 3 0 0 1 10 3V5A2 3 0 0 1 8 8H2A2 3 0 0 1 0 5V3"
+                                                    "A2 3 0 0 1 2 0Z"),
+                                   4));
+    CHECK(drawn(R"(<rect width="10" height="8" rx="2"/>)") ==
+          drawn(R"(<rect width="10" height="8" ry="2"/>)"));
+    CHECK(drawn(R"(<rect width="10" height="8" rx="99" ry="1"/>)") ==
+          drawn(R"(<rect width="10" height="8" rx="5" ry="1"/>)"));
+    CHECK(drawn(R"(<rect width="4" height="4" rx="2" ry="0"/>)") == "M0 0 L4 0 L4 4 L0 4 Z");
+    CHECK(shapes_of(svg(R"(<rect width="10" height="8" rx="5" ry="4"/>)"))[0].path[0].segments.size() == 4);
+
+    CHECK(shapes_of(
+              svg(R"(<rect width="5"/><circle/><ellipse rx="0" ry="3"/><path/><path d="none"/><polygon/>)"))
+              .empty());
+}
+
+TEST_CASE("transforms accumulate through groups, viewBoxes and nested documents",
+          "[examples][svg_document][transform]") {
+    const std::string_view line = R"(<path d="M1 1L2 2"/>)";
+    const auto within = [&](const std::string& before, const std::string& after) {
+        return drawn(before + std::string(line) + after);
+    };
+    CHECK(within("<g transform='translate(10 0)'><a transform='scale(2)'><switch>", "</switch></a></g>") ==
+          "M12 2 L14 4");
+    CHECK(drawn(R"x(<path transform="rotate(90)" d="M1 0L2 0"/>)x") == "M0 1 L0 2");
+    CHECK(within("<svg x='5' y='6'>", "</svg>") == "M6 7 L7 8");
+    CHECK(within("<svg x='5' width='20' height='20' viewBox='0 0 10 10'>", "</svg>") == "M7 2 L9 4");
+    CHECK(within("<svg width='20' height='40' viewBox='0 0 10 10'>", "</svg>") == "M2 12 L4 14");
+    CHECK(within("<svg width='20' height='40' viewBox='0 0 10 10' preserveAspectRatio='none'>", "</svg>") ==
+          "M2 4 L4 8");
+    CHECK(within("<svg width='20' height='40' viewBox='0 0 10 10' preserveAspectRatio='xMinYMax'>",
+                 "</svg>") == "M2 22 L4 24");
+    CHECK(within("<svg width='20' height='40' viewBox='0 0 10 10' preserveAspectRatio='xMaxYMin slice'>",
+                 "</svg>") == "M-16 4 L-12 8");
+    CHECK(within("<svg width='50%' height='50%' viewBox='5 5 10 10'>", "</svg>") == "M-20 -20 L-15 -15");
+    CHECK(
+        drawn(R"(<svg width="20" height="20" viewBox="0 0 10 10"><rect width="50%" height="100%"/></svg>)") ==
+        "M0 0 L10 0 L10 20 L0 20 Z");
+
+    const auto view = view_box(parsed(R"(<svg viewBox="-1,-2 30 40" width="7"/>)"));
+    REQUIRE(view);
+    CHECK(view->x == -1);
+    CHECK(view->height == 40);
+    CHECK(view_box(parsed(R"(<svg width="2in" height="96"/>)"))->width == 192);
+    CHECK(view_box(parsed("<svg/>"))->width == 300);
+    CHECK_FALSE(view_box(parsed(R"(<svg viewBox="1 2 3"/>)")));
+}
+
+TEST_CASE("only what is drawn is a shape", "[examples][svg_document][shapes]") {
+    const std::string_view hidden = R"(<defs><path d="M0 0L1 1"/></defs><symbol><path d="M0 0L1 1"/></symbol>
+        <pattern><path d="M0 0L1 1"/></pattern><marker><path d="M0 0L1 1"/></marker>
+        <clipPath><path d="M0 0L1 1"/></clipPath><mask><path d="M0 0L1 1"/></mask><x:path xmlns:x="y" d="M0 0L1 1"/>)";
+    CHECK(shapes_of(svg(hidden)).empty());
+    const std::string text = svg(hidden);
+    CHECK(deformed(text, shift).text == text);
+    CHECK(deformed(text, shift).report.batches == 0);
+    CHECK(shapes_of(svg(R"(<g display="none"><path style="display:none" d="M0 0L1 1"/></g>)")).size() == 1);
+    CHECK(shapes_of(
+              R"(<s:svg xmlns:s="http://www.w3.org/2000/svg"><s:path d="M0 0L1 1"/><path d="M0 0"/></s:svg>)")
+              .size() == 1);
+    const auto all = shapes_of(rich);
+    REQUIRE(all.size() == 5);
+    CHECK(all[0].label == "rect \"house\" (line 16)");
+    CHECK(contains(all[2].label, "line"));
+}
+
+TEST_CASE("an element becomes a path in its place and keeps its other attributes",
+          "[examples][svg_document][deform]") {
+    CHECK(deformed(svg(R"(<rect id="a" x="1" y="2" class="k" width="3" height="4" fill="red"/>)"), identity)
+              .text == svg(R"(<path id="a" d="M1 2 L4 2 L4 6 L1 6 Z" class="k" fill="red"/>)"));
+    CHECK(deformed(svg(R"x(<path pathLength="3" d="M0 0L1 1" marker-end="url(#m)"/>)x"), shift).text ==
+          svg(R"x(<path pathLength="3" d="M100 0 L101 1" marker-end="url(#m)"/>)x"));
+    CHECK(deformed(svg(R"(<line/>)"), shift).text == svg(R"(<path d="M100 0 L100 0"/>)"));
+    CHECK(deformed(svg(R"(<line x1="1" d="junk"/>)"), shift).text == svg(R"(<path d="M101 0 L100 0"/>)"));
+    // the transform stays, so its inverse is in the data
+    CHECK(
+        deformed(svg(R"x(<g transform="scale(2)"><line transform="rotate(90)" x2="10" y1="5"/></g>)x"), shift)
+            .text ==
+        svg(R"x(<g transform="scale(2)"><path transform="rotate(90)" d="M0 -45 L10 -50"/></g>)x"));
+    CHECK(contains(
+        deformed(R"(<s:svg xmlns:s="http://www.w3.org/2000/svg"><s:line x2="1"/></s:svg>)", shift).text,
+        R"(<s:path d="M100 0 L101 0"/>)"));
+    CHECK_FALSE(contains(deformed(svg(R"(<path sodipodi:type="star" d="M0 0L1 1"/>)"), shift).text, "star"));
+}
+
+TEST_CASE("the identity leaves every shape where it is", "[examples][svg_document][deform][property]") {
+    const Result result = deformed(rich, identity, {.decimals = 6});
+    const auto before = shapes_of(rich);
+    const auto after = shapes_of(result.text);
+    REQUIRE(before.size() == after.size());
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        CAPTURE(before[i].label);
+        const auto p = samples(before[i].path, 12);
+        const auto q = samples(after[i].path, 12);
+        REQUIRE(p.size() == q.size()); // nothing was split
+        for (std::size_t k = 0; k < p.size(); ++k) CHECK(std::hypot(p[k].x - q[k].x, p[k].y - q[k].y) < 2e-6);
+        REQUIRE(before[i].path.size() == after[i].path.size());
+        for (std::size_t k = 0; k < before[i].path.size(); ++k) {
+            CHECK(before[i].path[k].closed == after[i].path[k].closed);
+        }
+    }
+    CHECK(result.report.batches == 1);
+    CHECK(result.report.coarse == 0);
+    CHECK(deformed(result.text, identity, {.decimals = 6}).report.shapes == result.report.shapes);
+}
+
+TEST_CASE("lines stay lines and closed paths closed", "[examples][svg_document][deform]") {
+    const auto turn = [](std::span<const Point2> in, std::span<Point2> out) {
+        for (std::size_t i = 0; i < in.size(); ++i) out[i] = {-in[i].y, in[i].x};
+        return true;
+    };
+    CHECK(deformed(svg(R"(<path d="M0 0H90V80H0Z"/>)"), turn).text ==
+          svg(R"(<path d="M0 0 L0 90 L-80 90 L-80 0 Z"/>)"));
+    CHECK(deformed(svg(R"(<path d="M5 5M1 1L2 2L3 1Z L9 9"/>)"), shift).text ==
+          svg(R"(<path d="M105 5 M101 1 L102 2 L103 1 Z M101 1 L109 9"/>)"));
+    const auto all = shapes_of(deformed(svg(R"(<circle cx="50" cy="50" r="40"/>)"), wave).text);
+    REQUIRE(all[0].path.size() == 1);
+    CHECK(all[0].path[0].closed);
+    CHECK_FALSE(all[0].path[0].segments.back().is_line); // the last curve meets the start by itself
+}
+
+TEST_CASE("the path written follows the deformed curve within the tolerance",
+          "[examples][svg_document][deform][property]") {
+    // The wave keeps x, so a point is compared with the true curve at the same x.
+    const auto tolerance = GENERATE(1e-1, 1e-2, 1e-3, 1e-5);
+    CAPTURE(tolerance);
+    const DeformOptions options{.tolerance = tolerance, .max_halvings = 12, .decimals = 12};
+    const std::string line =
+        svg(R"x(<g transform="scale(2) rotate(10)"><line x1="-3" y1="1" x2="45" y2="7"/></g>)x");
+    const Result result = deformed(line, wave, options);
+    const Subpath original = shapes_of(line)[0].path[0];
+    const Point2 a = original.start;
+    const Point2 b = original.segments[0].p3;
+    const auto all = shapes_of(result.text);
+    const auto points = samples(all[0].path, 40);
+    double worst = 0;
+    for (const Point2& p : points) {
+        const double y = a.y + (b.y - a.y) * (p.x - a.x) / (b.x - a.x);
+        worst = std::max(worst, std::abs(p.y - waved({p.x, y}).y));
+    }
+    CHECK(worst <= 1.5 * tolerance); // vertical distance, and between the samples
+    CHECK(result.report.coarse == 0);
+    CHECK(result.report.segments == all[0].path[0].segments.size());
+
+    // whole periods on every sample: the wave is zero there, and must not be taken for a straight line
+    const double length = 6 * 2 * std::numbers::pi;
+    const Result aliased = deformed(svg("<line x2=\"" + format_number(length, 15) + "\"/>"), wave, options);
+    double highest = 0;
+    for (const Point2& p : samples(shapes_of(aliased.text)[0].path, 20)) highest = std::max(highest, p.y);
+    CHECK(highest == Approx(1).margin(tolerance));
+}
+
+TEST_CASE("refinement asks for all points in few calls and stops somewhere",
+          "[examples][svg_document][deform]") {
+    std::string many;
+    for (int i = 0; i < 300; ++i) many += "<circle cx='" + std::to_string(i % 90) + "' cy='50' r='8'/>";
+    std::size_t calls = 0;
+    std::size_t points = 0;
+    const Result result = deformed(svg(many), [&](std::span<const Point2> in, std::span<Point2> out) {
+        ++calls;
+        points += in.size();
+        return wave(in, out);
+    });
+    CHECK(calls <= 9);
+    CHECK(result.report.batches == calls);
+    CHECK(result.report.points == points);
+    CHECK(result.report.shapes == 300);
+
+    const auto torn = [](std::span<const Point2> in, std::span<Point2> out) {
+        for (std::size_t i = 0; i < in.size(); ++i) out[i] = {in[i].x, in[i].x < 33.3 ? 0.0 : 50.0};
+        return true;
+    };
+    const Result broken = deformed(svg("<line x2='100'/>"), torn, {.max_halvings = 5});
+    CHECK(broken.report.coarse > 0);
+    CHECK(broken.report.batches == 6);
+}
+
+TEST_CASE("a stopped or broken deformation changes nothing", "[examples][svg_document][deform][error]") {
+    SvgDocument document = parsed(rich);
+    const auto stopped = deform(document, [](std::span<const Point2>, std::span<Point2>) { return false; });
+    REQUIRE_FALSE(stopped);
+    CHECK(stopped.error().message == "test.svg: the deformation was stopped");
+    const auto nan = deform(document, [](std::span<const Point2>, std::span<Point2> out) {
+        std::fill(out.begin(), out.end(), Point2{std::numeric_limits<double>::quiet_NaN(), 0});
+        return true;
+    });
+    REQUIRE_FALSE(nan);
+    CHECK(contains(nan.error().message, "not finite"));
+    CHECK(to_text(document) == rich);
+}
+
+TEST_CASE("use becomes a group with its own copy", "[examples][svg_document][use]") {
+    const std::string defs =
+        R"(<defs><path id="p" class="c" d="M0 0L1 1"/><g id="g"><use href="#p" x="2"/></g></defs>)";
+    CHECK(
+        deformed(
+            svg(defs + R"x(<use id="u" href="#p" x="3" y="4" width="9" transform="scale(2)" fill="red"/>)x"),
+            shift)
+            .text ==
+        svg(defs +
+            R"x(<g id="u" transform="scale(2) translate(3 4)" fill="red"><path class="c" d="M50 0 L51 1"/></g>)x"));
+    CHECK(deformed(svg(defs + R"(<use xlink:href="#g"/>)"), identity).text ==
+          svg(defs + R"x(<g><g><g transform="translate(2 0)"><path class="c" d="M0 0 L1 1"/></g></g></g>)x"));
+    CHECK(drawn(defs + R"(<use href="#g" x="1"/>)") == "M3 0 L4 1");
+
+    const std::string symbol =
+        R"(<symbol id="s" viewBox="0 0 10 10" fill="red"><path d="M0 0L10 10"/></symbol>)";
+    CHECK(drawn(symbol + R"(<use href="#s" x="1" width="20" height="30"/>)") == "M1 5 L21 25");
+    CHECK(drawn(symbol + R"(<use href="#s"/>)") == "M0 0 L100 100");
+    CHECK(deformed(svg(symbol + R"(<use href="#s" width="20" height="20"/>)"), identity).text ==
+          svg(symbol +
+              R"x(<g><g fill="red" transform="matrix(2 0 0 2 0 0)"><path d="M0 0 L10 10"/></g></g>)x"));
+    const std::string inner =
+        R"(<svg id="n" width="5" height="5" viewBox="0 0 10 10"><path d="M0 0L10 10"/></svg>)";
+    CHECK(drawn("<defs>" + inner + R"(</defs><use href="#n" x="1" width="20" height="20"/>)") ==
+          "M1 0 L21 20");
+
+    // a shape used twice is deformed twice, where it is drawn
+    const auto all = shapes_of(deformed(svg(defs + R"(<use href="#p"/><use href="#p" x="30"/>)"), wave).text);
+    REQUIRE(all.size() == 2);
+    CHECK(std::abs(all[1].path[0].start.y - std::sin(30.0)) < 1e-3);
+}
+
+TEST_CASE("uses that cannot be expanded", "[examples][svg_document][use][error]") {
+    CHECK(contains(error_of(svg(R"(<g id="a"><use href="#a"/></g>)")), "uses itself through \"#a\""));
+    CHECK(contains(error_of(svg(R"(<defs><g id="a"><use href="#b"/></g><g id="b"><use href="#a"/></g></defs>
+                                   <use href="#a"/>)")),
+                   "uses itself"));
+    CHECK(contains(error_of(svg(R"(<use id="a" href="#a"/>)")), "uses itself"));
+    const auto missing = warnings_of(R"(<use id="u" href="#none"/><use href="other.svg#x"/><use/>)");
+    REQUIRE(missing.size() == 3);
+    CHECK(missing[0] == "use \"u\" (line 1): refers to nothing in this file (\"#none\") and stays as it is");
+    CHECK(warnings_of(R"(<linearGradient id="l"/><use href="#l"/>)").size() == 1);
+    CHECK(warnings_of(R"(<use href="#t"><path id="t" d="M0 0L1 1"/></use>)").size() == 1);
+
+    std::string laughs = R"(<defs><path id="u0" d="M0 0L1 1"/>)";
+    for (int i = 1; i < 40; ++i) {
+        const std::string use = "<use href='#u" + std::to_string(i - 1) + "'/>";
+        laughs += "<g id='u" + std::to_string(i) + "'>" + use + use + "</g>";
+    }
+    CHECK(contains(error_of(svg(laughs + "</defs><use href='#u39'/>")), "expand to too much"));
+}
+
+TEST_CASE("clip paths and masks follow what they clip", "[examples][svg_document][clip]") {
+    const std::string clip = R"(<clipPath id="c"><rect width="9" height="9"/></clipPath>)";
+    const std::string shifted = R"(<clipPath id="c"><path d="M100 0 L109 0 L109 9 L100 9 Z"/></clipPath>)";
+    const std::string there = R"( d="M100 0 L101 1"/>)";
+    CHECK(deformed(svg(clip + R"x(<path clip-path="url(#c)" d="M0 0L1 1"/>)x"), shift).text ==
+          svg(shifted + R"x(<path clip-path="url(#c)")x" + there));
+    CHECK(deformed(svg(clip + R"x(<path style="fill:red; clip-path: url('#c')" d="M0 0L1 1"/>)x"), shift)
+              .text == svg(shifted + R"x(<path style="fill:red; clip-path: url('#c')")x" + there));
+    CHECK(deformed(svg(clip + R"(<path d="M0 0L1 1"/>)"), shift).text == svg(clip + "<path" + there));
+
+    // the same transform shares it, another one gets a copy with an id of its own
+    const std::string used = R"x(<g clip-path="url(#c)"/><g clip-path="url(#c)"/>)x";
+    CHECK(deformed(svg(clip + used), shift).text == svg(shifted + used));
+    CHECK(
+        deformed(
+            svg(clip +
+                R"x(<g id="c-2" clip-path="url(#c)"/><g transform="scale(2)" style="clip-path:url(#c)"/>)x"),
+            shift)
+            .text ==
+        svg(shifted + R"(<clipPath id="c-3"><path d="M50 0 L59 0 L59 9 L50 9 Z"/></clipPath>)" +
+            R"x(<g id="c-2" clip-path="url(#c)"/><g transform="scale(2)" style="clip-path:url(#c-3)"/>)x"));
+
+    // a use in a clip path may not become a group
+    CHECK(contains(
+        deformed(svg(R"x(<rect id="r" transform="scale(2)" width="5" height="5"/>
+              <clipPath id="c"><use href="#r" x="1" clip-rule="evenodd"/></clipPath><g clip-path="url(#c)"/>)x"),
+                 shift)
+            .text,
+        R"x(<path transform="translate(1 0) scale(2)" d="M50 0 L55 0 L55 5 L50 5 Z" clip-rule="evenodd"/>)x"));
+    CHECK(contains(
+        deformed(svg(R"x(<mask id="m"><g><rect width="5" height="5"/></g></mask><g mask="url(#m)"/>)x"),
+                 shift)
+            .text,
+        R"(<mask id="m"><g><path d="M100 0)"));
+    // a clip path may itself be clipped, and carry a transform
+    CHECK(contains(deformed(svg(R"x(<clipPath id="i"><rect width="5" height="5"/></clipPath>
+              <clipPath id="o" clip-path="url(#i)" transform="scale(2)"><line x2="1"/></clipPath><g clip-path="url(#o)"/>)x"),
+                            shift)
+                       .text,
+                   R"(<clipPath id="i"><path d="M50 0 L55)"));
+
+    CHECK(contains(
+        error_of(svg(
+            R"x(<clipPath id="c"><path clip-path="url(#c)" d="M0 0"/></clipPath><g clip-path="url(#c)"/>)x")),
+        "refers to itself through \"#c\""));
+    const auto box =
+        warnings_of(R"x(<clipPath id="c" clipPathUnits="objectBoundingBox"/><g clip-path="url(#c)"/>)x");
+    REQUIRE(box.size() == 1);
+    CHECK(contains(box[0], "bounding box"));
+    CHECK(warnings_of(R"x(<g clip-path="url(#none)" mask="none"/><g clip-path="url(x.svg#a)"/>)x").empty());
+}
+
+TEST_CASE("what cannot be deformed is named", "[examples][svg_document][warnings]") {
+    const auto all = warnings_of(R"x(<text id="t">x</text><image/><foreignObject/>
+<path id="flat" transform="scale(0)" d="M0 0L1 1"/><g style="transform: scale(2)"/>
+<radialGradient id="r" gradientUnits="userSpaceOnUse"/><linearGradient/>)x");
+    REQUIRE(all.size() == 6);
+    CHECK(all[0] == "text \"t\" (line 1): cannot be deformed and stays as it is");
+    CHECK(contains(all[1], "image (line 1)"));
+    CHECK(contains(all[2], "foreignObject"));
+    CHECK(all[3] == "path \"flat\" (line 2): has a transform without inverse and stays as it is");
+    CHECK(contains(all[4], "style"));
+    CHECK(all[5] == "radialGradient \"r\" (line 3): is in user space and stays where it is");
+}
+
+TEST_CASE("malformed attributes are errors with their place", "[examples][svg_document][error]") {
+    CHECK(error_of("<svg>\n <path id='p' d='M0 0\nL1'/></svg>") ==
+          "test.svg: path \"p\": d at 2:3: expected a number (line 2)");
+    CHECK(error_of("<svg>\n\n<g transform='turn(1)'/></svg>") ==
+          "test.svg: g: transform at 1:1: no transform turn with 1 numbers (line 3)");
+    CHECK(contains(error_of("<svg><rect width='3 apples' height='1'/></svg>"),
+                   "rect: width at 1:2: unknown unit"));
+    CHECK(contains(error_of("<svg><polygon points='1 2 3'/></svg>"), "an odd number of coordinates"));
+    CHECK(contains(error_of("<svg><polygon points='1 2 x'/></svg>"), "points at 1:5"));
+    CHECK(contains(error_of("<svg><svg viewBox='1 2'/></svg>"), "viewBox is not four numbers"));
+    CHECK(contains(error_of("<svg><path transform='scale(1e99)' d='M0 0L1e99 0'/></svg>"), "out of range"));
+}
+
+TEST_CASE("style sheets still match the shapes that became paths", "[examples][svg_document][style]") {
+    const std::string_view text = R"(<style>/* rect { */ rect, g > circle:hover{fill:rect}
+@media print { g rect.a { x: rect } } @font-face { font-family: rect }
+@import "rect"; #rect, [rect], .rectangle path { }</style><rect class="k" width="1" height="1"/><path d="M0 0"/>
+<defs><rect id="unused"/></defs><polygon/>)";
+    const Result result = deformed(svg(text), identity);
+    CHECK(contains(result.text, R"(<style>/* rect { */ .cageform-rect, g > .cageform-circle:hover{fill:rect}
+@media print { g .cageform-rect.a { x: rect } } @font-face { font-family: rect }
+@import "rect"; #rect, [rect], .rectangle .cageform-path { }</style>)"));
+    CHECK(contains(result.text, R"(<path class="k cageform-rect" d="M0 0 L1 0)"));
+    CHECK(contains(result.text, R"(<path d="M0 0" class="cageform-path"/>)"));
+    CHECK(contains(result.text, R"(<rect id="unused" class="cageform-rect"/>)"));
+    CHECK(contains(result.text, "<polygon/>"));
+    REQUIRE(result.report.warnings.size() == 1); // next to .rectangle
+    CHECK(contains(result.report.warnings[0], "rules by type became rules by class"));
+    CHECK(deformed(result.text, identity).text == result.text);
+
+    const std::string untouched = svg("<style>path { fill: red }</style><path d=\"M0 0 L1 1\"/>");
+    CHECK(deformed(untouched, identity).text == untouched);
+    CHECK(contains(deformed(svg("<style><![CDATA[g &gt; rect{}]]></style><rect/>"), identity).text,
+                   "<![CDATA[g &gt; .cageform-rect{}]]>"));
+    for (const std::string_view odd :
+         {"/*", "/", "@", "rect", "{", "}", "rect{", "rect{/*", "@media{rect", ""}) {
+        deformed(svg("<style>" + std::string(odd) + "</style><rect/>"), identity);
+    }
+}
+
+TEST_CASE("a cage is the first closed polygon", "[examples][svg_document][cage]") {
+    const auto loops_of = [](std::string_view content) {
+        const auto loops = first_polygon(parsed(svg(content)));
+        INFO(content);
+        INFO((loops ? std::string() : to_string(loops.error())));
+        REQUIRE(loops);
+        return *loops;
+    };
+    using Loop = std::vector<Point2>;
+    const Loop triangle = {{0, 0}, {4, 0}, {4, 4}};
+    CHECK(loops_of(R"(<polygon points="0,0 4,0 4,4"/>)") == std::vector<Loop>{triangle});
+    CHECK(loops_of(R"(<path d="M0 0H4V4Z"/>)") == std::vector<Loop>{triangle});
+    CHECK(loops_of(R"(<path d="M0 0H4V4L0 0Z"/>)") == std::vector<Loop>{triangle});
+    // Corners that coincide stay: they may be two vertices of a pose.
+    CHECK(loops_of(R"(<path d="M0 0H4H4V4Z"/>)") == std::vector<Loop>{{{0, 0}, {4, 0}, {4, 0}, {4, 4}}});
+    CHECK(loops_of(R"(<polyline points="0,0 4,0 4,4 0,0"/>)") == std::vector<Loop>{triangle});
+    CHECK(loops_of(R"x(<g transform="scale(4)"><polygon points="0,0 1,0 1,1"/></g>)x") ==
+          std::vector<Loop>{triangle});
+    CHECK(loops_of(R"(<rect width="2" height="3"/>)") == std::vector<Loop>{{{0, 0}, {2, 0}, {2, 3}, {0, 3}}});
+    CHECK(loops_of(R"(<path d="M0 0L1 1"/><circle r="3"/><rect width="2" height="3" rx="1"/>
+                      <polygon points="0,0 4,0 4,4"/><rect width="9" height="9"/>)") ==
+          std::vector<Loop>{triangle});
+    const auto ring = loops_of(R"(<path d="M3 1h.5v.5zM0 0H4V4zM2 1v.5h.5z"/>)");
+    REQUIRE(ring.size() == 3);
+    CHECK(ring[0][0] == Point2{3, 1});
+    CHECK(ring[1] == triangle);
+    CHECK(ring[2][0] == Point2{2, 1});
+
+    const auto message = [](std::string_view content) {
+        const auto loops = first_polygon(parsed(svg(content)));
+        REQUIRE_FALSE(loops);
+        return to_string(loops.error());
+    };
+    CHECK(message("") == "test.svg: no closed polygon: there is no shape");
+    CHECK(message(R"(<path id="p" d="M0 0H1V1"/>)") ==
+          "test.svg: no closed polygon: the first shape is an open path: path \"p\" (line 1)");
+    CHECK(contains(message(R"(<circle r="1"/><line/>)"), "the first shape is a path with curves: circle"));
+    CHECK(contains(message(R"(<path d="M0 0H1Z"/>)"), "a path of fewer than three corners"));
+    CHECK(contains(message(R"(<path d="M0 0"/>)"), "an empty path"));
+    CHECK(contains(message(R"(<path d="M0 0H1V1zM3 3H4"/>)"), "an open path"));
+    CHECK(contains(message(R"(<path d="x"/>)"), "d at 1:1"));
+}
+
+TEST_CASE("a figure's vertices are the ends of its segments", "[examples][svg_document][figure]") {
+    const auto vertices_of = [](std::string_view content) {
+        const auto vertices = figure_vertices(parsed(svg(content)));
+        REQUIRE(vertices);
+        return *vertices;
+    };
+    std::string points;
+    for (int i = 0; i < 30; ++i) points += std::to_string(i) + ',' + std::to_string(i * i % 17) + ' ';
+    CHECK(vertices_of("<polygon points=\"" + points + "\"/>").size() == 30);
+    CHECK(vertices_of("<polyline points=\"" + points + "\"/>").size() == 30);
+    CHECK(vertices_of("<circle r=\"5\"/>").size() == 4);
+    CHECK(vertices_of("").empty());
+    const std::vector<Point2> expected = {{10, 0}, {11, 0}, {11, 1}, {5, 5}, {6, 7}};
+    CHECK(vertices_of(
+              R"x(<g transform="translate(10)"><path d="M0 0H1V1Z M9 9"/></g><path d="M5 5Q9 9 6 7"/>)x") ==
+          expected);
+}
+
+TEST_CASE("saving replaces the whole file or nothing", "[examples][svg_document][save]") {
+    const Folder folder;
+    const SvgDocument document = parsed(rich);
+    const fs::path file = folder.path() / "out.svg";
+    CHECK_FALSE(save_svg(document, file));
+    CHECK(content_of(file) == rich);
+    put(file, "old");
+    CHECK_FALSE(save_svg(document, file));
+    CHECK(content_of(file) == rich);
+    CHECK(folder.count() == 1);
+    const auto again = load_svg(file);
+    REQUIRE(again);
+    CHECK(to_text(*again) == rich);
+
+    const auto missing = save_svg(document, folder.path() / "no" / "out.svg");
+    REQUIRE(missing);
+    CHECK(contains(missing->message, "cannot write"));
+    const auto below_file = save_svg(document, file / "out.svg");
+    REQUIRE(below_file);
+    fs::create_directory(folder.path() / "taken");
+    const auto onto_folder = save_svg(document, folder.path() / "taken");
+    REQUIRE(onto_folder);
+    CHECK(contains(onto_folder->message, "not a regular file"));
+    CHECK(folder.count() == 2);
+    CHECK(content_of(file) == rich);
+
+    std::error_code unsupported;
+    fs::create_symlink(file, folder.path() / "link.svg", unsupported);
+    if (!unsupported) {
+        CHECK_FALSE(write_file_atomically(folder.path() / "link.svg", "new"));
+        CHECK(fs::is_symlink(folder.path() / "link.svg"));
+        CHECK(content_of(file) == "new");
+        fs::remove(folder.path() / "link.svg");
+    }
+
+    fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
+    const auto locked = write_file_atomically(folder.path() / "new.svg", "text");
+    fs::permissions(folder.path(), fs::perms::owner_all);
+    if (locked) CHECK(folder.count() == 2); // a superuser may write anyway
+}
+
+TEST_CASE("depth and size have limits, not consequences", "[examples][svg_document][robust]") {
+    const auto nested = [](std::size_t depth) {
+        std::string text = "<svg>";
+        for (std::size_t i = 0; i < depth; ++i) text += "<g transform='translate(1)'>";
+        text += "<path d='M0 0L1 1'/>";
+        for (std::size_t i = 0; i < depth; ++i) text += "</g>";
+        return text + "</svg>";
+    };
+    CHECK(shapes_of(nested(900))[0].path[0].start == Point2{900, 0});
+    CHECK(deformed(nested(900), shift).report.shapes == 1);
+    for (const std::size_t depth : {std::size_t{1001}, std::size_t{100'000}}) {
+        const auto document = parse_svg(nested(depth), "deep.svg");
+        REQUIRE_FALSE(document);
+        CHECK(contains(to_string(document.error()), "nested too deeply"));
+    }
+    // each on its own is not deep, but what they expand to is
+    std::string chain = "<svg><defs><path id='u0' d='M0 0L1 1'/>";
+    for (int i = 1; i < 600; ++i) {
+        chain += "<g id='u" + std::to_string(i) + "'><use href='#u" + std::to_string(i - 1) + "'/></g>";
+    }
+    CHECK(contains(error_of(chain + "</defs><use href='#u599'/></svg>"), "nested too deeply"));
+
+    std::string long_path = "M0 0";
+    for (int i = 0; i < 20'000; ++i) long_path += "h1v1";
+    const Result result = deformed(svg("<path d='" + long_path + "'/>"), shift);
+    CHECK(result.report.segments == 40'000);
+}
+
+TEST_CASE("mutated documents never break the program", "[examples][svg_document][fuzz]") {
+    const unsigned seed = 11;
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const std::vector<std::string> pieces = {"<g>",
+                                             "</g>",
+                                             "<use href=\"#all\"/>",
+                                             "<use href=\"#leaf\" x=\"1e300\"/>",
+                                             "clip-path=\"url(#window)\"",
+                                             " transform=\"scale(1e-200)\"",
+                                             " transform=\"rotate(9)\"",
+                                             "\"",
+                                             "<",
+                                             "&",
+                                             "1e308",
+                                             "<!--",
+                                             "]]>",
+                                             "%",
+                                             "NaN",
+                                             "<svg viewBox=\"0 0 1e-300 1\">",
+                                             "<rect width=\"9\" height=\"1e99\"/>",
+                                             "<style>rect{",
+                                             "id=\"leaf\"",
+                                             "-",
+                                             "0"};
+    std::size_t loaded = 0;
+    std::size_t succeeded = 0;
+    for (int i = 0; i < 2500; ++i) {
+        std::string text = rich;
+        const std::size_t changes = 1 + random() % 4;
+        for (std::size_t k = 0; k < changes; ++k) {
+            const std::size_t at = random() % text.size();
+            switch (random() % 4) {
+            case 0: text[at] = static_cast<char>(random() % 256); break;
+            case 1: text.erase(at, 1 + random() % 20); break;
+            default: text.insert(at, pieces[random() % pieces.size()]); break;
+            }
+        }
+        auto document = parse_svg(text, "mutated.svg");
+        if (!document) continue;
+        ++loaded;
+        (void)static_cast<bool>(first_polygon(*document));
+        (void)static_cast<bool>(figure_vertices(*document));
+        const auto report = deform(*document, wave, {.max_halvings = 2});
+        if (!report) continue;
+        ++succeeded;
+        const std::string written = to_text(*document);
+        INFO(text << "\n----\n" << written);
+        const auto again = parse_svg(written, "again.svg");
+        REQUIRE(again);
+        REQUIRE(to_text(*again) == written);
+        REQUIRE(shapes(*again));
+    }
+    CHECK(loaded > 300); // else only the XML parser is tested
+    CHECK(succeeded > 150);
+}

@@ -1,0 +1,5 @@
+#include <cageform/clone/clone.hpp>
+
+int main() {
+    return int(cageform::BindingView<double, 2>{}.point_count());
+}

@@ -1,0 +1,13 @@
+#!/bin/sh
+# Usage: sh tests/run.sh [PRESET]
+# Installs what the tests need (Debian), builds and runs all of them through ctest. PRESET is one of the
+# workflow presets: dev (the default), clang, asan, noexcept, release.
+set -eu
+cd "$(dirname "$0")/.."
+preset=${1:-dev}
+compiler=g++
+[ "$preset" != clang ] || compiler='clang-19'
+# shellcheck disable=SC2086
+sh cmake/install_packages.sh $compiler cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev \
+  libpugixml-dev libstb-dev libcli11-dev librsvg2-bin tango-icon-theme $([ "$preset" != release ] || echo libbenchmark-dev)
+cmake --workflow --preset "$preset"
