@@ -1,5 +1,5 @@
 // 4. Two coordinate types behind one concept. In a cage with two legs a mean value weight goes negative in
-// the other leg, so moving one leg drags the other the wrong way; harmonic weights never do.
+// the other leg, so moving one leg drags the other the wrong way; harmonic functions are never negative.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -12,7 +12,7 @@ const std::array<Point, 8> cage{{{0, 0}, {1.9, 0}, {1.9, 4}, {2.1, 4}, {2.1, 0},
 const std::array<Point, 1> right_knee{{{2.3, 2}}};
 
 template <cageform::CageCoordinates Coordinates>
-void report_weights(const char* name, const Coordinates& coordinates) {
+static void report_weights(const char* name, const Coordinates& coordinates) {
     const auto [binding, report] = cageform::bind(coordinates, right_knee);
     if (report.status != cageform::Status::ok) {
         std::printf("%s: %s\n", name, cageform::to_string(report.status));

@@ -8,6 +8,7 @@
 
 #include "atomic_file.hpp"
 #include "cage_file.hpp"
+#include "guard.hpp"
 #include "progress_bar.hpp"
 
 #include <CLI/CLI.hpp>
@@ -33,23 +34,21 @@ int fail(const std::string& message) {
 /// Adds what a batch found to what is known; point numbers count from the beginning of the file.
 void merge(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first) {
     const auto append = [first](std::vector<std::size_t>& to, const std::vector<std::size_t>& from) {
-        // Only counts and the first few are shown, so a long list costs no memory beyond a word an entry.
-        for (const std::size_t i : from) to.push_back(first + i);
+        for (const std::size_t i : from) to.push_back(first + i); // a word of memory each
     };
     append(total.on_boundary, part.on_boundary);
     append(total.outside, part.outside);
     append(total.not_finite, part.not_finite);
     append(total.unreached, part.unreached);
-    const auto raise = [first](cageform::Extreme& to, const cageform::Extreme& from) {
-        if (from.value > to.value) to = {from.value, first + from.point};
+    const auto shifted = [first](cageform::Extreme extreme) {
+        if (extreme.point != extreme.none) extreme.point += first;
+        return extreme;
     };
-    raise(total.partition_error, part.partition_error);
-    raise(total.reproduction_error, part.reproduction_error);
-    raise(total.weight_change, part.weight_change);
-    raise(total.residual_restored, part.residual_restored);
-    if (total.points == 0 || part.least_weight.value < total.least_weight.value) {
-        total.least_weight = {part.least_weight.value, first + part.least_weight.point};
-    }
+    total.partition_error.raise(shifted(part.partition_error));
+    total.reproduction_error.raise(shifted(part.reproduction_error));
+    total.weight_change.raise(shifted(part.weight_change));
+    total.residual_restored.raise(shifted(part.residual_restored));
+    total.least_weight.lower(shifted(part.least_weight));
     total.points += part.points;
     total.seconds += part.seconds;
     total.cage = part.cage;
@@ -126,19 +125,20 @@ int run(const Settings& settings, const CageFile& cage) {
             }
             out.write(text);
             text.clear();
-            merge(total, report, total.points);
+            if (settings.report)
+                merge(total, report, total.points);
+            else
+                total.points += report.points;
             if (progress) progress(reader.fraction());
         }
-        if (const auto error = out.commit()) return fail(*error);
         if (total.points == 0) return fail(settings.points_path + ": holds no points");
+        if (const auto error = out.commit()) return fail(*error);
         if (settings.report) std::cout << describe(total);
         return 0;
     });
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
     CLI::App app("Writes the cage coordinates of points.");
     Settings settings;
     app.add_option("--cage", settings.cage_path, "CSV (x,y a line, empty line between loops) or SVG")
@@ -165,4 +165,10 @@ int main(int argc, char** argv) {
     const auto cage = load_cage(settings.cage_path);
     if (!cage) return fail(to_string(cage.error()));
     return settings.scalar == "float" ? run<float>(settings, *cage) : run<double>(settings, *cage);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("cage_weights", [&] { return run_program(argc, argv); });
 }

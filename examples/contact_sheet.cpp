@@ -2,6 +2,7 @@
 //
 //     contact_sheet -o sheet.svg --columns 2 --png "at rest" cat.svg "a step" step.svg
 
+#include "guard.hpp"
 #include "render.hpp"
 #include "svg_document.hpp"
 
@@ -16,6 +17,13 @@ using namespace cageform_examples;
 int fail(const std::string& message) {
     std::cerr << "contact_sheet: " << message << '\n';
     return 1;
+}
+
+/// Documents are saved without escaping, since what was read keeps its entities; new text brings its own.
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
+    return out;
 }
 
 /// Makes the identifiers of a document its own, so that several can share a file.
@@ -36,9 +44,7 @@ void prefix_ids(pugi::xml_node node, const std::string& prefix) {
     for (auto child : node.children()) prefix_ids(child, prefix);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
     CLI::App app("Puts several SVG files side by side, with captions.");
     std::string out_path;
     std::vector<std::string> words;
@@ -85,7 +91,7 @@ int main(int argc, char** argv) {
         text.append_attribute("font-family") = "DejaVu Sans, sans-serif";
         text.append_attribute("font-size") = 17;
         text.append_attribute("text-anchor") = "middle";
-        text.text() = words[2 * n].c_str();
+        text.text() = escaped(words[2 * n]).c_str();
         auto nested = root.append_copy(document->xml.document_element());
         prefix_ids(nested, "t" + std::to_string(n) + "-");
         for (const char* name : {"x", "y", "width", "height", "viewBox"}) nested.remove_attribute(name);
@@ -112,4 +118,10 @@ int main(int argc, char** argv) {
         }
     }
     return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("contact_sheet", [&] { return run_program(argc, argv); });
 }

@@ -3,6 +3,7 @@
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
 
 #include "cage_file.hpp"
+#include "guard.hpp"
 #include "picture.hpp"
 #include "progress_bar.hpp"
 
@@ -19,9 +20,7 @@ int fail(const std::string& message) {
     return 1;
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
     CLI::App app(
         "Draws one coordinate over its cage. Warm colours are positive, blue is negative, green is the "
         "value on the boundary; level lines every tenth.");
@@ -152,4 +151,10 @@ int main(int argc, char** argv) {
     std::cout << choice.name << " coordinate of vertex " << vertex << ": " << least << " to " << largest
               << '\n';
     return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("coordinate_field", [&] { return run_program(argc, argv); });
 }

@@ -6,6 +6,7 @@
 // points do not map to it. Everything that is not geometry stays: styles, gradients, groups, identifiers.
 
 #include "cage_file.hpp"
+#include "guard.hpp"
 #include "progress_bar.hpp"
 #include "render.hpp"
 
@@ -58,9 +59,7 @@ void draw_cage(SvgDocument& document, const CageFile& cage) {
     node.append_attribute("stroke-dasharray") = diagonal / 100;
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
     CLI::App app("Deforms an SVG figure by a cage polygon and a pose of it.");
     std::string figure_path, cage_path, pose_path, out_path, outside = "refuse";
     bool png = false, show_cage = false, report = false;
@@ -81,7 +80,7 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--flatness", options.tolerance,
                    "how far curves may miss the deformed shape, in user units; 0: invisibly little")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Range(0.0, 1e100));
     app.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
     app.add_flag("--report", report, "print the bind report and what became of the shapes");
     choice.add_options(app);
@@ -134,8 +133,9 @@ int main(int argc, char** argv) {
                 return false;
             }
             if (!bound.unreached.empty()) {
-                failure = "the grid is too coarse near " + name_points(in, bound.unreached) +
-                          ": raise --resolution";
+                failure = "no weights can be had for " + name_points(in, bound.unreached) +
+                          (Coordinates::closed_form ? ": too far from the cage"
+                                                    : ": the grid is too coarse, raise --resolution");
                 return false;
             }
             const auto status = cageform::clone(binding, pose->vertices, moved);
@@ -147,6 +147,10 @@ int main(int argc, char** argv) {
         if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
         for (const std::string& warning : deformed->warnings)
             std::cerr << "deform_svg: warning: " << warning << '\n';
+        if (deformed->coarse > 0) {
+            std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
+                      << " segments miss the --flatness asked for\n";
+        }
         if (show_cage) draw_cage(*document, *pose);
         if (const auto error = save_svg(*document, out_path)) return fail(to_string(*error));
         if (png) {
@@ -163,4 +167,10 @@ int main(int argc, char** argv) {
         }
         return 0;
     });
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("deform_svg", [&] { return run_program(argc, argv); });
 }

@@ -3,6 +3,7 @@
 //     figure_table FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…] …
 
 #include "cage_file.hpp"
+#include "guard.hpp"
 
 #include <chrono>
 #include <iostream>
@@ -42,6 +43,10 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
         choice, cage->polygon<double>(), [&](const auto& coordinates) -> std::string {
             const auto [binding, report] = cageform::bind(coordinates, *figure);
             if (report.status != cageform::Status::ok) return describe_faults(cage_path, report);
+            if (!report.outside.empty()) {
+                return figure_path + ": " + std::to_string(report.outside.size()) +
+                       " points lie outside the cage " + cage_path;
+            }
             const double bind_seconds =
                 median_seconds(5, 1, [&] { (void)cageform::bind(coordinates, *figure); });
             std::vector<Point2> out(figure->size());
@@ -60,12 +65,15 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
         });
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
+    const std::string usage =
+        "arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly\n";
+    if (argc == 2 && (argv[1] == std::string("--help") || argv[1] == std::string("-h"))) {
+        std::cout << "Prints how long figures take to bind and clone, and how exact they are; " << usage;
+        return 0;
+    }
     if (argc < 5 || (argc - 1) % 4 != 0) {
-        std::cerr << "figure_table: arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], "
-                     "repeatedly\n";
+        std::cerr << "figure_table: " << usage;
         return 1;
     }
     std::printf("%-8s %-12s %6s %8s %9s %9s %15s %13s\n", "figure", "coordinates", "points", "handles",
@@ -83,4 +91,10 @@ int main(int argc, char** argv) {
         }
     }
     return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("figure_table", [&] { return run_program(argc, argv); });
 }

@@ -104,13 +104,22 @@ auto with_coordinates(const CoordinatesChoice& choice, const cageform::Polygon<T
     return f(cageform::MeanValueCoordinates<T, 2>(cage));
 }
 
+/// "edges cross or touch (3, 7)", with only the numbers that mean something.
+inline std::string describe_fault(const cageform::CageFault& fault) {
+    using Kind = cageform::CageFaultKind;
+    if (fault.kind == Kind::degenerate_simplex) return cageform::to_string(fault.kind);
+    const bool one = fault.kind == Kind::vertex_not_finite || fault.kind == Kind::no_area ||
+                     fault.kind == Kind::collinear_vertex || fault.kind == Kind::loop_turns_otherwise;
+    return std::string(cageform::to_string(fault.kind)) + " (" + std::to_string(fault.a) +
+           (one ? "" : ", " + std::to_string(fault.b)) + ")";
+}
+
 /// One line per fault of the cage that prevents a bind: "cat_cage.svg: edges cross or touch (3, 7)".
 inline std::string describe_faults(const std::string& name, const cageform::BindReport& report) {
     std::string text = name + ": " + cageform::to_string(report.status);
     for (const auto& fault : report.cage.faults) {
         if (cageform::status_of(fault.kind) == cageform::Status::ok) continue;
-        text += "\n  " + std::string(cageform::to_string(fault.kind)) + " (" + std::to_string(fault.a) +
-                ", " + std::to_string(fault.b) + ")";
+        text += "\n  " + describe_fault(fault);
     }
     return text;
 }
@@ -127,18 +136,24 @@ inline std::string describe(const cageform::BindReport& report) {
     };
     text << "status: " << cageform::to_string(report.status) << '\n';
     for (const auto& fault : report.cage.faults) {
-        text << "  cage: " << cageform::to_string(fault.kind) << " (" << fault.a << ", " << fault.b << ")\n";
+        text << "  cage: " << describe_fault(fault) << '\n';
     }
     text << "points: " << report.points << '\n';
     list("on the boundary", report.on_boundary);
     list("outside", report.outside);
     list("not finite", report.not_finite);
     list("not reached by the solver", report.unreached);
-    text << "largest |sum w - 1|: " << report.partition_error.value << " at point "
-         << report.partition_error.point << "\nlargest |sum w c - p|: " << report.reproduction_error.value
-         << " at point " << report.reproduction_error.point << "\nleast weight: " << report.least_weight.value
-         << " at point " << report.least_weight.point
-         << "\nlinear precision restored from: " << report.residual_restored.value
+    const auto extreme = [&](const char* what, const cageform::Extreme& value) {
+        text << what << ": ";
+        if (value.point == value.none)
+            text << "no point bound\n";
+        else
+            text << value.value << " at point " << value.point << '\n';
+    };
+    extreme("largest |sum w - 1|", report.partition_error);
+    extreme("largest |sum w c - p|", report.reproduction_error);
+    extreme("least weight", report.least_weight);
+    text << "linear precision restored from: " << report.residual_restored.value
          << " (largest change of a weight " << report.weight_change.value << ")\n";
     if (report.solver.solves > 0) {
         text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@ namespace cageform_examples {
 namespace detail {
 
 inline std::string_view trim(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3); // a byte order mark
     const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     while (!text.empty() && blank(text.front())) text.remove_prefix(1);
     while (!text.empty() && blank(text.back())) text.remove_suffix(1);
@@ -57,13 +59,18 @@ public:
     explicit PointReader(const std::string& path)
         : path_(path)
         , file_(path) {
+        if (std::filesystem::is_directory(path)) {
+            error_ = path + ": is a folder";
+            return;
+        }
         if (!file_ || file_.peek() == std::ifstream::traits_type::eof()) {
             error_ = path + (file_.is_open() ? ": is empty" : ": cannot be read");
             return;
         }
         file_.seekg(0, std::ios::end);
         size_ = file_.tellg();
-        file_.seekg(0);
+        file_.clear(); // a pipe has no end to seek
+        if (size_ > 0) file_.seekg(0);
     }
 
     /// Fills `points` with the next at most `most` points; false at the end of the file or on an error.
@@ -104,6 +111,7 @@ private:
 inline SvgResult<std::vector<std::vector<Point2>>> read_cage_csv(const std::string& path) {
     std::ifstream file(path);
     if (!file) return SvgError{path + ": cannot be read"};
+    if (std::filesystem::is_directory(path)) return SvgError{path + ": is a folder"};
     std::vector<std::vector<Point2>> loops;
     bool gap = true;
     std::string line;

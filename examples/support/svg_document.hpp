@@ -433,6 +433,12 @@ private:
         if (kind == "use") return visit_use(node, parent, viewport, depth);
         if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
 
+        // Pages and hidden layers need not lie in the cage. To be read (a cage, say) a shape may be hidden.
+        if (follow_references_ &&
+            (attribute_text(node, "display") == "none" || style_property(node, "display") == "none")) {
+            warn(node, "is not displayed and stays as it is");
+            return true;
+        }
         Affine2 to_root = parent;
         if (!apply_transform(node, to_root)) return false;
         if (!visit_references(node, to_root, viewport, depth)) return false;

@@ -6,9 +6,12 @@
 //   CAGEFORM_REGISTER_BYTES          width of the vector register the kernels are written for: 16, 32 or
 //                                    64; follows the compiler's target flags, 0 means plain scalars.
 //
-// Both change code, so both are part of the inline namespace CAGEFORM_ABI: two files compiled with
-// different settings have different names for everything instead of one name for two things.
+// Both change code, and so do -fno-exceptions and -ffast-math. All are part of the inline namespace CAGEFORM_ABI
+// (of an assert of one's own, only that it is one): two files compiled with different settings have different
+// names for everything instead of one name for two things.
 #pragma once
+
+#include <cageform/version.hpp>
 
 #if !defined(CAGEFORM_ASSERT)
 #include <cassert>
@@ -34,6 +37,20 @@
 #endif
 #endif
 
-#define CAGEFORM_DETAIL_JOIN_EXPANDED(assert_tag, bytes) v0_1_##assert_tag##bytes
-#define CAGEFORM_DETAIL_JOIN(assert_tag, bytes) CAGEFORM_DETAIL_JOIN_EXPANDED(assert_tag, bytes)
-#define CAGEFORM_ABI CAGEFORM_DETAIL_JOIN(CAGEFORM_DETAIL_ASSERT_TAG, CAGEFORM_REGISTER_BYTES)
+#if defined(__cpp_exceptions)
+#define CAGEFORM_DETAIL_EXCEPTIONS_TAG e
+#else
+#define CAGEFORM_DETAIL_EXCEPTIONS_TAG x
+#endif
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+#define CAGEFORM_DETAIL_MATH_TAG f
+#else
+#define CAGEFORM_DETAIL_MATH_TAG s
+#endif
+
+#define CAGEFORM_DETAIL_JOIN_EXPANDED(major, minor, assert_tag, exceptions_tag, math_tag, bytes)             \
+    v##major##_##minor##_##assert_tag##exceptions_tag##math_tag##bytes
+#define CAGEFORM_DETAIL_JOIN(...) CAGEFORM_DETAIL_JOIN_EXPANDED(__VA_ARGS__)
+#define CAGEFORM_ABI                                                                                         \
+    CAGEFORM_DETAIL_JOIN(CAGEFORM_VERSION_MAJOR, CAGEFORM_VERSION_MINOR, CAGEFORM_DETAIL_ASSERT_TAG,         \
+                         CAGEFORM_DETAIL_EXCEPTIONS_TAG, CAGEFORM_DETAIL_MATH_TAG, CAGEFORM_REGISTER_BYTES)

@@ -103,3 +103,17 @@ TEST_CASE("bindings are copied whole and moved whole", "[binding]") {
     CHECK(memory.rest.size() == 3 * 2);
     STATIC_REQUIRE(std::is_nothrow_move_constructible_v<Binding<double, 2>>);
 }
+
+TEST_CASE("a binding that was moved from or gave its memory away is empty", "[binding]") {
+    auto binding = numbered<double, 2>(20, 3);
+    const auto moved = std::move(binding);
+    CHECK(moved.point_count() == 20);
+    CHECK(moved.handle_count() == 3);
+    CHECK(binding.point_count() == 0); // NOLINT(bugprone-use-after-move): what is tested
+    CHECK(binding.handle_count() == 0);
+    binding = numbered<double, 2>(20, 3);
+    const auto memory = std::move(binding).release();
+    CHECK(memory.weights.size() == block_count<double>(20) * 3);
+    CHECK(binding.point_count() == 0); // NOLINT(bugprone-use-after-move): what is tested
+    CHECK(binding.view().handle_count() == 0);
+}

@@ -288,3 +288,34 @@ TEST_CASE("barycentric coordinates take a two-dimensional cage like the other ty
     CHECK(of_square.cage_report().status == Status::not_a_simplex);
     STATIC_REQUIRE(!std::is_constructible_v<cageform::BarycentricCoordinates3d, cageform::Polygon<double>>);
 }
+
+TEST_CASE("barycentric coordinates say when a polygon is not one loop of three",
+          "[coordinates][barycentric]") {
+    const std::vector<Vec<double, 2>> triangle{{0, 0}, {4, 0}, {0, 2}};
+    const std::vector<std::size_t> split{1, 2}, too_many{7};
+    const cageform::BarycentricCoordinates2d two_loops{cageform::Polygon<double>(triangle, split)};
+    CHECK(two_loops.cage_report().status == Status::not_a_simplex);
+    const cageform::BarycentricCoordinates2d no_match{cageform::Polygon<double>(triangle, too_many)};
+    CHECK(no_match.cage_report().status == Status::loops_do_not_match);
+}
+
+TEST_CASE("weights that the scalar cannot hold make a point unreached",
+          "[coordinates][barycentric][binding]") {
+    const std::vector<Vec<float, 2>> tiny{{0, 0}, {1e-20f, 0}, {0, 1e-20f}};
+    const std::vector<Vec<float, 2>> points{{1e20f, 1e20f}, {2e-21f, 2e-21f}};
+    const auto [binding, report] = cageform::bind(cageform::BarycentricCoordinates2f(tiny), points);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.unreached == std::vector<std::size_t>{0});
+    std::vector<Vec<float, 2>> out(2);
+    REQUIRE(cageform::clone(binding, tiny, out) == Status::ok);
+    CHECK(out == points);
+}
+
+TEST_CASE("a boundary point is found from where all are equally near", "[coordinates][barycentric]") {
+    const std::vector<Vec<double, 2>> triangle{{10, 10}, {14, 10}, {10, 12}};
+    const cageform::BarycentricCoordinates2d coordinates(triangle);
+    std::array<double, 3> row{};
+    const auto q = coordinates.nearest_boundary({1e160, 11}, row);
+    CHECK(sum_of(row) == 1);
+    CHECK(distance(q, combine(row, triangle)) == 0);
+}

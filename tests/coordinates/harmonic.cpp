@@ -3,6 +3,7 @@
 #include "support/oracle.hpp"
 #include "support/weights.hpp"
 
+#include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 
 #include <array>
@@ -198,7 +199,7 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
                                points.begin() + std::ptrdiff_t(begin + 20));
         const auto weights = evaluate_all(coordinates, batch);
         REQUIRE(weights.status() == Status::ok);
-        CHECK(weights.evaluation.solver.solves == 0); // kept
+        CHECK(weights.evaluation.solver.solves == cage.size()); // that of the solve
         for (std::size_t i = 0; i < 20; ++i) {
             CHECK(weights.rows[i] == expected.rows[begin + i]);
             CHECK(weights.states[i] == expected.states[begin + i]);
@@ -206,7 +207,7 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
     }
     const Harmonic<T> copy = coordinates; // with what was solved
     CHECK(evaluate_all(copy, points).rows == expected.rows);
-    CHECK(evaluate_all(copy, points).evaluation.solver.solves == 0);
+    CHECK(evaluate_all(copy, points).evaluation.solver.sweeps == expected.evaluation.solver.sweeps);
 }
 
 TEMPLATE_TEST_CASE("harmonic states are those of locate, or unreached", "[coordinates][harmonic][state]",
@@ -424,4 +425,17 @@ TEMPLATE_TEST_CASE("harmonic weights at the ends of the scalar's range", "[coord
         // Vertices and points are rounded anew, which data and samples follow; 1e-4 for a sweep more or less.
         CHECK(difference(weights.rows[i], expected.rows[i]) <= 1e-4 + 1000 * double(epsilon<T>));
     }
+}
+
+TEST_CASE("restoring linear precision turns no harmonic weight more negative than it says",
+          "[coordinates][harmonic][binding]") {
+    const Polygon<double> cage(random_star<double>(5));
+    const cageform::HarmonicCoordinates2d coordinates(cage, {.resolution = 64});
+    Random random(5);
+    Points2<double> points(300);
+    for (auto& p : points) p = random_inside(cage, random);
+    const auto report = cageform::bind(coordinates, points).report;
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.weight_change.value > 0);
+    CHECK(report.least_weight.value >= -report.weight_change.value - 1e-12);
 }

@@ -439,3 +439,19 @@ TEST_CASE("mean value coordinates keep what they were made from", "[coordinates]
     CHECK(cageform::weights_at(coordinates, Vec<float, 2>{1, 1}, row) == PointState::inside);
     for (const double w : row) CHECK(w == Approx(0.25).epsilon(1e-15));
 }
+
+TEST_CASE("points on edges are known at the ends of float's range", "[coordinates][mean_value][scale]") {
+    const int exponent = GENERATE(-120, -80, 0, 80, 120);
+    CAPTURE(exponent);
+    const float scale = std::ldexp(1.0f, exponent);
+    std::vector<Vec<float, 2>> cage{{0, 0}, {4, 0}, {4, 3}, {2, 1}, {0, 3}};
+    for (auto& c : cage) c = scale * c;
+    const cageform::MeanValueCoordinates2f coordinates(cage);
+    REQUIRE(coordinates.cage_report().status == Status::ok);
+    std::vector<float> row(cage.size());
+    for (std::size_t i = 0; i < cage.size(); ++i) {
+        const auto middle = 0.5f * (cage[i] + cage[(i + 1) % cage.size()]);
+        CHECK(cageform::weights_at(coordinates, middle, row) == PointState::on_boundary);
+        CHECK(cageform::weights_at(coordinates, cage[i], row) == PointState::on_boundary);
+    }
+}

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <limits>
 #include <mutex>
+#include <new>
 #include <set>
 #include <utility>
 #include <vector>
@@ -125,4 +126,16 @@ TEST_CASE("a loop refers to its body", "[core][parallel]") {
     ThreadedFor{3}(1000, 10, counter);
     CHECK(counter.total == 1100);
     ThreadedFor{3}(1000, 10, Counter{}); // a temporary lives long enough
+}
+
+TEST_CASE("an exception in a threaded loop reaches the caller", "[core][parallel]") {
+    const ThreadedFor loop{3};
+    for (const std::size_t culprit : {0u, 57u, 99u}) {
+        CAPTURE(culprit);
+        CHECK_THROWS_AS(loop(100, 1,
+                             [&](std::size_t begin, std::size_t) {
+                                 if (begin == culprit) throw std::bad_alloc();
+                             }),
+                        std::bad_alloc);
+    }
 }

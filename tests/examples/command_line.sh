@@ -91,6 +91,22 @@ for scalar in float double; do
     works "weights, $scalar $type" "$weights" --cage hole.csv --points points.csv --coordinates $type --scalar $scalar --resolution 64 --tolerance 1e-5 -o w.csv
   done
 done
+printf '0,0\n4,0\n4,4\n0,4\n' >square.csv
+printf '2,2\n1,2\n' >middle.csv
+works "a report of a square" "$weights" --cage square.csv --points middle.csv --report -o w.csv
+grep -q 'least weight: 0.1' log && ok=yes || ok=no
+report $ok "the least weight is one of the weights"
+works "points from a pipe" sh -c "cat middle.csv | '$weights' --cage square.csv --points /dev/stdin -o w.csv"
+[ "$(wc -l <w.csv)" -eq 3 ] && ok=yes || ok=no
+report $ok "all points of a pipe"
+echo precious >keep.csv
+printf 'x,y\n' >header.csv
+refuses 'holds no points' "$weights" --cage square.csv --points header.csv -o keep.csv
+grep -q precious keep.csv && ok=yes || ok=no
+report $ok "the output of a refused run is what it was"
+mkdir -p folder.csv
+refuses 'is a folder' "$weights" --cage folder.csv --points middle.csv -o out.csv
+refuses 'is a folder' "$weights" --cage square.csv --points folder.csv -o out.csv
 printf '1,2\n3\n' >short.csv
 printf '1,2\n3,x\n' >word.csv
 printf '0,0\n1,1\n' >two.csv
@@ -115,6 +131,11 @@ works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic
 refuses 'not one of' "$table" "$cat" "$cage" "$pose" wachspress
 refuses 'arguments' "$table" "$cat"
 works "a sheet" "$programs/contact_sheet" -o sheet.svg "at rest" "$cat" "a step" cat.svg
+works "a caption with signs" "$programs/contact_sheet" -o sheet.svg "a < b & c" "$cat"
+grep -q 'a &lt; b &amp; c' sheet.svg && ok=yes || ok=no
+report $ok "a caption is escaped"
+works "help of the table" "$table" --help
+refuses 'outside the cage' "$table" "$cat" "$data/man_cage.svg" "$data/man_pose.svg" mean-value
 refuses 'alternate' "$programs/contact_sheet" -o out.svg lonely
 refuses 'nowhere.svg' "$programs/contact_sheet" -o out.svg caption nowhere.svg
 

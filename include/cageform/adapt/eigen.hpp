@@ -11,7 +11,7 @@ template <class T, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
 struct cageform::PointTraits<Eigen::Matrix<T, Rows, Cols, Options, MaxRows, MaxCols>> {
     using P = Eigen::Matrix<T, Rows, Cols, Options, MaxRows, MaxCols>;
     using scalar = T;
-    static constexpr std::size_t dimension = Rows * Cols;
+    static constexpr std::size_t dimension = std::size_t(Rows) * std::size_t(Cols);
     static T get(const P& p, std::size_t axis) noexcept { return p[Eigen::Index(axis)]; }
     static void set(P& p, std::size_t axis, T x) noexcept { p[Eigen::Index(axis)] = x; }
 };
@@ -48,5 +48,13 @@ auto points_in_columns(M&& matrix) noexcept {
                                matrix.colStride() * std::ptrdiff_t(sizeof(T)),
                                matrix.rowStride() * std::ptrdiff_t(sizeof(T)));
 }
+
+/// A view of a temporary would outlive it.
+template <std::size_t D, class M>
+    requires(std::is_base_of_v<Eigen::PlainObjectBase<M>, M>)
+auto points_in_rows(M&& matrix) = delete;
+template <std::size_t D, class M>
+    requires(std::is_base_of_v<Eigen::PlainObjectBase<M>, M>)
+auto points_in_columns(M&& matrix) = delete;
 
 } // namespace cageform::inline CAGEFORM_ABI

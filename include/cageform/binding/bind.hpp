@@ -20,7 +20,8 @@ enum class OutsidePoints : std::uint8_t {
 };
 
 /// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least change,
-/// in the sense of least squares over the handles, that restores both. Affine poses are then exact.
+/// in the sense of least squares over the handles, that restores both. Affine poses are then exact; a weight
+/// near zero may turn negative by at most BindReport::weight_change.
 enum class LinearPrecision : std::uint8_t { restore, leave };
 
 struct BindOptions {
@@ -30,10 +31,19 @@ struct BindOptions {
     Progress progress{};
 };
 
-/// The largest (or least) value met, and at which point; `point` is meaningless while no point was bound.
+/// The largest (or least) value met, and at which point.
 struct Extreme {
+    static constexpr std::size_t none = ~std::size_t{0};
+
     double value = 0;
-    std::size_t point = 0;
+    std::size_t point = none; ///< none while there was no value
+
+    void raise(const Extreme& other) noexcept {
+        if (other.point != none && (point == none || other.value > value)) *this = other;
+    }
+    void lower(const Extreme& other) noexcept {
+        if (other.point != none && (point == none || other.value < value)) *this = other;
+    }
 };
 
 /// How a bind went. Lists hold indices of points in ascending order.
@@ -45,13 +55,14 @@ struct BindReport {
     std::vector<std::size_t> on_boundary;
     std::vector<std::size_t> outside;    ///< treated as BindOptions::outside says
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
-    std::vector<std::size_t> unreached;  ///< no value from the solver; kept in place
+    std::vector<std::size_t> unreached;  ///< weights cannot be had or represented; kept in place
     Extreme partition_error;             ///< largest |Σw − 1| of the finished weights
-    Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, in the units of the cage
+    Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, in the units of the cage; p is
+                                ///< the boundary point for OutsidePoints::nearest_boundary
     Extreme weight_change;      ///< largest change of a weight by LinearPrecision::restore
-    Extreme residual_restored;  ///< largest |Σwc − p| before it
-    Extreme least_weight;       ///< negative weights are no fault of closed forms
-    double seconds = 0;         ///< wall-clock time, the solver's included
+    Extreme residual_restored; ///< largest |Σwc − p| before it
+    Extreme least_weight;      ///< negative weights are no fault of closed forms
+    double seconds = 0;        ///< wall-clock time, the solver's included
 };
 
 template <Scalar T, std::size_t D>
@@ -192,7 +203,6 @@ public:
 
     Status run(Binding<T, D>& binding, BindReport& report) {
         auto [weights, rest] = std::move(binding).release();
-        binding = {};
         const std::size_t blocks = block_count<T>(count_);
         rest.resize(blocks * D);
         weights.resize(blocks * handles_.size());
@@ -236,8 +246,7 @@ private:
 
     struct Piece {
         Status status = Status::ok;
-        Extreme partition, reproduction, change, before;
-        Extreme least{std::numeric_limits<double>::infinity()};
+        Extreme partition, reproduction, change, before, least;
     };
 
     /// Runs body(piece) for all pieces in parallel, telling the progress from `from` to `to` in between.
@@ -303,27 +312,31 @@ private:
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 if (bound[lane] == T(0)) continue;
                 const std::size_t i = b * lanes + lane;
-                raise(piece.partition, {double(outcome.partition[lane]), i});
-                raise(piece.reproduction, {double(outcome.reproduction[lane]), i});
-                raise(piece.change, {double(outcome.change[lane]), i});
-                if (outcome.change[lane] > T(0)) raise(piece.before, {double(outcome.before[lane]), i});
-                lower(piece.least, {double(outcome.least[lane]), i});
+                if (!is_finite(outcome.partition[lane]) || !is_finite(outcome.reproduction[lane])) {
+                    // Too far away for the scalar: a weight or what it makes is not representable.
+                    states_[i] = PointState::unreached;
+                    for (std::size_t h = 0; h < handles_.size(); ++h) block[h][lane] = T(0);
+                    continue;
+                }
+                piece.partition.raise({double(outcome.partition[lane]), i});
+                piece.reproduction.raise({double(outcome.reproduction[lane]), i});
+                piece.change.raise({double(outcome.change[lane]), i});
+                if (outcome.change[lane] > T(0)) piece.before.raise({double(outcome.before[lane]), i});
+                piece.least.lower({double(outcome.least[lane]), i});
             }
         }
     }
 
     /// Puts the pieces together, in their order.
     Status gather(BindReport& report) const {
-        Extreme least{std::numeric_limits<double>::infinity()};
         for (const Piece& piece : pieces_) {
             if (piece.status != Status::ok) return piece.status;
-            raise(report.partition_error, piece.partition);
-            raise(report.reproduction_error, piece.reproduction);
-            raise(report.weight_change, piece.change);
-            raise(report.residual_restored, piece.before);
-            lower(least, piece.least);
+            report.partition_error.raise(piece.partition);
+            report.reproduction_error.raise(piece.reproduction);
+            report.weight_change.raise(piece.change);
+            report.residual_restored.raise(piece.before);
+            report.least_weight.lower(piece.least);
         }
-        if (least.value <= std::numeric_limits<double>::max()) report.least_weight = least;
         for (std::size_t i = 0; i < count_; ++i) {
             switch (states_[i]) {
             case PointState::inside: break;
@@ -334,13 +347,6 @@ private:
             }
         }
         return Status::ok;
-    }
-
-    static void raise(Extreme& extreme, const Extreme& other) noexcept {
-        if (other.value > extreme.value) extreme = other;
-    }
-    static void lower(Extreme& extreme, const Extreme& other) noexcept {
-        if (other.value < extreme.value) extreme = other;
     }
 
     const C& coordinates_;

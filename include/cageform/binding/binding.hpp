@@ -3,6 +3,7 @@
 
 #include <cageform/core/blocks.hpp>
 
+#include <utility>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -36,6 +37,18 @@ public:
     static constexpr std::size_t dimension = D;
 
     Binding() = default;
+    Binding(const Binding&) = default;
+    Binding& operator=(const Binding&) = default;
+    /// What is moved from is empty.
+    Binding(Binding&& other) noexcept { *this = std::move(other); }
+    Binding& operator=(Binding&& other) noexcept {
+        weights_ = std::exchange(other.weights_, {});
+        rest_ = std::exchange(other.rest_, {});
+        rest_handles_ = std::exchange(other.rest_handles_, {});
+        point_count_ = std::exchange(other.point_count_, 0);
+        return *this;
+    }
+    ~Binding() = default;
     Binding(std::vector<Lanes<T>> weights, std::vector<Lanes<T>> rest, std::vector<Vec<T, D>> rest_handles,
             std::size_t point_count) noexcept
         : weights_(std::move(weights))
@@ -47,11 +60,14 @@ public:
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");
     }
 
-    /// Gives the memory of weights and rest points away, to be filled anew.
+    /// Gives the memory of weights and rest points away, to be filled anew; the binding is then empty.
     struct Memory {
         std::vector<Lanes<T>> weights, rest;
     };
-    Memory release() && noexcept { return {std::move(weights_), std::move(rest_)}; }
+    Memory release() && noexcept {
+        Binding emptied = std::move(*this);
+        return {std::move(emptied.weights_), std::move(emptied.rest_)};
+    }
 
     std::size_t handle_count() const noexcept { return rest_handles_.size(); }
     std::size_t point_count() const noexcept { return point_count_; }

@@ -28,7 +28,7 @@ BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::
     const double length2 = dot(e, e);
     const double from_a = length2 > 0 ? dot(q - a, e) / length2 : 0;
     const double from_b = length2 > 0 ? dot(b - q, e) / length2 : 1;
-    double s = from_a <= 0.5 ? std::fmax(from_a, 0.0) : std::fmin(1 - from_b, 1.0);
+    const double s = from_a <= 0.5 ? std::fmax(from_a, 0.0) : std::fmin(1 - from_b, 1.0);
     const auto x = s <= 0.5 ? a + s * e : b - std::fmax(from_b, 0.0) * e;
     return {i, j, static_cast<T>(s), static_cast<T>(std::hypot(x[0] - q[0], x[1] - q[1])), vec_cast<T>(x)};
 }

@@ -100,7 +100,8 @@ void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, 
 ///   cost          reads every weight once: #points × (#handles + D) scalars; no allocation
 ///
 /// The pose at rest gives the bound points bit for bit. An affine pose moves every bound point by the same
-/// affine map, to rounding.
+/// affine map, to rounding (points kept in place stay, points outside that follow the nearest boundary point move
+/// as it does).
 template <Scalar T, std::size_t D, PointRange Pose, class Out, class Parallel = SerialFor>
     requires(MutablePointRange<std::remove_reference_t<Out>>&& range_dimension<Pose> == D &&
              range_dimension<std::remove_reference_t<Out>> == D)
@@ -120,8 +121,10 @@ noexcept {
 
 /// The same for the owner of a binding.
 template <Scalar T, std::size_t D, PointRange Pose, class Out, class Parallel = SerialFor>
-Status clone(const Binding<T, D>& binding, const Pose& pose, Out&& out,
-             const Parallel& parallel_for = {}) noexcept {
+    requires(MutablePointRange<std::remove_reference_t<Out>>&& range_dimension<Pose> == D &&
+             range_dimension<std::remove_reference_t<Out>> == D)
+Status clone(const Binding<T, D>& binding, const Pose& pose, Out&& out, const Parallel& parallel_for = {})
+noexcept {
     return clone(binding.view(), pose, out, parallel_for);
 }
 

@@ -37,7 +37,13 @@ public:
 
     /// The cage of the two-dimensional types, so that they can be exchanged.
     explicit BarycentricCoordinates(const Polygon<T>& cage) requires(D == 2)
-        : BarycentricCoordinates(cage.vertices()) {}
+        : BarycentricCoordinates(cage.vertices()) {
+        if (!cage.loops_match()) {
+            report_.add(CageFaultKind::loops_do_not_match);
+        } else if (cage.loops().size() != 1) {
+            report_.add(CageFaultKind::not_a_simplex, cage.size(), 3);
+        }
+    }
 
     std::span<const Vec<T, D>> handles() const noexcept { return vertices_; }
     const CageReport& cage_report() const noexcept { return report_; }
@@ -55,7 +61,7 @@ public:
                 {}};
     }
 
-    Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const noexcept {
+    Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
         // The nearest point of a simplex is the projection onto the span of one of its faces.
         double least = std::numeric_limits<double>::max();
         std::array<double, D + 1> best{};
@@ -72,7 +78,7 @@ public:
             const Eigen::VectorXd s =
                 (span.transpose() * span).ldlt().solve(span.transpose() * (eigen(p) - base));
             if ((count > 1 && s.minCoeff() < 0) || s.sum() > 1) continue;
-            const double distance = (base + span * s - eigen(p)).norm();
+            const double distance = (base + span * s - eigen(p)).stableNorm();
             if (distance >= least) continue;
             least = distance;
             best.fill(0);

@@ -115,6 +115,16 @@ PointState weights_at(const C& coordinates, const P& point, std::span<typename C
 
 namespace detail {
 
+/// The caller's parallel_for; one left empty is the serial one.
+template <class Body>
+void in_parallel(const EvaluateOptions& options, std::size_t count, std::size_t grain, const Body& body) {
+    if (options.parallel) {
+        options.parallel(count, grain, body);
+    } else {
+        SerialFor{}(count, grain, body);
+    }
+}
+
 /// Runs body(first, last) over `blocks` (or pieces) in parallel, in at most fifty steps between which the
 /// caller's progress is told. Returns Status::cancelled when it says so.
 template <class Body>
@@ -123,7 +133,7 @@ Status for_each_block(std::size_t blocks, const EvaluateOptions& options, const 
     const std::size_t step = options.progress ? std::max<std::size_t>(blocks / 50, 16 * grain) : blocks;
     for (std::size_t begin = 0; begin < blocks; begin += step) {
         const std::size_t count = std::min(step, blocks - begin);
-        options.parallel(count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
+        in_parallel(options, count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
         if (options.progress && !options.progress(double(begin + count) / double(blocks)))
             return Status::cancelled;
     }

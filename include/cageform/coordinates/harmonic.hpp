@@ -31,10 +31,11 @@ class HarmonicCoordinates;
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 3 and 4. On vertices and edges the boundary data itself is taken, so they are exact there.
 ///
-///   range     [0, 1] to rounding (a mean of values in [0, 1]); sum to 1 to the solver's tolerance
+///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear precision; sum to 1
+///             as far as the solver got: its tolerance is on the change of a sweep, not on the error
 ///   accuracy  with the averaging pyramid: cells on the boundary are a staircase, which leaves a residual
 ///             Σwc − p of about half a cell; `bind` restores linear precision, the report says by how much
-///   cost      `evaluate` solves #V functions, unless `solve` has done so before, then samples them;
+///   cost      on one thread (EvaluateOptions::parallel serves the sampling): `evaluate` solves #V functions, unless `solve` has done so before, then samples them;
 ///             memory: handles_at_once (after `solve`: #V) scalars a cell and once 2 words a cell
 ///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; not_converged; cancelled
 ///   outside   not defined (no extension)
@@ -65,7 +66,8 @@ public:
     std::span<const Vec<T, 2>> handles() const noexcept { return cage_.vertices(); }
     const CageReport& cage_report() const noexcept { return report_; }
 
-    /// Solves all functions and keeps them, for several batches of points to be evaluated.
+    /// Solves all functions and keeps them, for several batches of points to be evaluated; their reports repeat
+    /// this solve's.
     Evaluation solve(const EvaluateOptions& options = {}) {
         Solution solution;
         Evaluation evaluation;
@@ -75,7 +77,10 @@ public:
                 status = solve_handles(solution, 0, cage_.size(), evaluation.solver, options.progress);
             return status;
         });
-        if (evaluation.status == Status::ok) kept_ = std::move(solution);
+        if (evaluation.status == Status::ok) {
+            kept_ = std::move(solution);
+            kept_report_ = evaluation.solver;
+        }
         return evaluation;
     }
 
@@ -85,18 +90,20 @@ public:
         Evaluation evaluation;
         evaluation.status = detail::guard_memory([&] {
             if (!kept_.fields.empty()) {
+                evaluation.solver = kept_report_;
                 return detail::for_each_block(points.blocks(), options, [&](std::size_t b, std::size_t e) {
                     sample_blocks(kept_, 0, b, e, points, weights, states);
                 });
             }
             Solution solution;
             Status status = begin(solution, evaluation.solver);
+            if (points.points == 0) return status;
             const std::size_t group = std::max<std::size_t>(1, options_.handles_at_once);
             for (std::size_t first = 0; first < cage_.size() && status == Status::ok; first += group) {
                 const std::size_t count = std::min(group, cage_.size() - first);
                 status = solve_handles(solution, first, count, evaluation.solver, options.progress);
                 if (status != Status::ok) break;
-                options.parallel(points.blocks(), 64, [&](std::size_t b, std::size_t e) {
+                detail::in_parallel(options, points.blocks(), 64, [&](std::size_t b, std::size_t e) {
                     sample_blocks(solution, first, b, e, points, weights, states);
                 });
             }
@@ -195,6 +202,7 @@ private:
     CageReport report_;
     T tolerance_;
     Solution kept_;
+    SolverReport kept_report_;
 };
 
 using HarmonicCoordinates2f = HarmonicCoordinates<float, 2>;

@@ -19,7 +19,8 @@ class MeanValueCoordinates;
 ///
 ///   range     sum to 1; may be negative where the cage is not convex, and outside
 ///   accuracy  a few roundings inside and near the cage; far away the true weights grow like the distance
-///             and cancel, so points farther than 64 diagonals are computed one precision higher
+///             and cancel, so points farther than some hundred diagonals are computed one precision higher,
+///             where the platform has one (float always; double where long double is wider)
 ///   cost      O(#V) a point; one division and one square root per vertex and eight (sixteen) points
 template <Scalar T>
 class MeanValueCoordinates<T, 2> {
@@ -50,7 +51,7 @@ public:
                 const auto& c = cage_[i];
                 const auto e = cage_[i + 1 < loop.end ? i + 1 : loop.begin] - c;
                 corners_[i] = {scale_ * c, (sign * scale_) * e,
-                               scale_ * scale_ * tolerance_ * (std::fabs(e[0]) + std::fabs(e[1]))};
+                               (scale_ * tolerance_) * (scale_ * (std::fabs(e[0]) + std::fabs(e[1])))};
             }
         }
     }
@@ -99,7 +100,7 @@ private:
         const Pack zero(T(0)), one(T(1));
         const Pack px = Pack(scale_) * Pack::load(position[0]);
         const Pack py = Pack(scale_) * Pack::load(position[1]);
-        const Pack on_vertex(scale_ * tolerance_ * scale_ * tolerance_);
+        const Pack on_vertex((scale_ * tolerance_) * (scale_ * tolerance_));
         Pack special = zero; // set to one in lanes that need the careful scalar way
         Pack sum = zero;
 

@@ -27,13 +27,15 @@ struct PointTraits;
 template <class P>
 concept Point = requires(const P& p, std::size_t axis) {
     typename PointTraits<P>::scalar;
+    requires std::is_arithmetic_v<typename PointTraits<P>::scalar>;
     requires PointTraits<P>::dimension >= 1;
     { PointTraits<P>::get(p, axis) } -> std::same_as<typename PointTraits<P>::scalar>;
 };
 
-/// A Point whose components can be set.
+/// A Point whose components can be set, to numbers that are not whole.
 template <class P>
-concept MutablePoint = Point<P> && requires(P& p, std::size_t axis) {
+concept MutablePoint = Point<P> && std::floating_point<typename PointTraits<P>::scalar> &&
+    requires(P& p, std::size_t axis) {
     PointTraits<P>::set(p, axis, typename PointTraits<P>::scalar{});
 };
 

@@ -4,12 +4,16 @@
 #include <cageform/core/parallel.hpp>
 
 #include <atomic>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Starts its threads anew for each loop (some 20 µs each): meant for binding and for large figures.
+/// Starts its threads anew for each loop (some 20 µs each): meant for binding and for large figures. It allocates,
+/// so a clone with it does too. Where the system refuses a thread the loop runs on those it has; an exception of the
+/// body ends the loop and is thrown again on the calling thread.
 struct ThreadedFor {
     unsigned threads = 0; ///< 0: as many as the machine has
 
@@ -30,10 +34,32 @@ struct ThreadedFor {
                 body(begin, begin + grain < count ? begin + grain : count);
             }
         };
+#if defined(__cpp_exceptions)
+        std::exception_ptr failure;
+        std::mutex failure_access;
+        const auto guarded = [&] {
+            try {
+                work();
+            } catch (...) {
+                next.store(pieces, std::memory_order_relaxed);
+                const std::lock_guard lock(failure_access);
+                if (!failure) failure = std::current_exception();
+            }
+        };
+        {
+            std::vector<std::jthread> pool;
+            try {
+                for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(guarded);
+            } catch (const std::exception&) { // too few threads or too little memory for more
+            }
+            guarded();
+        }
+        if (failure) std::rethrow_exception(failure);
+#else
         std::vector<std::jthread> pool;
-        pool.reserve(workers - 1);
         for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(work);
         work();
+#endif
     }
 };
 
