@@ -11,8 +11,10 @@ using Point = std::array<double, 2>;
 const std::array<Point, 8> cage{{{0, 0}, {1.9, 0}, {1.9, 4}, {2.1, 4}, {2.1, 0}, {4, 0}, {4, 6}, {0, 6}}};
 const std::array<Point, 1> right_knee{{{2.3, 2}}};
 
+namespace {
+
 template <cageform::CageCoordinates Coordinates>
-static void report_weights(const char* name, const Coordinates& coordinates) {
+void report_weights(const char* name, const Coordinates& coordinates) {
     const auto [binding, report] = cageform::bind(coordinates, right_knee);
     if (report.status != cageform::Status::ok) {
         std::printf("%s: %s\n", name, cageform::to_string(report.status));
@@ -22,6 +24,8 @@ static void report_weights(const char* name, const Coordinates& coordinates) {
     std::printf("%-10s weight of the left toe %5.2f, least weight %5.2f\n", name, binding.weight(0, 1),
                 report.least_weight.value);
 }
+
+} // namespace
 
 int main() {
     report_weights("mean value", cageform::MeanValueCoordinates2d(cage));
