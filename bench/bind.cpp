@@ -127,10 +127,11 @@ void limit_write_weights(benchmark::State& state, bool again) {
     finish(state, std::size_t(state.range(0)));
 }
 
-template <class T>
+template <class T, cageform::HarmonicSolver Solver>
 void bind_harmonic(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
     cageform::HarmonicOptions options;
+    options.solver = Solver;
     options.resolution = std::size_t(state.range(2));
     options.averaging.tolerance = 1e-5;
     run_bind(state, cageform::HarmonicCoordinates<T, 2>(cage, options),
@@ -149,7 +150,8 @@ void growing_points(benchmark::internal::Benchmark* benchmark) {
 }
 void growing_grid(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles", "resolution"})->Unit(benchmark::kMillisecond);
-    for (const int resolution : {64, 128, 256, 512}) benchmark->Args({10000, 25, resolution});
+    for (const int resolution : {64, 128, 256, 512, 1024}) benchmark->Args({10000, 25, resolution});
+    for (const int handles : {8, 50, 100}) benchmark->Args({10000, handles, 256});
 }
 
 } // namespace
@@ -166,4 +168,5 @@ BENCHMARK(plain_mean_value)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(bind_mean_value, double)->Name("bind_mean_value growth")->Apply(growing_points);
-BENCHMARK_TEMPLATE(bind_harmonic, double)->Apply(growing_grid);
+BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::multigrid)->Apply(growing_grid);
+BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::averaging_pyramid)->Apply(growing_grid);

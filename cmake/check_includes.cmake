@@ -12,6 +12,7 @@ set(allowed_clone core binding/binding.hpp clone)
 set(allowed_binding/binding.hpp core)
 # Third-party headers, by folder.
 set(third_party_adapt Eigen/ glm/)
+set(third_party_grid Eigen/)
 set(third_party_coordinates Eigen/)
 set(third_party_binding Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.

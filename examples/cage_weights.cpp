@@ -75,8 +75,8 @@ int run(const Settings& settings, const CageFile& cage) {
             const auto evaluation = coordinates.solve({.progress = bar.callback()});
             total.status = evaluation.status;
             total.cage = coordinates.cage_report();
-            if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage.name, total));
             total.solver = evaluation.solver;
+            if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage.name, total));
             total.seconds = evaluation.solver.seconds;
         }
         std::string text = "status";

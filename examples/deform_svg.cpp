@@ -106,6 +106,7 @@ int run_program(int argc, char** argv) {
             const auto evaluation = coordinates.solve({.progress = bar.callback()});
             last.status = evaluation.status;
             last.cage = coordinates.cage_report();
+            last.solver = evaluation.solver;
             if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage_path, last));
         }
         cageform::BindOptions bind_options;

@@ -90,9 +90,24 @@ struct CoordinatesChoice {
         });
         app.add_option("--resolution", harmonic.resolution, "harmonic: grid cells along the longer side")
             ->capture_default_str();
-        app.add_option("--tolerance", harmonic.averaging.tolerance,
-                       "harmonic: mean change of a cell at which sweeps end")
-            ->capture_default_str();
+        app.template add_option_function<double>(
+               "--tolerance",
+               [this](double t) { harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t; },
+               "harmonic: where the solver ends; the error (multigrid) or the mean change of a cell")
+            ->default_str("1e-06");
+        app.template add_option_function<std::string>(
+               "--solver",
+               [this](const std::string& given) {
+                   harmonic.solver = given == "multigrid" ? cageform::HarmonicSolver::multigrid
+                                                          : cageform::HarmonicSolver::averaging_pyramid;
+               },
+               "harmonic: multigrid, or the papers' averaging-pyramid")
+            ->check([](const std::string& given) {
+                return given == "multigrid" || given == "averaging-pyramid"
+                           ? std::string()
+                           : "\"" + given + "\" is not one of multigrid, averaging-pyramid";
+            })
+            ->default_str("multigrid");
     }
 };
 
@@ -117,6 +132,11 @@ inline std::string describe_fault(const cageform::CageFault& fault) {
 /// One line per fault of the cage that prevents a bind: "cat_cage.svg: edges cross or touch (3, 7)".
 inline std::string describe_faults(const std::string& name, const cageform::BindReport& report) {
     std::string text = name + ": " + cageform::to_string(report.status);
+    if (report.solver.unseen_handle != report.solver.none) {
+        text += " (vertex " + std::to_string(report.solver.unseen_handle) + ")";
+        if (report.solver.sufficient_resolution != 0)
+            text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " sees it";
+    }
     for (const auto& fault : report.cage.faults) {
         if (cageform::status_of(fault.kind) == cageform::Status::ok) continue;
         text += "\n  " + describe_fault(fault);
@@ -155,7 +175,12 @@ inline std::string describe(const cageform::BindReport& report) {
     extreme("least weight", report.least_weight);
     text << "linear precision restored from: " << report.residual_restored.value
          << " (largest change of a weight " << report.weight_change.value << ")\n";
-    if (report.solver.solves > 0) {
+    if (report.solver.cycles > 0) {
+        text << "solver: " << report.solver.cells << " unknowns, " << report.solver.solves << " functions, "
+             << report.solver.cycles << " cycles, error " << report.solver.error_estimate << " (never above "
+             << report.solver.error_bound << "), convergence factor " << report.solver.convergence_factor
+             << ", " << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
+    } else if (report.solver.solves > 0) {
         text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "
              << report.solver.sweeps << " sweeps of the finest grid, last mean change "
              << report.solver.largest_mean_change << ", " << report.solver.crowded_cells << " crowded cells, "

@@ -47,7 +47,7 @@ template <class C>
 C make(const Polygon<typename C::scalar>& cage) {
     if constexpr (is_harmonic<C>) {
         const double tolerance = sizeof(typename C::scalar) == 4 ? 1e-6 : 1e-12;
-        return C(cage, {.resolution = 24, .averaging = {.tolerance = tolerance}});
+        return C(cage, {.resolution = 24, .multigrid = {.tolerance = tolerance}});
     } else {
         return C(cage);
     }
@@ -287,8 +287,8 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
             for (const std::size_t i : order) expected.push_back(before.rows[n][i]);
             CAPTURE(back, n, text(expected), text(after.rows[n]));
             if constexpr (is_harmonic<TestType>) {
-                // Values of the boundary data differ in their last bits, and with them the last sweep: at a mean
-                // change below 1e-12 some thousand times that is left.
+                // Values of the boundary data differ in their last bits, and with them the last cycle, which may end
+                // with an error of 1e-12 or somewhat more.
                 CHECK(difference(expected, after.rows[n]) <= 1e-8);
             } else {
                 // No place is rounded anew; what remains is the order of sums and products. Outside points see the
@@ -321,7 +321,7 @@ TEST_CASE("harmonic weights go with a cage that is mirrored or turned by a right
         CHECK(before.states == after.states);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i, text(before.rows[i]), text(after.rows[i]));
-            CHECK(difference(before.rows[i], after.rows[i]) <= 1e-8); // of the sweeps, in another order here
+            CHECK(difference(before.rows[i], after.rows[i]) <= 1e-8); // of the solver, in another order here
         }
     }
 }
@@ -339,7 +339,10 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
     const auto mean = evaluate_all(Mean<T>(cage), points);
     constexpr std::size_t resolution = 40;
     const auto harmonic =
-        evaluate_all(Harmonic<T>(cage, {.resolution = resolution, .averaging = {.tolerance = 1e-7}}), points);
+        evaluate_all(Harmonic<T>(cage, {.solver = cageform::HarmonicSolver::averaging_pyramid,
+                                        .resolution = resolution,
+                                        .averaging = {.tolerance = 1e-7}}),
+                     points);
     REQUIRE(expected.status() == Status::ok);
     REQUIRE(mean.status() == Status::ok);
     REQUIRE(harmonic.status() == Status::ok);

@@ -19,6 +19,8 @@ namespace {
 template <class T>
 using Harmonic = cageform::HarmonicCoordinates<T, 2>;
 
+constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
+
 constexpr std::array oracles{"triangle",
                              "unit_square",
                              "rectangle",
@@ -75,7 +77,7 @@ TEMPLATE_TEST_CASE("harmonic weights come near the oracle as the grid becomes fi
             REQUIRE(oracle.points.size() == 20);
             const auto cage = oracle.cage<TestType>();
             const Harmonic<TestType> coordinates(
-                cage, {.resolution = level.resolution, .averaging = {.tolerance = 1e-7}});
+                cage, {.solver = pyramid, .resolution = level.resolution, .averaging = {.tolerance = 1e-7}});
             const auto weights = evaluate_all(coordinates, oracle.points);
             REQUIRE(weights.status() == Status::ok);
             const std::string kind(name);
@@ -112,8 +114,10 @@ TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates]
     const auto cage = seed % 2 == 0 ? Polygon<T>(random_star<T>(std::uint64_t(seed)))
                                     : random_rings<T>(std::uint64_t(seed));
     const double tolerance = sizeof(T) == 4 ? 1e-7 : 1e-13;
-    const Harmonic<T> coordinates(
-        cage, {.resolution = 40, .averaging = {.tolerance = tolerance}, .interpolation = interpolation});
+    const Harmonic<T> coordinates(cage, {.solver = pyramid,
+                                         .resolution = 40,
+                                         .averaging = {.tolerance = tolerance},
+                                         .interpolation = interpolation});
     const auto points = points_inside(cage, 100, std::uint64_t(seed) + 100);
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
@@ -135,7 +139,8 @@ TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates]
 TEST_CASE("harmonic weights are not negative in the biped", "[coordinates][harmonic][property]") {
     const auto cage = read_oracle("harmonic2d_biped").cage<double>();
     const auto points = points_inside(cage, 2000, 1);
-    const Harmonic<double> coordinates(cage, {.resolution = 64, .averaging = {.tolerance = 1e-7}});
+    const Harmonic<double> coordinates(
+        cage, {.solver = pyramid, .resolution = 64, .averaging = {.tolerance = 1e-7}});
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
     double least = 1;
@@ -146,9 +151,10 @@ TEST_CASE("harmonic weights are not negative in the biped", "[coordinates][harmo
 TEST_CASE("harmonic weights have no maximum inside", "[coordinates][harmonic][property]") {
     // A cell is the mean of its neighbours, so in one of the four directions a weight does not fall.
     const auto cage = read_oracle("harmonic2d_star").cage<double>();
-    Harmonic<double> coordinates(
-        cage,
-        {.resolution = 64, .averaging = {.tolerance = 1e-12}, .interpolation = Interpolation::nearest_cell});
+    Harmonic<double> coordinates(cage, {.solver = pyramid,
+                                        .resolution = 64,
+                                        .averaging = {.tolerance = 1e-12},
+                                        .interpolation = Interpolation::nearest_cell});
     REQUIRE(coordinates.solve().status == Status::ok);
     const double h = spacing(cage, 64);
     Random random(2);
@@ -174,7 +180,7 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
     CAPTURE(seed);
     const auto cage = random_rings<T>(std::uint64_t(seed));
     const auto points = points_inside(cage, 60, std::uint64_t(seed) + 200);
-    const HarmonicOptions options{.resolution = 32, .averaging = {.tolerance = 1e-6}};
+    const HarmonicOptions options{.solver = pyramid, .resolution = 32, .averaging = {.tolerance = 1e-6}};
     const auto expected = evaluate_all(Harmonic<T>(cage, options), points);
     REQUIRE(expected.status() == Status::ok);
     CHECK(expected.evaluation.solver.solves == cage.size());
@@ -233,8 +239,8 @@ TEMPLATE_TEST_CASE("harmonic states are those of locate, or unreached", "[coordi
     const T nan = std::numeric_limits<T>::quiet_NaN();
     points.push_back({nan, 0});
     points.push_back({bounds.lower[0], std::numeric_limits<T>::infinity()});
-    const auto weights =
-        evaluate_all(Harmonic<T>(cage, {.resolution = 48, .averaging = {.tolerance = 1e-4}}), points);
+    const auto weights = evaluate_all(
+        Harmonic<T>(cage, {.solver = pyramid, .resolution = 48, .averaging = {.tolerance = 1e-4}}), points);
     REQUIRE(weights.status() == Status::ok);
     std::size_t inside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -252,7 +258,8 @@ TEST_CASE("every point inside is reached, by the coarsest grid too", "[coordinat
         const auto cage = read_oracle(std::string("harmonic2d_") + name).cage<double>();
         const auto points = points_inside(cage, 300, 3);
         for (const auto interpolation : {Interpolation::nearest_cell, Interpolation::multilinear}) {
-            const auto weights = evaluate_all(Harmonic<double>(cage, {.resolution = 8,
+            const auto weights = evaluate_all(Harmonic<double>(cage, {.solver = pyramid,
+                                                                      .resolution = 8,
                                                                       .averaging = {.tolerance = 1e-3},
                                                                       .interpolation = interpolation}),
                                               points);
@@ -268,9 +275,10 @@ TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
     // 20 cells, margin of 2 on each side: the unit square takes 16 cells a side, the 16 about its border and the
     // ones beyond being boundary.
     const auto weight = [](Interpolation interpolation, Vec<double, 2> p) {
-        const Harmonic<double> coordinates(
-            square<double>,
-            {.resolution = 20, .averaging = {.tolerance = 1e-13}, .interpolation = interpolation});
+        const Harmonic<double> coordinates(square<double>, {.solver = pyramid,
+                                                            .resolution = 20,
+                                                            .averaging = {.tolerance = 1e-13},
+                                                            .interpolation = interpolation});
         std::array<double, 4> row{};
         CHECK(cageform::weights_at(coordinates, p, row) == PointState::inside);
         return row[2];
@@ -290,7 +298,8 @@ TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
 TEST_CASE("a square's harmonic weights are bilinear but for the staircase", "[coordinates][harmonic]") {
     // The boundary cells at either side of the border (the border runs along cell faces) hold its data, so the
     // solution is that of a square smaller by half a cell.
-    const Harmonic<double> coordinates(square<double>, {.resolution = 36, .averaging = {.tolerance = 1e-13}});
+    const Harmonic<double> coordinates(
+        square<double>, {.solver = pyramid, .resolution = 36, .averaging = {.tolerance = 1e-13}});
     const auto points = points_inside(Polygon<double>(square<double>), 200, 4);
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
@@ -319,7 +328,7 @@ TEMPLATE_TEST_CASE("options of harmonic coordinates out of their range each have
         CHECK(coordinates.solve().status == weights.status());
         return weights.status();
     };
-    const HarmonicOptions good{.resolution = 16};
+    const HarmonicOptions good{.solver = pyramid, .resolution = 16};
     CHECK(status_of(good) == Status::ok);
     for (const std::size_t resolution :
          {std::size_t(0), std::size_t(4), std::size_t(7), std::size_t(16385), ~std::size_t(0)}) {
@@ -343,7 +352,8 @@ TEMPLATE_TEST_CASE("options of harmonic coordinates out of their range each have
 }
 
 TEST_CASE("a solver that does not converge says how far it came", "[coordinates][harmonic][status]") {
-    const HarmonicOptions options{.resolution = 64, .averaging = {.tolerance = 1e-9, .max_sweeps = 5}};
+    const HarmonicOptions options{
+        .solver = pyramid, .resolution = 64, .averaging = {.tolerance = 1e-9, .max_sweeps = 5}};
     Harmonic<double> coordinates(square<double>, options);
     const auto outcome = coordinates.solve();
     CHECK(outcome.status == Status::not_converged);
@@ -360,8 +370,9 @@ TEST_CASE("a solver that does not converge says how far it came", "[coordinates]
 TEST_CASE("harmonic coordinates report cells too crowded to tell edges apart",
           "[coordinates][harmonic][report]") {
     const auto crowded = [](std::size_t resolution) {
-        const Harmonic<double> coordinates(read_oracle("harmonic2d_cat").cage<double>(),
-                                           {.resolution = resolution, .averaging = {.tolerance = 1e-2}});
+        const Harmonic<double> coordinates(
+            read_oracle("harmonic2d_cat").cage<double>(),
+            {.solver = pyramid, .resolution = resolution, .averaging = {.tolerance = 1e-2}});
         const auto weights = evaluate_all(coordinates, Points2<double>{{0, 0}});
         CHECK(weights.status() == Status::ok);
         return weights.evaluation.solver.crowded_cells;
@@ -373,7 +384,8 @@ TEST_CASE("harmonic coordinates report cells too crowded to tell edges apart",
 TEST_CASE("harmonic progress never falls and its callback cancels", "[coordinates][harmonic][progress]") {
     const auto cage = read_oracle("harmonic2d_star").cage<double>();
     const auto points = points_inside(cage, 20, 5);
-    const HarmonicOptions options{.resolution = 48, .averaging = {.tolerance = 1e-6}, .handles_at_once = 3};
+    const HarmonicOptions options{
+        .solver = pyramid, .resolution = 48, .averaging = {.tolerance = 1e-6}, .handles_at_once = 3};
     std::vector<double> told;
     cageform::EvaluateOptions evaluate_options;
     evaluate_options.progress = [&](double done) {
@@ -399,7 +411,8 @@ TEST_CASE("harmonic progress never falls and its callback cancels", "[coordinate
     CHECK(evaluate_all(coordinates, points).evaluation.solver.solves == cage.size()); // nothing was kept
 
     // A single long solve can be cancelled before its end.
-    HarmonicOptions endless{.resolution = 256, .averaging = {.tolerance = 1e-16, .max_sweeps = 1000000000}};
+    HarmonicOptions endless{
+        .solver = pyramid, .resolution = 256, .averaging = {.tolerance = 1e-16, .max_sweeps = 1000000000}};
     std::size_t asked = 0;
     evaluate_options.progress = [&](double) { return ++asked < 20; };
     const auto outcome = Harmonic<double>(cage, endless).solve(evaluate_options);
@@ -413,7 +426,7 @@ TEMPLATE_TEST_CASE("harmonic weights at the ends of the scalar's range", "[coord
     const double scale = sizeof(T) == 4 ? GENERATE(1e-15, 1e15) : GENERATE(1e-150, 1e150);
     Points2<T> vertices{{0, 0}, {T(0.9), T(0.1)}, {T(0.7), T(0.8)}, {T(0.3), T(0.4)}};
     Points2<T> points = points_inside(Polygon<T>(vertices), 50, 6);
-    const HarmonicOptions options{.resolution = 24, .averaging = {.tolerance = 1e-6}};
+    const HarmonicOptions options{.solver = pyramid, .resolution = 24, .averaging = {.tolerance = 1e-6}};
     const auto expected = evaluate_all(Harmonic<T>(vertices, options), points);
     for (auto& v : vertices) v = T(scale) * v;
     for (auto& p : points) p = T(scale) * p;
@@ -430,7 +443,7 @@ TEMPLATE_TEST_CASE("harmonic weights at the ends of the scalar's range", "[coord
 TEST_CASE("restoring linear precision turns no harmonic weight more negative than it says",
           "[coordinates][harmonic][binding]") {
     const Polygon<double> cage(random_star<double>(5));
-    const cageform::HarmonicCoordinates2d coordinates(cage, {.resolution = 64});
+    const cageform::HarmonicCoordinates2d coordinates(cage, {.solver = pyramid, .resolution = 64});
     Random random(5);
     Points2<double> points(300);
     for (auto& p : points) p = random_inside(cage, random);

@@ -1,23 +1,39 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
+//
+// Two solvers: the multigrid of this library, and the papers' own as the baseline it is measured against.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/grid/averaging_pyramid.hpp>
+#include <cageform/grid/polygon_boundary.hpp>
 #include <cageform/grid/rasterise.hpp>
 #include <cageform/grid/sample.hpp>
 
+#include <atomic>
 #include <chrono>
+#include <memory>
+#include <mutex>
+#include <thread>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Which solver makes the functions.
 enum class HarmonicSolver : std::uint8_t {
+    multigrid,         ///< all functions eight by eight, boundary where it is (grid/multigrid.hpp)
     averaging_pyramid, ///< the papers' own, the historical baseline (grid/averaging_pyramid.hpp)
 };
 
+struct MultigridOptions {
+    double tolerance = 1e-6;     ///< of the discrete solution's error, by SolverReport::error_estimate
+    std::size_t max_cycles = 60; ///< not_converged when they do not suffice
+};
+
 struct HarmonicOptions {
-    HarmonicSolver solver = HarmonicSolver::averaging_pyramid;
-    std::size_t resolution = 128; ///< cells along the cage's longest side, margin included; 8 … 16384
+    HarmonicSolver solver = HarmonicSolver::multigrid;
+    std::size_t resolution = 128; ///< cells along the cage's longest side; 8 … 16384
+    MultigridOptions multigrid{};
+
+    // Of the averaging pyramid alone; its resolution counts a margin of four cells.
     AveragingOptions averaging{.tolerance = 1e-6};
     Interpolation interpolation = Interpolation::multilinear;
     std::size_t handles_at_once = 16; ///< functions kept in memory together while points are sampled
@@ -31,16 +47,25 @@ class HarmonicCoordinates;
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 3 and 4. On vertices and edges the boundary data itself is taken, so they are exact there.
 ///
+/// With the multigrid (the default), solved in double whatever `T`:
+///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
+///   accuracy  h² in the open; near a corner of interior angle ω not better than r^(π/ω) on a grid of spacing h is
+///   cost      `evaluate` solves #V functions, eight at a time (unless `solve` has done so before), and samples them.
+///             EvaluateOptions::parallel shares the eights out; each thread needs `solver_memory().block` bytes,
+///             every point 330 bytes. The progress is asked after every cycle on the calling thread
+///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse; not_converged;
+///             cancelled; out_of_memory
+///
+/// With the averaging pyramid:
 ///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear precision; sum to 1
 ///             as far as the solver got: its tolerance is on the change of a sweep, not on the error
-///   accuracy  with the averaging pyramid: cells on the boundary are a staircase, which leaves a residual
-///             Σwc − p of about half a cell; `bind` restores linear precision, the report says by how much
-///   cost      on one thread (EvaluateOptions::parallel serves the sampling): `evaluate` solves #V functions, unless `solve` has done so before, then samples them;
-///             memory: handles_at_once (after `solve`: #V) scalars a cell and once 2 words a cell
-///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; not_converged; cancelled
-///   outside   not defined (no extension)
+///   accuracy  cells on the boundary are a staircase, which leaves a residual Σwc − p of about half a cell; `bind`
+///             restores linear precision, the report says by how much
+///   cost      on one thread; memory: handles_at_once (after `solve`: #V) scalars a cell and once 2 words a cell
+///   fails     the same, but for grid_too_coarse
 ///
-/// Point states: unreached is a point inside the cage none of whose surrounding cells has a value.
+/// Outside the cage they are not defined (no extension). With the averaging pyramid a point inside none of whose
+/// surrounding cells has a value is unreached; with the multigrid every point inside has one.
 template <Scalar T>
 class HarmonicCoordinates<T, 2> {
 public:
@@ -71,6 +96,23 @@ public:
     Evaluation solve(const EvaluateOptions& options = {}) {
         Solution solution;
         Evaluation evaluation;
+        if (options_.solver == HarmonicSolver::multigrid) {
+            evaluation.status = detail::guard_memory([&] {
+                std::shared_ptr<Grid> grid;
+                Status status = make_grid(grid, evaluation.solver);
+                if (status != Status::ok) return status;
+                grid->kept.resize(grid->groups);
+                status =
+                    solve_groups(*grid, evaluation.solver, options,
+                                 [&](std::size_t group, typename Multigrid<2>::Block& block) {
+                                     grid->kept[group] = {block.solution().begin(), block.solution().end()};
+                                 });
+                if (status == Status::ok) kept_grid_ = std::move(grid);
+                return status;
+            });
+            if (evaluation.status == Status::ok) kept_report_ = evaluation.solver;
+            return evaluation;
+        }
         evaluation.status = detail::guard_memory([&] {
             Status status = begin(solution, evaluation.solver);
             if (status == Status::ok)
@@ -88,6 +130,11 @@ public:
                         const EvaluateOptions& options = {}) const {
         CAGEFORM_ASSERT(weights.rows == cage_.size() && states.size() == points.points, "one row per handle");
         Evaluation evaluation;
+        if (options_.solver == HarmonicSolver::multigrid) {
+            evaluation.status = detail::guard_memory(
+                [&] { return evaluate_grid(points, weights, states, options, evaluation.solver); });
+            return evaluation;
+        }
         evaluation.status = detail::guard_memory([&] {
             if (!kept_.fields.empty()) {
                 evaluation.solver = kept_report_;
@@ -116,7 +163,247 @@ public:
         return nearest_boundary_weights(cage_, p, row);
     }
 
+    /// What the multigrid will need, in bytes; all zero where the cage or the grid is refused. The cost is that of
+    /// setting the solver up, some hundredths of solving.
+    struct SolverMemory {
+        std::size_t hierarchy = 0; ///< once
+        std::size_t block =
+            0; ///< eight functions: on each thread, and after `solve` about half of it per eight
+    };
+    SolverMemory solver_memory() const {
+        std::shared_ptr<const Grid> grid;
+        SolverReport report;
+        if (make_grid(grid, report) != Status::ok) return {};
+        return {grid->multigrid.bytes(), grid->multigrid.block_bytes()};
+    }
+
 private:
+    // ---- the multigrid ----
+
+    /// The problem on the grid and its solver; after `solve` the functions too.
+    struct Grid {
+        Grid(std::size_t functions, const Lattice<double, 2>& lattice, const Crossings<2>& crossings,
+             PolygonBoundary<T> with)
+            : boundary(std::move(with))
+            , problem(embed<2>({std::int32_t(lattice.cells[0]), std::int32_t(lattice.cells[1])}, crossings,
+                               [this](const auto& node) { return boundary.nearest(node); }))
+            , multigrid(problem.nodes, problem.cuts, {})
+            , groups((functions + Multigrid<2>::width - 1) / Multigrid<2>::width) {
+            boundary.index_cells();
+            std::size_t slot = 0;
+            std::vector<std::uint32_t> slots(problem.nodes.count());
+            for (; slot < multigrid.source_count(); ++slot)
+                slots[multigrid.source_node(slot)] = std::uint32_t(slot);
+            for (const CutLink& cut : problem.cuts) cut_slots.push_back(slots[cut.node]);
+        }
+        PolygonBoundary<T> boundary;
+        EmbeddedProblem<2> problem;
+        Multigrid<2> multigrid;
+        std::vector<std::uint32_t> cut_slots; ///< of each cut link in Block::source
+        std::size_t groups;                   ///< of eight functions
+        std::vector<std::vector<Lanes<double>>> kept;
+    };
+
+    /// Centred on the cage's box, so that a symmetric cage has symmetric functions; sides of an axis-aligned cage
+    /// whose extents divide evenly lie on lattice lines.
+    Lattice<double, 2> lattice_of(std::size_t resolution) const noexcept {
+        const auto bounds = bounds_of(cage_.vertices());
+        const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
+        Lattice<double, 2> lattice;
+        lattice.spacing = std::max(extent[0], extent[1]) / double(resolution);
+        for (std::size_t k = 0; k < 2; ++k) {
+            const double links = std::ceil(extent[k] / lattice.spacing - on_boundary_distance);
+            lattice.cells[k] = std::size_t(links) + 1;
+            lattice.origin[k] = lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
+        }
+        return lattice;
+    }
+
+    template <class GridPointer>
+    Status make_grid(GridPointer& grid, SolverReport& report) const {
+        constexpr std::size_t most = 16384;
+        if (report_.status != Status::ok) return report_.status;
+        if (options_.resolution < 8 || options_.resolution > most) return Status::resolution_not_supported;
+        if (!(options_.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
+        const auto lattice = lattice_of(options_.resolution);
+        PolygonBoundary<T> boundary(cage_, lattice);
+        const auto crossings = boundary.crossings();
+        const auto seen = seen_handles<2>(crossings, cage_.size());
+        const auto unseen = std::find(seen.begin(), seen.end(), false);
+        if (unseen != seen.end()) {
+            report.unseen_handle = std::size_t(unseen - seen.begin());
+            for (std::size_t finer = 2 * options_.resolution; finer <= most; finer *= 2) {
+                const auto there =
+                    seen_handles<2>(PolygonBoundary<T>(cage_, lattice_of(finer)).crossings(), cage_.size());
+                if (std::find(there.begin(), there.end(), false) != there.end()) continue;
+                report.sufficient_resolution = finer;
+                break;
+            }
+            return Status::grid_too_coarse;
+        }
+        grid = std::make_shared<Grid>(cage_.size(), lattice, crossings, std::move(boundary));
+        report.cells = grid->multigrid.unknowns();
+        report.bytes = grid->multigrid.bytes() + grid->multigrid.block_bytes();
+        return Status::ok;
+    }
+
+    /// Solves group after group and hands each to take(group, block), on the threads of `options`.
+    template <class Take>
+    Status solve_groups(const Grid& grid, SolverReport& report, const EvaluateOptions& options,
+                        const Take& take) const {
+        const auto start = std::chrono::steady_clock::now();
+        const auto caller = std::this_thread::get_id();
+        std::atomic<std::size_t> done{0};
+        std::atomic<bool> cancelled{false};
+        double told = 0;
+        std::mutex report_access;
+        std::vector<typename Multigrid<2>::Block> spare; // as many as threads at work together
+        detail::in_parallel(options, grid.groups, 1, [&](std::size_t begin, std::size_t end) {
+            typename Multigrid<2>::Block block;
+            {
+                const std::lock_guard lock(report_access);
+                if (!spare.empty()) {
+                    block = std::move(spare.back());
+                    spare.pop_back();
+                }
+            }
+            if (block.fields.empty()) block = grid.multigrid.make_block();
+            for (std::size_t group = begin; group < end && !cancelled; ++group) {
+                const auto keep_going = [&](double fraction) {
+                    if (std::this_thread::get_id() == caller && options.progress) {
+                        told = std::max(told, (double(done) + fraction) / double(grid.groups));
+                        if (!options.progress(told)) cancelled = true;
+                    }
+                    return !cancelled;
+                };
+                SolverReport part;
+                if (!solve_group(grid, group, block, part, keep_going)) return;
+                take(group, block);
+                ++done;
+                keep_going(0);
+                const std::lock_guard lock(report_access);
+                report.solves += part.solves;
+                report.unconverged += part.unconverged;
+                report.cycles = std::max(report.cycles, part.cycles);
+                report.convergence_factor = std::max(report.convergence_factor, part.convergence_factor);
+                report.error_estimate = std::max(report.error_estimate, part.error_estimate);
+                report.error_bound = std::max(report.error_bound, part.error_bound);
+            }
+            const std::lock_guard lock(report_access);
+            spare.push_back(std::move(block));
+        });
+        report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return cancelled ? Status::cancelled : report.unconverged > 0 ? Status::not_converged : Status::ok;
+    }
+
+    /// Functions 8·group …; false when cancelled.
+    template <class KeepGoing>
+    bool solve_group(const Grid& grid, std::size_t group, typename Multigrid<2>::Block& block,
+                     SolverReport& report, const KeepGoing& keep_going) const {
+        constexpr std::size_t width = Multigrid<2>::width;
+        const std::size_t first = group * width, count = std::min(width, cage_.size() - first);
+        for (auto& row : block.source) std::fill(std::begin(row.v), std::end(row.v), 0.0);
+        for (std::size_t c = 0; c < grid.problem.cuts.size(); ++c) {
+            const auto& value = grid.problem.values[c];
+            for (std::size_t n = 0; n < BoundaryValue<2>::most; ++n) {
+                if (value.handle[n] < first || value.handle[n] >= first + count) continue;
+                block.source[grid.cut_slots[c]][value.handle[n] - first] +=
+                    grid.problem.cuts[c].weight * value.weight[n];
+            }
+        }
+        const auto largest = [&](const Lanes<double>& row) {
+            return *std::max_element(row.v, row.v + count);
+        };
+        auto error = grid.multigrid.start(block);
+        double before = 0;
+        for (;;) {
+            report.error_estimate = largest(error.estimate);
+            if (report.cycles > 1 && before > 0)
+                report.convergence_factor =
+                    std::max(report.convergence_factor, report.error_estimate / before);
+            if (report.error_estimate <= options_.multigrid.tolerance) break;
+            if (report.cycles == options_.multigrid.max_cycles) {
+                report.unconverged = count;
+                break;
+            }
+            if (!keep_going(double(report.cycles) / double(report.cycles + 4))) return false;
+            before = report.error_estimate;
+            error = grid.multigrid.cycle(block);
+            ++report.cycles;
+        }
+        report.error_bound = largest(error.bound);
+        report.solves = count;
+        return true;
+    }
+
+    Status evaluate_grid(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                         const EvaluateOptions& options, SolverReport& report) const {
+        std::shared_ptr<const Grid> grid = kept_grid_;
+        if (grid) {
+            report = kept_report_;
+        } else {
+            const Status status = make_grid(grid, report);
+            if (status != Status::ok) return status;
+        }
+        if (points.points == 0) return Status::ok;
+
+        std::vector<CutStencil<2>> stencils(points.blocks() * lane_count<T>);
+        detail::in_parallel(options, points.blocks(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin * lane_count<T>; i < end * lane_count<T>; ++i)
+                stencils[i] = stencil_at(*grid, i, points, states);
+        });
+        const auto sample = [&](std::size_t group, std::span<const Lanes<double>> solution) {
+            const std::size_t first = group * Multigrid<2>::width;
+            for (std::size_t i = 0; i < stencils.size(); ++i)
+                sample_group(stencils[i], solution, first, i, weights);
+        };
+        if (!grid->kept.empty()) {
+            return detail::for_each_block(grid->groups, options, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t group = begin; group < end; ++group) sample(group, grid->kept[group]);
+            });
+        }
+        return solve_groups(
+            *grid, report, options,
+            [&](std::size_t group, typename Multigrid<2>::Block& block) { sample(group, block.solution()); });
+    }
+
+    /// Where point `i` lies and what its weights are made of; lanes beyond the points have empty ones.
+    CutStencil<2> stencil_at(const Grid& grid, std::size_t i, BlockView<const T> points,
+                             std::span<PointState> states) const noexcept {
+        if (i >= points.points || states[i] == PointState::not_finite) return {};
+        const auto p = block_point<2>(points, i);
+        states[i] = locate(cage_, p, tolerance_);
+        if (states[i] == PointState::inside) return grid.boundary.sample(p, grid.problem.nodes);
+        CutStencil<2> stencil;
+        if (states[i] == PointState::on_boundary) {
+            const auto place = nearest_on_boundary(cage_, p);
+            stencil.add(
+                {{std::uint32_t(place.i), std::uint32_t(place.j)}, {1 - double(place.s), double(place.s)}},
+                1.0);
+        }
+        return stencil;
+    }
+    void sample_group(const CutStencil<2>& stencil, std::span<const Lanes<double>> solution,
+                      std::size_t first, std::size_t i, BlockView<T> weights) const noexcept {
+        constexpr std::size_t width = Multigrid<2>::width;
+        const std::size_t count = std::min(width, cage_.size() - first);
+        std::array<double, width> value{};
+        for (std::uint32_t n = 0; n < stencil.node_count; ++n) {
+            const auto& row = solution[stencil.nodes[n].node];
+            for (std::size_t k = 0; k < width; ++k) value[k] += stencil.nodes[n].share * row[k];
+        }
+        for (std::uint32_t n = 0; n < stencil.handle_count; ++n) {
+            const std::size_t k = stencil.handles[n].handle - first;
+            if (k < count) value[k] += stencil.handles[n].share;
+        }
+        // A mean of boundary data is in [0, 1]; the solver's error may not leave it.
+        auto* const row = weights.block(i / lane_count<T>) + first;
+        for (std::size_t k = 0; k < count; ++k)
+            row[k][i % lane_count<T>] = static_cast<T>(std::clamp(value[k], 0.0, 1.0));
+    }
+
+    // ---- the averaging pyramid ----
+
     struct Solution {
         GridDomain<T, 2> domain;
         std::vector<std::vector<T>> fields; // one for each handle of the group at hand
@@ -131,8 +418,7 @@ private:
         return Status::ok;
     }
 
-    /// Solves for handles first … first + count − 1. The domain and its data are apart from the solver, the
-    /// solver apart from the sampling: another solver is another branch here.
+    /// Solves for handles first … first + count − 1.
     Status solve_handles(Solution& solution, std::size_t first, std::size_t count, SolverReport& report,
                          const Progress& progress) const {
         const auto start = std::chrono::steady_clock::now();
@@ -202,6 +488,7 @@ private:
     CageReport report_;
     T tolerance_;
     Solution kept_;
+    std::shared_ptr<const Grid> kept_grid_;
     SolverReport kept_report_;
 };
 

@@ -21,10 +21,11 @@ enum class [[nodiscard]] Status : std::uint8_t{
     degenerate_simplex,       ///< the simplex has no volume relative to its size
     resolution_not_supported, ///< the grid is too small to hold a cage, or too large to index
     tolerance_not_positive,   ///< a solver's tolerance is zero, negative or NaN
-    not_converged,            ///< a solver ran out of sweeps before its tolerance was met
-    pose_size_differs,        ///< a pose has another number of points than the binding has handles
-    pose_not_finite,          ///< a pose holds NaN or infinity, or lies too far off to be represented
-    output_too_small,         ///< fewer places in the output than points
+    grid_too_coarse,   ///< no node of the grid feels some handle; SolverReport names it and a resolution
+    not_converged,     ///< a solver ran out of sweeps or cycles before its tolerance was met
+    pose_size_differs, ///< a pose has another number of points than the binding has handles
+    pose_not_finite,   ///< a pose holds NaN or infinity, or lies too far off to be represented
+    output_too_small,  ///< fewer places in the output than points
     out_of_memory,
 };
 
@@ -43,6 +44,7 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::degenerate_simplex: return "the simplex has no volume relative to its size";
     case Status::resolution_not_supported: return "the grid resolution is out of range";
     case Status::tolerance_not_positive: return "the solver's tolerance is not a positive number";
+    case Status::grid_too_coarse: return "the grid is too coarse to see a part of the cage";
     case Status::not_converged: return "the solver did not reach its tolerance";
     case Status::pose_size_differs: return "the pose has another number of points than the cage";
     case Status::pose_not_finite: return "the pose holds a number that is not finite";

@@ -1,0 +1,138 @@
+// The unknown nodes of a lattice, kept as runs along the rows: a node elsewhere costs nothing.
+#pragma once
+
+#include <cageform/core/vec.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Nodes numbered row by row (rows run along axis 0), and back from a place to its number.
+template <std::size_t D>
+class NodeRuns {
+public:
+    using Index = std::array<std::int32_t, D>;
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    /// Nodes begin … end − 1 of a row, numbered from `first`.
+    struct Run {
+        std::int32_t begin, end;
+        std::uint32_t first;
+    };
+
+    NodeRuns() = default;
+    explicit NodeRuns(const Index& size)
+        : size_(size)
+        , row_begin_{0} {}
+
+    const Index& size() const noexcept { return size_; } ///< of the lattice, in nodes
+    std::uint32_t count() const noexcept { return count_; }
+    std::size_t rows() const noexcept {
+        std::size_t n = 1;
+        for (std::size_t k = 1; k < D; ++k) n *= std::size_t(size_[k]);
+        return n;
+    }
+    std::size_t row(const Index& index) const noexcept {
+        std::size_t n = 0;
+        for (std::size_t k = D; k-- > 1;) n = n * std::size_t(size_[k]) + std::size_t(index[k]);
+        return n;
+    }
+    /// The first node of a row.
+    Index row_index(std::size_t row) const noexcept {
+        Index index{};
+        for (std::size_t k = 1; k < D; ++k) {
+            index[k] = std::int32_t(row % std::size_t(size_[k]));
+            row /= std::size_t(size_[k]);
+        }
+        return index;
+    }
+
+    /// Runs are added in order, a row at a time.
+    void add_run(std::int32_t begin, std::int32_t end) {
+        if (begin >= end) return;
+        runs_.push_back({begin, end, count_});
+        count_ += std::uint32_t(end - begin);
+    }
+    void end_row() { row_begin_.push_back(std::uint32_t(runs_.size())); }
+
+    const Run* row_runs(std::size_t row) const noexcept { return runs_.data() + row_begin_[row]; }
+    const Run* row_runs_end(std::size_t row) const noexcept { return runs_.data() + row_begin_[row + 1]; }
+
+    /// The number of the node at `index`, which may lie outside the lattice; `none` where there is none.
+    std::uint32_t find(const Index& index) const noexcept {
+        for (std::size_t k = 0; k < D; ++k) {
+            if (index[k] < 0 || index[k] >= size_[k]) return none;
+        }
+        const std::size_t r = row(index);
+        const Run* const end = row_runs_end(r);
+        const Run* const run =
+            std::partition_point(row_runs(r), end, [&](const Run& a) { return a.end <= index[0]; });
+        return run != end && index[0] >= run->begin ? run->first + std::uint32_t(index[0] - run->begin)
+                                                    : none;
+    }
+
+    /// f(index, number) for every node in order.
+    template <class F>
+    void for_each(F&& f) const {
+        for (std::size_t r = 0; r < rows(); ++r) {
+            Index index = row_index(r);
+            for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
+                for (index[0] = run->begin; index[0] < run->end; ++index[0])
+                    f(index, run->first + std::uint32_t(index[0] - run->begin));
+            }
+        }
+    }
+
+    /// f(index, number, direction) for every link of a node that leads to no node (2·axis, + 1 towards larger indices).
+    template <class F>
+    void for_each_end(F&& f) const {
+        for (std::size_t r = 0; r < rows(); ++r) {
+            const Index row = row_index(r);
+            for (std::size_t axis = 1; axis < D; ++axis) {
+                for (const std::int32_t step : {-1, 1}) {
+                    const std::size_t direction = 2 * axis + (step > 0 ? 1u : 0u);
+                    Index other = row;
+                    other[axis] += step;
+                    const bool there = other[axis] >= 0 && other[axis] < size_[axis];
+                    const Run* beside = there ? row_runs(this->row(other)) : nullptr;
+                    const Run* const end = there ? row_runs_end(this->row(other)) : nullptr;
+                    Index index = row;
+                    for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
+                        for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
+                            while (beside != end && beside->end <= index[0]) ++beside;
+                            if (beside != end && beside->begin <= index[0]) {
+                                index[0] = std::min(beside->end, run->end) - 1; // as far as both go
+                                continue;
+                            }
+                            f(index, run->first + std::uint32_t(index[0] - run->begin), direction);
+                        }
+                    }
+                }
+            }
+            for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
+                Index index = row;
+                index[0] = run->begin;
+                if (run == row_runs(r) || run[-1].end != run->begin) f(index, run->first, 0);
+                index[0] = run->end - 1;
+                if (run + 1 == row_runs_end(r) || run[1].begin != run->end)
+                    f(index, run->first + std::uint32_t(run->end - 1 - run->begin), 1);
+            }
+        }
+    }
+
+    std::size_t bytes() const noexcept {
+        return runs_.size() * sizeof(Run) + row_begin_.size() * sizeof(row_begin_[0]);
+    }
+
+private:
+    Index size_{};
+    std::vector<std::uint32_t> row_begin_;
+    std::vector<Run> runs_;
+    std::uint32_t count_ = 0;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,244 @@
+// A polygon as the boundary of a problem on a lattice: its crossings with the lattice lines, and values between the
+// nodes that are right up to it.
+#pragma once
+
+#include <cageform/cage/inside.hpp>
+#include <cageform/grid/embed.hpp>
+#include <cageform/grid/lattice.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// The value at a point as a mean of values at nodes and on the boundary; serves any number of fields.
+template <std::size_t D>
+struct CutStencil {
+    struct Node {
+        std::uint32_t node;
+        double share;
+    };
+    struct Handle {
+        std::uint32_t handle;
+        double share;
+    };
+    static constexpr std::size_t most_nodes = std::size_t{1} << D;
+    static constexpr std::size_t most_handles = 2 * most_nodes * BoundaryValue<D>::most;
+
+    std::array<Node, most_nodes> nodes;
+    std::array<Handle, most_handles> handles;
+    std::uint32_t node_count = 0, handle_count = 0;
+
+    void add(std::uint32_t node, double share) noexcept {
+        for (std::uint32_t n = 0; n < node_count; ++n) {
+            if (nodes[n].node != node) continue;
+            nodes[n].share += share;
+            return;
+        }
+        nodes[node_count++] = {node, share};
+    }
+    void add(const BoundaryValue<D>& value, double share) noexcept {
+        for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
+            if (value.weight[n] != 0) handles[handle_count++] = {value.handle[n], share * value.weight[n]};
+        }
+    }
+};
+
+/// A polygon in units of a lattice. Node i of the lattice lies at i.
+template <Scalar T>
+class PolygonBoundary {
+public:
+    using Index = NodeRuns<2>::Index;
+
+    /// `lattice.cells` are the nodes along each axis, the first at `origin`.
+    PolygonBoundary(const Polygon<T>& polygon, const Lattice<double, 2>& lattice)
+        : lattice_(lattice) {
+        polygon.for_each_edge([&](std::size_t i, std::size_t j) {
+            Edge edge;
+            edge.i = std::uint32_t(i);
+            edge.j = std::uint32_t(j);
+            edge.a = lattice.in_cells(vec_cast<double>(polygon[i]));
+            edge.b = lattice.in_cells(vec_cast<double>(polygon[j]));
+            edges_.push_back(edge);
+        });
+    }
+
+    /// O(edges + lattice lines they cross, and the logarithm of that).
+    Crossings<2> crossings() const {
+        Crossings<2> all;
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            for (const Edge& edge : edges_) add_crossings(all[axis], edge, axis);
+            std::sort(all[axis].begin(), all[axis].end(), [](const Crossing<2>& a, const Crossing<2>& b) {
+                return a.line != b.line ? a.line < b.line : a.position < b.position;
+            });
+        }
+        return all;
+    }
+
+    BoundaryValue<2> nearest(const Index& node) const noexcept {
+        const Vec<double, 2> p{double(node[0]), double(node[1])};
+        double least = std::numeric_limits<double>::max();
+        BoundaryValue<2> value;
+        for (const Edge& edge : edges_) {
+            const auto e = edge.b - edge.a;
+            const double s = std::clamp(dot(p - edge.a, e) / dot(e, e), 0.0, 1.0);
+            const auto d = edge.a + s * e - p;
+            if (dot(d, d) >= least) continue;
+            least = dot(d, d);
+            value = edge.at(s);
+        }
+        return value;
+    }
+
+    /// Prepares `sample`: which edges pass which cell.
+    void index_cells() {
+        passes_.clear();
+        for (std::uint32_t n = 0; n < edges_.size(); ++n) {
+            const Edge& edge = edges_[n];
+            constexpr double slack = 1e-6;
+            const double left = std::min(edge.a[0], edge.b[0]), right = std::max(edge.a[0], edge.b[0]);
+            for (double x = std::floor(left - slack); x <= std::floor(right + slack); ++x) {
+                const double y0 = edge.height(std::clamp(x - slack, left, right));
+                const double y1 = edge.height(std::clamp(x + 1 + slack, left, right));
+                double low = std::min(y0, y1), high = std::max(y0, y1);
+                if (right - left <= 2 * slack) {
+                    low = std::min(edge.a[1], edge.b[1]);
+                    high = std::max(edge.a[1], edge.b[1]);
+                }
+                for (double y = std::floor(low - slack); y <= std::floor(high + slack); ++y)
+                    passes_.push_back({cell(std::int32_t(x), std::int32_t(y)), n});
+            }
+        }
+        std::sort(passes_.begin(), passes_.end());
+    }
+
+    /// The stencil of a point strictly inside: bilinear, where the boundary passes between the point and a node the
+    /// boundary's value at that place in its stead. Exact for linear functions everywhere; a mean, so never beyond
+    /// the values it is made of. Where the boundary passes the cell, the mean of going along one axis first and of
+    /// going along the other first.
+    CutStencil<2> sample(const Vec<T, 2>& point, const NodeRuns<2>& nodes) const noexcept {
+        CutStencil<2> stencil;
+        const auto p = lattice_.in_cells(vec_cast<double>(point));
+        const auto x = std::int32_t(std::floor(p[0])), y = std::int32_t(std::floor(p[1]));
+        const std::pair<std::uint64_t, std::uint32_t> key{cell(x, y), 0};
+        const auto first = std::lower_bound(passes_.begin(), passes_.end(), key);
+        if (first == passes_.end() || first->first != key.first) {
+            gather(stencil, p, {x, y}, {0, 1}, 0, 1.0, first, nodes);
+        } else {
+            gather(stencil, p, {x, y}, {0, 1}, 0, 0.5, first, nodes);
+            gather(stencil, p, {x, y}, {1, 0}, 0, 0.5, first, nodes);
+        }
+        return stencil;
+    }
+
+private:
+    struct Edge {
+        std::uint32_t i, j; ///< the vertices at a and b
+        Vec<double, 2> a, b;
+
+        BoundaryValue<2> at(double s) const noexcept { return {{i, j}, {1 - s, s}}; }
+        double height(double x) const noexcept {
+            return b[0] == a[0] ? a[1] : a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
+        }
+    };
+    using Pass = std::pair<std::uint64_t, std::uint32_t>;
+    using PassIterator = typename std::vector<Pass>::const_iterator;
+
+    static std::uint64_t cell(std::int32_t x, std::int32_t y) noexcept {
+        return (std::uint64_t(std::uint32_t(y)) << 32) | std::uint32_t(x);
+    }
+
+    void add_crossings(std::vector<Crossing<2>>& out, const Edge& edge, std::size_t axis) const {
+        const std::size_t across = 1 - axis;
+        const double from = edge.a[across], to = edge.b[across];
+        const double low = std::min(from, to), high = std::max(from, to);
+        const double last = double(lattice_.cells[across]) - 1;
+        for (double line = std::max(std::ceil(low), 0.0); line <= std::min(high, last); ++line) {
+            if (from == to) { // along the line: every node on it is on the boundary
+                const double begin = std::min(edge.a[axis], edge.b[axis]);
+                const double end = std::max(edge.a[axis], edge.b[axis]);
+                const auto put = [&](double x) {
+                    const double s = (x - edge.a[axis]) / (edge.b[axis] - edge.a[axis]);
+                    out.push_back({std::uint32_t(line), false, x, edge.at(s)});
+                };
+                put(begin);
+                for (double x = std::floor(begin) + 1; x < end; ++x) put(x);
+                put(end);
+                return;
+            }
+            const double s = (line - from) / (to - from);
+            const double position = edge.a[axis] + s * (edge.b[axis] - edge.a[axis]);
+            // An edge owns its lower end: where two edges meet on a line, one, two or none of them turn as they must.
+            out.push_back({std::uint32_t(line), line < high, position, edge.at(s)});
+        }
+    }
+
+    /// The nearest place of the cell's edges on the line through `p` along `axis`, towards `end`; false if there is
+    /// none before it.
+    bool cast(const Vec<double, 2>& p, std::size_t axis, double end, std::uint64_t in, PassIterator first,
+              double& position, BoundaryValue<2>& value) const noexcept {
+        const std::size_t across = 1 - axis;
+        const double sign = end > p[axis] ? 1.0 : -1.0;
+        double nearest = std::fabs(end - p[axis]);
+        bool found = false;
+        for (auto pass = first; pass != passes_.end() && pass->first == in; ++pass) {
+            const Edge& edge = edges_[pass->second];
+            const double from = edge.a[across], to = edge.b[across];
+            if (p[across] < std::min(from, to) || p[across] > std::max(from, to)) continue;
+            const auto meet = [&](double s) {
+                const double at = edge.a[axis] + s * (edge.b[axis] - edge.a[axis]);
+                const double distance = sign * (at - p[axis]);
+                if (distance < 0 || distance > nearest) return;
+                nearest = distance;
+                position = at;
+                value = edge.at(s);
+                found = true;
+            };
+            if (from != to) {
+                meet((p[across] - from) / (to - from));
+            } else {
+                meet(0);
+                meet(1);
+            }
+        }
+        return found;
+    }
+
+    void gather(CutStencil<2>& stencil, Vec<double, 2> p, const std::array<std::int32_t, 2>& low,
+                const std::array<std::size_t, 2>& order, std::size_t step, double share, PassIterator first,
+                const NodeRuns<2>& nodes) const noexcept {
+        if (step == 2) {
+            const Index index{std::int32_t(p[0]), std::int32_t(p[1])};
+            const auto node = nodes.find(index);
+            if (node != NodeRuns<2>::none) {
+                stencil.add(node, share);
+            } else { // a node on the boundary
+                stencil.add(nearest(index), share);
+            }
+            return;
+        }
+        const std::size_t axis = order[step];
+        const std::uint64_t in = cell(low[0], low[1]);
+        double begin = low[axis], end = low[axis] + 1;
+        BoundaryValue<2> at_begin, at_end;
+        const bool cut_begin = cast(p, axis, begin, in, first, begin, at_begin);
+        const bool cut_end = cast(p, axis, end, in, first, end, at_end);
+        const double length = end - begin;
+        const double at = length > 0 ? (p[axis] - begin) / length : 0.0;
+        const auto take = [&](bool cut, double place, const BoundaryValue<2>& value, double part) {
+            if (!(part > 0)) return;
+            if (cut) {
+                stencil.add(value, part);
+                return;
+            }
+            auto q = p;
+            q[axis] = place;
+            gather(stencil, q, low, order, step + 1, part, first, nodes);
+        };
+        take(cut_begin, begin, at_begin, share * (1 - at));
+        take(cut_end, end, at_end, share * at);
+    }
+
+    Lattice<double, 2> lattice_;
+    std::vector<Edge> edges_;
+    std::vector<Pass> passes_; ///< cell and edge, sorted
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

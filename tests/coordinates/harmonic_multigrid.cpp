@@ -1,0 +1,177 @@
+// Harmonic coordinates by the multigrid: the laws to the solver's tolerance at every resolution, and the oracle.
+#include "catch.hpp"
+#include "support/oracle.hpp"
+#include "support/weights.hpp"
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/core/threads.hpp>
+
+using namespace cageform_tests;
+using cageform::epsilon;
+using cageform::HarmonicOptions;
+using cageform::Polygon;
+
+namespace {
+
+template <class T>
+using Harmonic = cageform::HarmonicCoordinates<T, 2>;
+
+template <class T>
+Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t seed) {
+    Random random(seed);
+    Points2<T> points(count);
+    for (auto& p : points) p = random_inside(cage, random, 1e-4);
+    return points;
+}
+
+} // namespace
+
+TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][oracle]") {
+    // Largest errors measured at 64, 256 and 1024 cells, and room of a fifth. Polygons whose functions are linear or
+    // bilinear are exact at every resolution; elsewhere points at 1e-3 to 1e-5 diagonals from corners decide, where
+    // a uniform grid of spacing h is no better than h^(π/ω).
+    struct Case {
+        const char* name;
+        double error_64, error_256, error_1024;
+    };
+    constexpr std::array cases{Case{"triangle", 2e-6, 2e-6, 2e-6},
+                               Case{"unit_square", 2e-6, 2e-6, 2e-6},
+                               Case{"rectangle", 2e-6, 2e-6, 2e-6},
+                               Case{"square_extra_vertex", 5.9e-3, 2.8e-3, 3.5e-4},
+                               Case{"hexagon", 4.0e-4, 1.4e-4, 1.5e-5},
+                               Case{"l_shape", 2.8e-2, 1.5e-2, 2.4e-3},
+                               Case{"star", 4.2e-2, 1.4e-2, 3.0e-3},
+                               Case{"spiral", 8.2e-2, 6.3e-2, 3.9e-3},
+                               Case{"biped", 1.4e-1, 3.4e-2, 4.4e-3},
+                               Case{"cat", 3.5e-2, 2.9e-2, 2.0e-3},
+                               Case{"hole_square_square_hole", 4.4e-2, 2.2e-2, 3.8e-3},
+                               Case{"hole_hexagon_triangle_hole", 3.8e-2, 9.3e-3, 5.3e-3}};
+    for (const Case& c : cases) {
+        const auto oracle = read_oracle(std::string("harmonic2d_") + c.name);
+        const auto cage = oracle.cage<double>();
+        for (const auto& [resolution, allowed] :
+             {std::pair<std::size_t, double>{64, c.error_64}, {256, c.error_256}, {1024, c.error_1024}}) {
+            CAPTURE(c.name, resolution);
+#if defined(__SANITIZE_ADDRESS__)
+            if (resolution > 256) continue; // minutes under the sanitizer, and the same code as at 256
+#endif
+            const auto weights =
+                evaluate_all(Harmonic<double>(cage, {.resolution = resolution}), oracle.points);
+            REQUIRE(weights.status() == Status::ok);
+            CHECK(weights.evaluation.solver.error_estimate <= 1e-6);
+            CHECK(weights.evaluation.solver.convergence_factor <= 0.2);
+            double error = 0;
+            for (std::size_t i = 0; i < oracle.points.size(); ++i)
+                error = std::max(error, difference(weights.rows[i], oracle.coordinates[i]));
+            CHECK(error <= allowed);
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("multigrid weights sum to 1, reproduce the point and stay in [0, 1] at every resolution",
+                   "[coordinates][harmonic][property]", float, double) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(12));
+    const std::size_t resolution = GENERATE(std::size_t{40}, std::size_t{150});
+    CAPTURE(seed, resolution);
+    const auto cage = seed % 3 == 0 ? random_rings<T>(std::uint64_t(seed))
+                                    : Polygon<T>(random_star<T>(std::uint64_t(seed)));
+    const auto points = points_in(cage, 200, std::uint64_t(seed));
+    const auto weights = evaluate_all(Harmonic<T>(cage, {.resolution = resolution}), points);
+    if (weights.status() == Status::grid_too_coarse) { // a thin ring of the random cage
+        CHECK(weights.evaluation.solver.unseen_handle < cage.size());
+        CHECK(weights.evaluation.solver.sufficient_resolution > resolution);
+        return;
+    }
+    REQUIRE(weights.status() == Status::ok);
+    const double m = double(cage.size());
+    const double size = size_of(cage.vertices()); // each function is off by the tolerance at most
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= m * (1e-6 + double(epsilon<T>)));
+        CHECK(distance(combine(weights.rows[i], cage.vertices()), points[i]) <=
+              m * (1e-6 + 4 * double(epsilon<T>)) * size);
+        for (const T w : weights.rows[i]) CHECK((w >= T(0) && w <= T(1)));
+    }
+}
+
+TEST_CASE("a bind by the multigrid changes weights no more than the solver's error",
+          "[coordinates][harmonic][binding]") {
+    const Polygon<double> cage(random_star<double>(5));
+    const auto report =
+        cageform::bind(Harmonic<double>(cage, {.resolution = 64}), points_in(cage, 300, 5)).report;
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.weight_change.value <= 1e-6 * double(cage.size()));
+    CHECK(report.least_weight.value >= -report.weight_change.value - 1e-15);
+    CHECK(report.solver.solves == cage.size());
+    CHECK(report.solver.cycles > 0);
+    CHECK(report.solver.error_bound >= report.solver.error_estimate);
+}
+
+TEST_CASE("solving before, in batches or on threads gives the same bits",
+          "[coordinates][harmonic][threads]") {
+    const Polygon<double> cage(random_star<double>(31));
+    const auto points = points_in(cage, 100, 2);
+    Harmonic<double> coordinates(cage, {.resolution = 96});
+    const auto expected = evaluate_all(coordinates, points);
+    REQUIRE(expected.status() == Status::ok);
+    cageform::EvaluateOptions threaded;
+    threaded.parallel = cageform::ThreadedFor{3};
+    CHECK(evaluate_all(coordinates, points, threaded).rows == expected.rows);
+    REQUIRE(coordinates.solve(threaded).status == Status::ok);
+    CHECK(evaluate_all(coordinates, points).rows == expected.rows);
+    CHECK(evaluate_all(coordinates, points).evaluation.solver.solves == cage.size());
+    for (std::size_t begin = 0; begin < points.size(); begin += 20) {
+        const Points2<double> batch(points.begin() + std::ptrdiff_t(begin),
+                                    points.begin() + std::ptrdiff_t(begin + 20));
+        const auto weights = evaluate_all(coordinates, batch);
+        for (std::size_t i = 0; i < 20; ++i) CHECK(weights.rows[i] == expected.rows[begin + i]);
+    }
+}
+
+TEST_CASE("the multigrid tells its progress and is cancelled", "[coordinates][harmonic][progress]") {
+    const Polygon<double> cage(random_star<double>(31));
+    const auto points = points_in(cage, 10, 2);
+    const Harmonic<double> coordinates(cage, {.resolution = 64});
+    double last = 0;
+    int calls = 0;
+    cageform::EvaluateOptions options;
+    options.progress = [&](double done) {
+        CHECK(done >= last);
+        CHECK(done <= 1);
+        last = done;
+        ++calls;
+        return true;
+    };
+    CHECK(evaluate_all(coordinates, points, options).status() == Status::ok);
+    CHECK(last == 1);
+    CHECK(calls >= int(cage.size()) / 8 * 3);
+    const int stop_at = GENERATE(1, 3, 8);
+    int asked = 0;
+    options.progress = [&](double) { return ++asked < stop_at; };
+    CHECK(evaluate_all(coordinates, points, options).status() == Status::cancelled);
+    CHECK(asked == stop_at);
+}
+
+TEST_CASE("a grid too coarse for a part of the cage says for which, and what would do",
+          "[coordinates][harmonic][status]") {
+    const Points2<double> spiked{{0, 0}, {1, 0}, {1, 0.513}, {1.4, 0.518}, {1, 0.523}, {1, 1}, {0, 1}};
+    const Points2<double> points{{0.5, 0.5}};
+    const auto coarse = evaluate_all(Harmonic<double>(spiked, {.resolution = 16}), points);
+    REQUIRE(coarse.status() == Status::grid_too_coarse);
+    const auto& report = coarse.evaluation.solver;
+    CHECK(report.unseen_handle < spiked.size());
+    REQUIRE(report.sufficient_resolution > 16);
+    CHECK(evaluate_all(Harmonic<double>(spiked, {.resolution = report.sufficient_resolution}), points)
+              .status() == Status::ok);
+}
+
+TEST_CASE("the multigrid's memory is stated beforehand", "[coordinates][harmonic][memory]") {
+    const Polygon<double> cage(random_star<double>(31));
+    Harmonic<double> coordinates(cage, {.resolution = 128});
+    const auto memory = coordinates.solver_memory();
+    CHECK(memory.hierarchy > 0);
+    const auto report = coordinates.solve().solver;
+    CHECK(report.bytes == memory.hierarchy + memory.block);
+    CHECK(Harmonic<double>(cage, {.resolution = 4}).solver_memory().block == 0);
+}

@@ -1,0 +1,158 @@
+// A polygon laid into a lattice: nodes, cut links, data and what is sampled between them.
+#include "../catch.hpp"
+#include "../support/weights.hpp"
+
+#include <cageform/grid/polygon_boundary.hpp>
+
+using cageform::BoundaryValue;
+using cageform::Lattice;
+using cageform::NodeRuns;
+using cageform::PointState;
+using cageform::Polygon;
+using cageform::PolygonBoundary;
+using cageform_tests::Random;
+using cageform_tests::random_inside;
+using cageform_tests::random_rings;
+using cageform_tests::random_star;
+using cageform_tests::Vec;
+
+namespace {
+
+using Index = NodeRuns<2>::Index;
+
+Lattice<double, 2> lattice_over(const Polygon<double>& cage, double cells, double shift) {
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const auto extent = bounds.upper - bounds.lower;
+    Lattice<double, 2> lattice;
+    lattice.spacing = std::max(extent[0], extent[1]) / cells;
+    for (std::size_t k = 0; k < 2; ++k) {
+        lattice.origin[k] = bounds.lower[k] - shift * lattice.spacing;
+        lattice.cells[k] = std::size_t(std::ceil(extent[k] / lattice.spacing + shift)) + 1;
+    }
+    return lattice;
+}
+Index size_of(const Lattice<double, 2>& lattice) {
+    return {std::int32_t(lattice.cells[0]), std::int32_t(lattice.cells[1])};
+}
+Vec<double, 2> place(const Lattice<double, 2>& lattice, double x, double y) {
+    return lattice.origin + lattice.spacing * Vec<double, 2>{x, y};
+}
+Vec<double, 2> place(const Polygon<double>& cage, const BoundaryValue<2>& value) {
+    return value.weight[0] * cage[value.handle[0]] + value.weight[1] * cage[value.handle[1]];
+}
+
+void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& lattice) {
+    PolygonBoundary<double> boundary(cage, lattice);
+    const auto problem = cageform::embed<2>(size_of(lattice), boundary.crossings(),
+                                            [&](const Index& node) { return boundary.nearest(node); });
+    // Nodes are those inside, but for some on the boundary.
+    std::size_t wrong = 0;
+    for (std::int32_t y = 0; y < size_of(lattice)[1]; ++y) {
+        for (std::int32_t x = 0; x < size_of(lattice)[0]; ++x) {
+            const auto p = place(lattice, x, y);
+            const auto state = cageform::locate(cage, p, 1e-7 * lattice.spacing);
+            if (state == PointState::on_boundary) continue;
+            const bool unknown = problem.nodes.find({x, y}) != NodeRuns<2>::none;
+            wrong += unknown == (state == PointState::inside) ? 0 : 1;
+        }
+    }
+    CHECK(wrong == 0);
+    // Every link of an unknown ends on an unknown or is cut, and the data lies where the link ends.
+    std::vector<Index> index(problem.nodes.count());
+    problem.nodes.for_each([&](const Index& i, std::uint32_t node) { index[node] = i; });
+    std::vector<unsigned> cut_mask(problem.nodes.count());
+    double off = 0;
+    for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
+        const auto& cut = problem.cuts[c];
+        REQUIRE((cut_mask[cut.node] >> cut.direction & 1u) == 0);
+        cut_mask[cut.node] |= 1u << cut.direction;
+        CHECK((cut.weight >= 1 && cut.weight <= 1.01e9));
+        Vec<double, 2> end{double(index[cut.node][0]), double(index[cut.node][1])};
+        end[cut.direction / 2] += ((cut.direction & 1) != 0 ? 1 : -1) / cut.weight;
+        const auto d = place(lattice, end[0], end[1]) - place(cage, problem.values[c]);
+        off = std::max(off, std::hypot(d[0], d[1]) / lattice.spacing);
+    }
+    CHECK(off <= 1e-6);
+    std::size_t open = 0;
+    problem.nodes.for_each([&](const Index& i, std::uint32_t node) {
+        for (std::size_t direction = 0; direction < 4; ++direction) {
+            auto there = i;
+            there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
+            if (problem.nodes.find(there) == NodeRuns<2>::none && (cut_mask[node] >> direction & 1u) == 0)
+                ++open;
+        }
+    });
+    CHECK(open == 0);
+
+    // Sampling is a mean that reproduces linear functions at every point inside.
+    boundary.index_cells();
+    Random random(3);
+    double missed = 0, sum_off = 0, least = 1;
+    for (int n = 0; n < 300; ++n) {
+        const auto p = random_inside(cage, random, 1e-6);
+        const auto stencil = boundary.sample(p, problem.nodes);
+        Vec<double, 2> q{};
+        double sum = 0;
+        for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
+            const auto& at = index[stencil.nodes[i].node];
+            q = q + stencil.nodes[i].share * place(lattice, at[0], at[1]);
+            sum += stencil.nodes[i].share;
+            least = std::min(least, stencil.nodes[i].share);
+        }
+        for (std::uint32_t i = 0; i < stencil.handle_count; ++i) {
+            q = q + stencil.handles[i].share * cage[stencil.handles[i].handle];
+            sum += stencil.handles[i].share;
+            least = std::min(least, stencil.handles[i].share);
+        }
+        missed = std::max(missed, std::hypot(q[0] - p[0], q[1] - p[1]) / lattice.spacing);
+        sum_off = std::max(sum_off, std::fabs(sum - 1));
+    }
+    CHECK(missed <= 1e-6);
+    CHECK(sum_off <= 1e-12);
+    CHECK(least >= 0);
+}
+
+} // namespace
+
+TEST_CASE("a polygon is laid into a lattice where it is", "[grid][embed][property]") {
+    const int seed = GENERATE(seeds(40));
+    CAPTURE(seed);
+    const double cells = GENERATE(5.0, 23.0, 64.0), shift = GENERATE(0.0, 0.37);
+    CAPTURE(cells, shift);
+    const Polygon<double> star(random_star<double>(std::uint64_t(seed)));
+    check_embedding(star, lattice_over(star, cells, shift));
+    const auto rings = random_rings<double>(std::uint64_t(seed));
+    check_embedding(rings, lattice_over(rings, cells, shift));
+}
+
+TEST_CASE("edges on lattice lines and corners on nodes are on the boundary", "[grid][embed]") {
+    const std::vector<Vec<double, 2>> l_shape{{0, 0}, {8, 0}, {8, 4}, {4, 4}, {4, 8}, {0, 8}};
+    const Polygon<double> cage(l_shape);
+    for (const double spacing : {1.0, 0.5, 2.0}) {
+        CAPTURE(spacing);
+        check_embedding(cage, lattice_over(cage, 8 / spacing, 0));
+        check_embedding(cage, lattice_over(cage, 8 / spacing, 0.5));
+        check_embedding(cage, lattice_over(cage, 8 / spacing, 1));
+    }
+    PolygonBoundary<double> boundary(cage, lattice_over(cage, 8, 0));
+    const auto problem = cageform::embed<2>({9, 9}, boundary.crossings(),
+                                            [&](const Index& node) { return boundary.nearest(node); });
+    CHECK(problem.nodes.count() == 7 * 3 + 3 * 4);
+    for (const auto& cut : problem.cuts) CHECK(cut.weight == 1);
+    const std::vector<Vec<double, 2>> diamond{{4, 0}, {8, 4}, {4, 8}, {0, 4}};
+    check_embedding(Polygon<double>(diamond), lattice_over(Polygon<double>(diamond), 8, 0));
+}
+
+TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[grid][embed][status]") {
+    // A spike as wide as a twentieth of the cage.
+    const std::vector<Vec<double, 2>> spiked{{0, 0},    {1, 0}, {1, 0.5}, {1.4, 0.53},
+                                             {1, 0.56}, {1, 1}, {0, 1}};
+    const Polygon<double> cage(spiked);
+    const auto unseen = [&](double cells) {
+        const auto seen = cageform::seen_handles<2>(
+            PolygonBoundary<double>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size());
+        return std::count(seen.begin(), seen.end(), false);
+    };
+    CHECK(unseen(4) > 0);
+    CHECK(unseen(256) == 0);
+}
