@@ -28,9 +28,9 @@ Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t se
 } // namespace
 
 TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][oracle]") {
-    // Largest errors measured at 64, 256 and 1024 cells, and room of a fifth. Polygons whose functions are linear or
-    // bilinear are exact at every resolution; elsewhere points at 1e-3 to 1e-5 diagonals from corners decide, where
-    // a uniform grid of spacing h is no better than h^(π/ω).
+    // Largest errors measured at 64, 256 and 1024 cells, and room of a fifth and of the solver's tolerance, at points
+    // as near as 1e-5 diagonals to a corner. At 64 cells the legs and gaps of the last cages are narrower than the
+    // ten cells that the treatment of a corner needs.
     struct Case {
         const char* name;
         double error_64, error_256, error_1024;
@@ -38,15 +38,15 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
     constexpr std::array cases{Case{"triangle", 2e-6, 2e-6, 2e-6},
                                Case{"unit_square", 2e-6, 2e-6, 2e-6},
                                Case{"rectangle", 2e-6, 2e-6, 2e-6},
-                               Case{"square_extra_vertex", 5.9e-3, 2.8e-3, 3.5e-4},
-                               Case{"hexagon", 4.0e-4, 1.4e-4, 1.5e-5},
-                               Case{"l_shape", 2.8e-2, 1.5e-2, 2.4e-3},
-                               Case{"star", 4.2e-2, 1.4e-2, 3.0e-3},
-                               Case{"spiral", 8.2e-2, 6.3e-2, 3.9e-3},
-                               Case{"biped", 1.4e-1, 3.4e-2, 4.4e-3},
-                               Case{"cat", 3.5e-2, 2.9e-2, 2.0e-3},
-                               Case{"hole_square_square_hole", 4.4e-2, 2.2e-2, 3.8e-3},
-                               Case{"hole_hexagon_triangle_hole", 3.8e-2, 9.3e-3, 5.3e-3}};
+                               Case{"square_extra_vertex", 2.0e-5, 4.5e-6, 1.3e-6},
+                               Case{"hexagon", 9.4e-5, 1.6e-5, 1.6e-6},
+                               Case{"l_shape", 2.3e-5, 1.4e-5, 1.8e-6},
+                               Case{"star", 1.5e-4, 2.3e-5, 3.0e-6},
+                               Case{"spiral", 8.2e-2, 1.8e-5, 3.1e-6},
+                               Case{"biped", 1.4e-1, 3.4e-2, 5.5e-6},
+                               Case{"cat", 3.5e-2, 1.3e-4, 1.3e-5},
+                               Case{"hole_square_square_hole", 3.0e-4, 3.5e-5, 3.2e-6},
+                               Case{"hole_hexagon_triangle_hole", 1.5e-4, 3.7e-5, 3.0e-6}};
     for (const Case& c : cases) {
         const auto oracle = read_oracle(std::string("harmonic2d_") + c.name);
         const auto cage = oracle.cage<double>();
@@ -60,7 +60,7 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
                 evaluate_all(Harmonic<double>(cage, {.resolution = resolution}), oracle.points);
             REQUIRE(weights.status() == Status::ok);
             CHECK(weights.evaluation.solver.error_estimate <= 1e-6);
-            CHECK(weights.evaluation.solver.convergence_factor <= 0.2);
+            CHECK(weights.evaluation.solver.convergence_factor <= (resolution < 256 ? 0.3 : 0.2));
             double error = 0;
             for (std::size_t i = 0; i < oracle.points.size(); ++i)
                 error = std::max(error, difference(weights.rows[i], oracle.coordinates[i]));
@@ -174,4 +174,23 @@ TEST_CASE("the multigrid's memory is stated beforehand", "[coordinates][harmonic
     const auto report = coordinates.solve().solver;
     CHECK(report.bytes == memory.hierarchy + memory.block);
     CHECK(Harmonic<double>(cage, {.resolution = 4}).solver_memory().block == 0);
+}
+
+TEST_CASE("treating the corners is what makes points near them right", "[coordinates][harmonic][corners]") {
+    for (const char* name : {"l_shape", "star", "hole_square_square_hole"}) {
+        CAPTURE(name);
+        const auto oracle = read_oracle(std::string("harmonic2d_") + name);
+        const auto cage = oracle.cage<double>();
+        std::array<double, 2> error{};
+        for (const bool treat : {false, true}) {
+            const auto weights = evaluate_all(
+                Harmonic<double>(cage, {.resolution = 256, .multigrid = {.corner_functions = treat}}),
+                oracle.points);
+            REQUIRE(weights.status() == Status::ok);
+            for (std::size_t i = 0; i < oracle.points.size(); ++i)
+                error[treat ? 1 : 0] =
+                    std::max(error[treat ? 1 : 0], difference(weights.rows[i], oracle.coordinates[i]));
+        }
+        CHECK(error[1] < 0.01 * error[0]);
+    }
 }

@@ -99,10 +99,10 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
             sum += stencil.nodes[i].share;
             least = std::min(least, stencil.nodes[i].share);
         }
-        for (std::uint32_t i = 0; i < stencil.handle_count; ++i) {
-            q = q + stencil.handles[i].share * cage[stencil.handles[i].handle];
-            sum += stencil.handles[i].share;
-            least = std::min(least, stencil.handles[i].share);
+        for (std::uint32_t i = 0; i < stencil.place_count; ++i) {
+            q = q + stencil.places[i].share * place(cage, stencil.places[i].value);
+            sum += stencil.places[i].share;
+            least = std::min(least, stencil.places[i].share);
         }
         missed = std::max(missed, std::hypot(q[0] - p[0], q[1] - p[1]) / lattice.spacing);
         sum_off = std::max(sum_off, std::fabs(sum - 1));

@@ -5,7 +5,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/grid/averaging_pyramid.hpp>
-#include <cageform/grid/polygon_boundary.hpp>
+#include <cageform/grid/corner_functions.hpp>
 #include <cageform/grid/rasterise.hpp>
 #include <cageform/grid/sample.hpp>
 
@@ -24,8 +24,9 @@ enum class HarmonicSolver : std::uint8_t {
 };
 
 struct MultigridOptions {
-    double tolerance = 1e-6;     ///< of the discrete solution's error, by SolverReport::error_estimate
-    std::size_t max_cycles = 60; ///< not_converged when they do not suffice
+    double tolerance = 1e-6;      ///< of the discrete solution's error, by SolverReport::error_estimate
+    std::size_t max_cycles = 60;  ///< not_converged when they do not suffice
+    bool corner_functions = true; ///< treat the singularities at corners (grid/corner_functions.hpp)
 };
 
 struct HarmonicOptions {
@@ -52,7 +53,7 @@ class HarmonicCoordinates;
 ///   accuracy  h² in the open; near a corner of interior angle ω not better than r^(π/ω) on a grid of spacing h is
 ///   cost      `evaluate` solves #V functions, eight at a time (unless `solve` has done so before), and samples them.
 ///             EvaluateOptions::parallel shares the eights out; each thread needs `solver_memory().block` bytes,
-///             every point 330 bytes. The progress is asked after every cycle on the calling thread
+///             every point 430 bytes. The progress is asked after every cycle on the calling thread
 ///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse; not_converged;
 ///             cancelled; out_of_memory
 ///
@@ -98,17 +99,19 @@ public:
         Evaluation evaluation;
         if (options_.solver == HarmonicSolver::multigrid) {
             evaluation.status = detail::guard_memory([&] {
-                std::shared_ptr<Grid> grid;
-                Status status = make_grid(grid, evaluation.solver);
-                if (status != Status::ok) return status;
-                grid->kept.resize(grid->groups);
-                status =
-                    solve_groups(*grid, evaluation.solver, options,
-                                 [&](std::size_t group, typename Multigrid<2>::Block& block) {
-                                     grid->kept[group] = {block.solution().begin(), block.solution().end()};
-                                 });
-                if (status == Status::ok) kept_grid_ = std::move(grid);
-                return status;
+                return on_grid(evaluation.solver, options,
+                               [&](std::shared_ptr<Grid> grid, const EvaluateOptions& rising) {
+                                   grid->kept.resize(grid->groups);
+                                   const Status status = solve_groups(
+                                       *grid, evaluation.solver, rising,
+                                       [&](std::size_t group, typename Multigrid<2>::Block& block,
+                                           const CornerFunctions::Coefficients& at_corners) {
+                                           const auto values = block.solution();
+                                           grid->kept[group] = {{values.begin(), values.end()}, at_corners};
+                                       });
+                                   if (status == Status::ok) kept_grid_ = std::move(grid);
+                                   return status;
+                               });
             });
             if (evaluation.status == Status::ok) kept_report_ = evaluation.solver;
             return evaluation;
@@ -173,35 +176,46 @@ public:
     SolverMemory solver_memory() const {
         std::shared_ptr<const Grid> grid;
         SolverReport report;
-        if (make_grid(grid, report) != Status::ok) return {};
+        if (make_grid(grid, report, options_.multigrid.corner_functions) != Status::ok) return {};
         return {grid->multigrid.bytes(), grid->multigrid.block_bytes()};
     }
 
 private:
     // ---- the multigrid ----
 
+    /// Eight functions: at the nodes, and what they have of each corner's.
+    struct Functions {
+        std::vector<Lanes<double>> values;
+        CornerFunctions::Coefficients at_corners;
+    };
+
     /// The problem on the grid and its solver; after `solve` the functions too.
     struct Grid {
-        Grid(std::size_t functions, const Lattice<double, 2>& lattice, const Crossings<2>& crossings,
-             PolygonBoundary<T> with)
-            : boundary(std::move(with))
+        Grid(const Polygon<T>& polygon, const Lattice<double, 2>& with_lattice, const Crossings<2>& crossings,
+             PolygonBoundary<T> with, bool with_corners)
+            : lattice(with_lattice)
+            , boundary(std::move(with))
             , problem(embed<2>({std::int32_t(lattice.cells[0]), std::int32_t(lattice.cells[1])}, crossings,
                                [this](const auto& node) { return boundary.nearest(node); }))
-            , multigrid(problem.nodes, problem.cuts, {})
-            , groups((functions + Multigrid<2>::width - 1) / Multigrid<2>::width) {
+            , corners(with_corners ? CornerFunctions(polygon, lattice, problem) : CornerFunctions())
+            , multigrid(problem.nodes, problem.cuts, corners.sources())
+            , groups((polygon.size() + Multigrid<2>::width - 1) / Multigrid<2>::width) {
             boundary.index_cells();
             std::size_t slot = 0;
             std::vector<std::uint32_t> slots(problem.nodes.count());
             for (; slot < multigrid.source_count(); ++slot)
                 slots[multigrid.source_node(slot)] = std::uint32_t(slot);
             for (const CutLink& cut : problem.cuts) cut_slots.push_back(slots[cut.node]);
+            corners.set_slots(slots);
         }
+        Lattice<double, 2> lattice;
         PolygonBoundary<T> boundary;
         EmbeddedProblem<2> problem;
+        CornerFunctions corners;
         Multigrid<2> multigrid;
         std::vector<std::uint32_t> cut_slots; ///< of each cut link in Block::source
         std::size_t groups;                   ///< of eight functions
-        std::vector<std::vector<Lanes<double>>> kept;
+        std::vector<Functions> kept;          ///< by group
     };
 
     /// Centred on the cage's box, so that a symmetric cage has symmetric functions; sides of an axis-aligned cage
@@ -220,7 +234,7 @@ private:
     }
 
     template <class GridPointer>
-    Status make_grid(GridPointer& grid, SolverReport& report) const {
+    Status make_grid(GridPointer& grid, SolverReport& report, bool with_corners) const {
         constexpr std::size_t most = 16384;
         if (report_.status != Status::ok) return report_.status;
         if (options_.resolution < 8 || options_.resolution > most) return Status::resolution_not_supported;
@@ -241,13 +255,13 @@ private:
             }
             return Status::grid_too_coarse;
         }
-        grid = std::make_shared<Grid>(cage_.size(), lattice, crossings, std::move(boundary));
+        grid = std::make_shared<Grid>(cage_, lattice, crossings, std::move(boundary), with_corners);
         report.cells = grid->multigrid.unknowns();
         report.bytes = grid->multigrid.bytes() + grid->multigrid.block_bytes();
         return Status::ok;
     }
 
-    /// Solves group after group and hands each to take(group, block), on the threads of `options`.
+    /// Solves group after group and hands each to take(group, block, at_corners), on the threads of `options`.
     template <class Take>
     Status solve_groups(const Grid& grid, SolverReport& report, const EvaluateOptions& options,
                         const Take& take) const {
@@ -277,13 +291,15 @@ private:
                     return !cancelled;
                 };
                 SolverReport part;
-                if (!solve_group(grid, group, block, part, keep_going)) return;
-                take(group, block);
+                CornerFunctions::Coefficients at_corners;
+                if (!solve_group(grid, group, block, at_corners, part, keep_going)) return;
+                take(group, block, at_corners);
                 ++done;
                 keep_going(0);
                 const std::lock_guard lock(report_access);
                 report.solves += part.solves;
                 report.unconverged += part.unconverged;
+                report.unsettled += part.unsettled;
                 report.cycles = std::max(report.cycles, part.cycles);
                 report.convergence_factor = std::max(report.convergence_factor, part.convergence_factor);
                 report.error_estimate = std::max(report.error_estimate, part.error_estimate);
@@ -299,7 +315,8 @@ private:
     /// Functions 8·group …; false when cancelled.
     template <class KeepGoing>
     bool solve_group(const Grid& grid, std::size_t group, typename Multigrid<2>::Block& block,
-                     SolverReport& report, const KeepGoing& keep_going) const {
+                     CornerFunctions::Coefficients& at_corners, SolverReport& report,
+                     const KeepGoing& keep_going) const {
         constexpr std::size_t width = Multigrid<2>::width;
         const std::size_t first = group * width, count = std::min(width, cage_.size() - first);
         for (auto& row : block.source) std::fill(std::begin(row.v), std::end(row.v), 0.0);
@@ -314,14 +331,31 @@ private:
         const auto largest = [&](const Lanes<double>& row) {
             return *std::max_element(row.v, row.v + count);
         };
+        at_corners = grid.corners.start(first, block.source);
         auto error = grid.multigrid.start(block);
-        double before = 0;
+        double before = 0, change_before = 0;
+        bool frozen = false;
         for (;;) {
             report.error_estimate = largest(error.estimate);
             if (report.cycles > 1 && before > 0)
                 report.convergence_factor =
                     std::max(report.convergence_factor, report.error_estimate / before);
-            if (report.error_estimate <= options_.multigrid.tolerance) break;
+            // The corners' coefficients follow the solution and the solution them, a few times each.
+            double change = 0;
+            if (!frozen) {
+                auto fitted = grid.corners.fit(first, block.solution(), at_corners);
+                change = grid.corners.difference(fitted, at_corners);
+                frozen = report.cycles > 1 && change > 0.7 * change_before;
+                if (frozen && change > options_.multigrid.tolerance) {
+                    report.unsettled = count;
+                    return true; // in vain: see on_grid
+                }
+                if (!frozen) {
+                    Multigrid<2>::disturb(block, grid.corners.replace(at_corners, fitted, block.source));
+                    change_before = change;
+                }
+            }
+            if (std::max(report.error_estimate, change) <= options_.multigrid.tolerance) break;
             if (report.cycles == options_.multigrid.max_cycles) {
                 report.unconverged = count;
                 break;
@@ -338,68 +372,154 @@ private:
 
     Status evaluate_grid(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                          const EvaluateOptions& options, SolverReport& report) const {
-        std::shared_ptr<const Grid> grid = kept_grid_;
-        if (grid) {
+        if (kept_grid_) {
             report = kept_report_;
-        } else {
-            const Status status = make_grid(grid, report);
-            if (status != Status::ok) return status;
+            return sample_grid(*kept_grid_, points, weights, states, options, report);
         }
-        if (points.points == 0) return Status::ok;
-
-        std::vector<CutStencil<2>> stencils(points.blocks() * lane_count<T>);
-        detail::in_parallel(options, points.blocks(), 16, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin * lane_count<T>; i < end * lane_count<T>; ++i)
-                stencils[i] = stencil_at(*grid, i, points, states);
-        });
-        const auto sample = [&](std::size_t group, std::span<const Lanes<double>> solution) {
-            const std::size_t first = group * Multigrid<2>::width;
-            for (std::size_t i = 0; i < stencils.size(); ++i)
-                sample_group(stencils[i], solution, first, i, weights);
-        };
-        if (!grid->kept.empty()) {
-            return detail::for_each_block(grid->groups, options, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t group = begin; group < end; ++group) sample(group, grid->kept[group]);
-            });
-        }
-        return solve_groups(
-            *grid, report, options,
-            [&](std::size_t group, typename Multigrid<2>::Block& block) { sample(group, block.solution()); });
+        return on_grid(report, options,
+                       [&](const std::shared_ptr<Grid>& grid, const EvaluateOptions& rising) {
+                           return sample_grid(*grid, points, weights, states, rising, report);
+                       });
     }
 
-    /// Where point `i` lies and what its weights are made of; lanes beyond the points have empty ones.
-    CutStencil<2> stencil_at(const Grid& grid, std::size_t i, BlockView<const T> points,
-                             std::span<PointState> states) const noexcept {
-        if (i >= points.points || states[i] == PointState::not_finite) return {};
+    /// Runs use(grid, options); where corners do not settle, once more without treating any: all functions have to be treated
+    /// alike to sum to 1.
+    template <class Use>
+    Status on_grid(SolverReport& report, const EvaluateOptions& options, const Use& use) const {
+        EvaluateOptions rising = options;
+        double highest = 0;
+        if (options.progress) {
+            rising.progress = [&](double done) {
+                highest = std::max(highest, done);
+                return options.progress(highest);
+            };
+        }
+        for (const bool with_corners : {options_.multigrid.corner_functions, false}) {
+            std::shared_ptr<Grid> grid;
+            const std::size_t unsettled = report.unsettled;
+            report = {};
+            Status status = make_grid(grid, report, with_corners);
+            if (status == Status::ok) status = use(grid, rising);
+            if (status != Status::ok || !with_corners || report.unsettled == 0) {
+                report.unsettled += unsettled;
+                return status;
+            }
+        }
+        return Status::ok;
+    }
+
+    /// The weights of points from a grid's functions, kept or solved now.
+    Status sample_grid(const Grid& grid, BlockView<const T> points, BlockView<T> weights,
+                       std::span<PointState> states, const EvaluateOptions& options,
+                       SolverReport& report) const {
+        if (points.points == 0) return Status::ok;
+
+        std::vector<PointStencil> stencils(points.blocks() * lane_count<T>);
+        detail::in_parallel(options, points.blocks(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin * lane_count<T>; i < end * lane_count<T>; ++i)
+                stencils[i] = stencil_at(grid, i, points, states);
+        });
+        // What corners add to a point's weights is kept until all of them are known.
+        std::vector<std::size_t> corrected;
+        for (std::size_t i = 0; i < stencils.size(); ++i) {
+            if (stencils[i].correction.corner != CornerFunctions::Correction::none) corrected.push_back(i);
+        }
+        std::vector<T> added(corrected.size() * cage_.size());
+        const auto sample = [&](std::size_t group, std::span<const Lanes<double>> values,
+                                const CornerFunctions::Coefficients& at_corners) {
+            const std::size_t first = group * Multigrid<2>::width;
+            for (std::size_t i = 0; i < stencils.size(); ++i)
+                sample_group(stencils[i].mean, values, first, i, weights);
+            for (std::size_t n = 0; n < corrected.size(); ++n) {
+                std::array<double, Multigrid<2>::width> more{};
+                CornerFunctions::apply(stencils[corrected[n]].correction, at_corners, more);
+                for (std::size_t k = 0; k < more.size() && first + k < cage_.size(); ++k)
+                    added[n * cage_.size() + first + k] = static_cast<T>(more[k]);
+            }
+        };
+        Status status = Status::ok;
+        if (!grid.kept.empty()) {
+            status = detail::for_each_block(grid.groups, options, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t group = begin; group < end; ++group)
+                    sample(group, grid.kept[group].values, grid.kept[group].at_corners);
+            });
+        } else {
+            status = solve_groups(grid, report, options,
+                                  [&](std::size_t group, typename Multigrid<2>::Block& block,
+                                      const CornerFunctions::Coefficients& at_corners) {
+                                      sample(group, block.solution(), at_corners);
+                                  });
+        }
+        if (status != Status::ok) return status;
+        for (std::size_t n = 0; n < corrected.size(); ++n)
+            add_corner(std::span<const T>(added).subspan(n * cage_.size(), cage_.size()), corrected[n],
+                       weights);
+        return Status::ok;
+    }
+
+    /// What a point's weights are made of.
+    struct PointStencil {
+        CutStencil<2> mean;
+        CornerFunctions::Correction correction;
+    };
+
+    /// Where point `i` lies and its stencil; lanes beyond the points have empty ones.
+    PointStencil stencil_at(const Grid& grid, std::size_t i, BlockView<const T> points,
+                            std::span<PointState> states) const {
+        PointStencil stencil;
+        if (i >= points.points || states[i] == PointState::not_finite) return stencil;
         const auto p = block_point<2>(points, i);
         states[i] = locate(cage_, p, tolerance_);
-        if (states[i] == PointState::inside) return grid.boundary.sample(p, grid.problem.nodes);
-        CutStencil<2> stencil;
+        if (states[i] == PointState::inside) {
+            stencil.mean = grid.boundary.sample(p, grid.problem.nodes);
+            stencil.correction = grid.corners.correction(
+                grid.lattice.in_cells(vec_cast<double>(p)), stencil.mean, [&](std::uint32_t node) {
+                    const auto index = grid.problem.nodes.index(node);
+                    return Vec<double, 2>{double(index[0]), double(index[1])};
+                });
+        }
         if (states[i] == PointState::on_boundary) {
             const auto place = nearest_on_boundary(cage_, p);
-            stencil.add(
-                {{std::uint32_t(place.i), std::uint32_t(place.j)}, {1 - double(place.s), double(place.s)}},
-                1.0);
+            stencil.mean.add(BoundaryValue<2>{{std::uint32_t(place.i), std::uint32_t(place.j)},
+                                              {1 - double(place.s), double(place.s)}},
+                             1.0);
         }
         return stencil;
     }
-    void sample_group(const CutStencil<2>& stencil, std::span<const Lanes<double>> solution,
-                      std::size_t first, std::size_t i, BlockView<T> weights) const noexcept {
+    void sample_group(const CutStencil<2>& mean, std::span<const Lanes<double>> values, std::size_t first,
+                      std::size_t i, BlockView<T> weights) const noexcept {
         constexpr std::size_t width = Multigrid<2>::width;
         const std::size_t count = std::min(width, cage_.size() - first);
         std::array<double, width> value{};
-        for (std::uint32_t n = 0; n < stencil.node_count; ++n) {
-            const auto& row = solution[stencil.nodes[n].node];
-            for (std::size_t k = 0; k < width; ++k) value[k] += stencil.nodes[n].share * row[k];
+        for (std::uint32_t n = 0; n < mean.node_count; ++n) {
+            const auto& row = values[mean.nodes[n].node];
+            for (std::size_t k = 0; k < width; ++k) value[k] += mean.nodes[n].share * row[k];
         }
-        for (std::uint32_t n = 0; n < stencil.handle_count; ++n) {
-            const std::size_t k = stencil.handles[n].handle - first;
-            if (k < count) value[k] += stencil.handles[n].share;
+        for (std::uint32_t n = 0; n < mean.place_count; ++n) {
+            const auto& place = mean.places[n];
+            for (std::size_t h = 0; h < BoundaryValue<2>::most; ++h) {
+                const std::size_t k = place.value.handle[h] - first;
+                if (k < count) value[k] += place.share * place.value.weight[h];
+            }
         }
         // A mean of boundary data is in [0, 1]; the solver's error may not leave it.
         auto* const row = weights.block(i / lane_count<T>) + first;
         for (std::size_t k = 0; k < count; ++k)
             row[k][i % lane_count<T>] = static_cast<T>(std::clamp(value[k], 0.0, 1.0));
+    }
+    /// Adds as much of a corner's part as keeps all weights of the point in [0, 1]: all of it, unless the grid is
+    /// too coarse for the corner. The part sums to 0 and moves no point, so any share of it may be taken.
+    void add_corner(std::span<const T> part, std::size_t i, BlockView<T> weights) const noexcept {
+        auto* const row = weights.block(i / lane_count<T>);
+        const std::size_t lane = i % lane_count<T>;
+        const T allowed = static_cast<T>(options_.multigrid.tolerance); // what the clamp may take away
+        T share = 1;
+        for (std::size_t k = 0; k < part.size(); ++k) {
+            const T w = row[k][lane], room = allowed + (part[k] < 0 ? w : T(1) - w);
+            if (room < share * std::fabs(part[k])) share = room / std::fabs(part[k]);
+        }
+        for (std::size_t k = 0; k < part.size(); ++k)
+            row[k][lane] = std::clamp(row[k][lane] + share * part[k], T(0), T(1));
     }
 
     // ---- the averaging pyramid ----

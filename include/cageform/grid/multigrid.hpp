@@ -121,6 +121,11 @@ public:
         return finish(block, direct);
     }
 
+    /// To be told when `source` has been changed between cycles: by how much at most, per right-hand side.
+    static void disturb(Block& block, const Row& change) noexcept {
+        (Pack::load(block.residual) + Pack::load(change)).store(block.residual);
+    }
+
     /// Bytes of the hierarchy, and of every block beside it.
     std::size_t bytes() const noexcept {
         std::size_t n = std::size_t(factor_.size()) * sizeof(double);

@@ -75,6 +75,21 @@ public:
                                                     : none;
     }
 
+    /// The place of a node, from its number.
+    Index index(std::uint32_t number) const noexcept {
+        const auto run = std::partition_point(runs_.begin(), runs_.end(),
+                                              [&](const Run& a) { return a.first <= number; }) -
+                         1;
+        const auto row = std::partition_point(row_begin_.begin(), row_begin_.end(),
+                                              [&](std::uint32_t begin) {
+                                                  return begin <= std::uint32_t(run - runs_.begin());
+                                              }) -
+                         1;
+        Index index = row_index(std::size_t(row - row_begin_.begin()));
+        index[0] = run->begin + std::int32_t(number - run->first);
+        return index;
+    }
+
     /// f(index, number) for every node in order.
     template <class F>
     void for_each(F&& f) const {

@@ -15,16 +15,15 @@ struct CutStencil {
         std::uint32_t node;
         double share;
     };
-    struct Handle {
-        std::uint32_t handle;
+    struct Place { ///< on the boundary
+        BoundaryValue<D> value;
         double share;
     };
     static constexpr std::size_t most_nodes = std::size_t{1} << D;
-    static constexpr std::size_t most_handles = 2 * most_nodes * BoundaryValue<D>::most;
 
     std::array<Node, most_nodes> nodes;
-    std::array<Handle, most_handles> handles;
-    std::uint32_t node_count = 0, handle_count = 0;
+    std::array<Place, 2 * most_nodes> places;
+    std::uint32_t node_count = 0, place_count = 0;
 
     void add(std::uint32_t node, double share) noexcept {
         for (std::uint32_t n = 0; n < node_count; ++n) {
@@ -34,11 +33,7 @@ struct CutStencil {
         }
         nodes[node_count++] = {node, share};
     }
-    void add(const BoundaryValue<D>& value, double share) noexcept {
-        for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
-            if (value.weight[n] != 0) handles[handle_count++] = {value.handle[n], share * value.weight[n]};
-        }
-    }
+    void add(const BoundaryValue<D>& value, double share) noexcept { places[place_count++] = {value, share}; }
 };
 
 /// A polygon in units of a lattice. Node i of the lattice lies at i.

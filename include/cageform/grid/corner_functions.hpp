@@ -1,0 +1,371 @@
+// What a grid cannot resolve: the singular functions at the corners of a polygon, known but for their coefficients.
+//
+// Near a corner of interior angle ω, with data linear along its two edges, a harmonic function is
+//
+//     g + α x + c w + Σ a_k s_k,   s_k = (r/R)^(kπ/ω) sin(kπθ/ω)
+//
+// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4), x along the one edge, w harmonic with
+// w = 0 on it and w = r on the other. Differences do badly on the s_k with small exponents, and on w where ω is close to π
+// (r log r). So what the difference equations get wrong about them is given to the equations as a right-hand side, with
+// the a_k fitted to the solution around the corner, and interpolation is corrected likewise.
+#pragma once
+
+#include <cageform/cage/polygon.hpp>
+#include <cageform/grid/polygon_boundary.hpp>
+
+#include <Eigen/Cholesky>
+
+#include <numbers>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// The functions of one corner. Lengths in units of the lattice.
+class Corner {
+public:
+    static constexpr std::size_t most = 8;          ///< functions s_k kept
+    static constexpr double smooth_exponent = 2.25; ///< π/ω from which differences do well without help
+
+    /// The corner at `vertex` between the edges to `before` and `after`; the inside is to the left of the way from
+    /// `before` over `vertex` to `after` when `inside_left`.
+    Corner(const Vec<double, 2>& vertex, const Vec<double, 2>& before, const Vec<double, 2>& after,
+           bool inside_left, double radius)
+        : vertex_(vertex)
+        , radius_(radius) {
+        const auto forth = after - vertex, back = before - vertex;
+        length_after_ = std::sqrt(dot(forth, forth));
+        length_before_ = std::sqrt(dot(back, back));
+        x_ = (1 / length_after_) * forth;
+        y_ = inside_left ? Vec<double, 2>{-x_[1], x_[0]} : Vec<double, 2>{x_[1], -x_[0]};
+        angle_ = std::atan2(dot(back, y_), dot(back, x_));
+        if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
+        exponent_ = std::numbers::pi / angle_;
+        // As many as the nodes around can tell apart; r⁴ and beyond differences do well enough.
+        count_ = std::min(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
+    }
+
+    std::size_t count() const noexcept { return count_; } ///< of the s_k; function 0 is w
+    bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }
+    double radius() const noexcept { return radius_; }
+    double distance(const Vec<double, 2>& p) const noexcept {
+        return std::sqrt(dot(p - vertex_, p - vertex_));
+    }
+    double along(const Vec<double, 2>& p) const noexcept { return dot(p - vertex_, x_); }
+    double cosine() const noexcept { return std::cos(angle_); }
+    double length_before() const noexcept { return length_before_; }
+    double length_after() const noexcept { return length_after_; }
+
+    /// w, s_1, …, s_count at a place in the sector.
+    std::array<double, most + 1> functions(const Vec<double, 2>& p) const noexcept {
+        std::array<double, most + 1> f{};
+        const auto d = p - vertex_;
+        const double x = dot(d, x_), y = dot(d, y_), r = std::sqrt(dot(d, d)) / radius_;
+        if (!(r > 0)) return f;
+        double theta = std::atan2(y, x);
+        // The sector's far side may show as a small negative angle, as may its near side by rounding.
+        if (theta < 0 && theta < 0.5 * angle_ - std::numbers::pi) theta += 2 * std::numbers::pi;
+        for (std::size_t k = 1; k <= count_; ++k) {
+            const double e = double(k) * exponent_;
+            f[k] = std::pow(r, e) * std::sin(e * theta);
+        }
+        // (y − s_m)/sin ω with the s_m whose exponent is closest to 1: bounded even where ω is a multiple of π.
+        const double m = std::max(1.0, std::round(angle_ / std::numbers::pi));
+        const double e = m * exponent_, sine = std::sin(angle_);
+        if (std::fabs(sine) > 1e-5) {
+            f[0] = radius_ * (r * std::sin(theta) - std::pow(r, e) * std::sin(e * theta)) / sine;
+        } else {
+            const double between = 0.5 * (1 + e);
+            const double slope = std::pow(r, between) * (std::log(r) * std::sin(between * theta) +
+                                                         theta * std::cos(between * theta));
+            f[0] = radius_ * (m == 1 ? -1 : 1) * slope / angle_;
+        }
+        return f;
+    }
+
+private:
+    Vec<double, 2> vertex_, x_{}, y_{}; ///< x along the edge to the next vertex, y to the inside
+    double radius_, length_before_ = 0, length_after_ = 0;
+    double angle_ = 0, exponent_ = 1;
+    std::size_t count_ = 0;
+};
+
+/// The corners of a polygon laid into a lattice, and how they enter equations and sampling.
+class CornerFunctions {
+public:
+    static constexpr std::size_t width = lane_count<double>;
+    using Row = Lanes<double>;
+
+    /// Coefficients of eight functions at every corner: those of s_1 … s_most.
+    using Coefficients = std::vector<std::array<Row, Corner::most + 1>>;
+
+    CornerFunctions() = default;
+
+    /// Which corners are treated, and within which nodes. Corners without room for a fit are left as they are: the
+    /// grid is too coarse for them anyway.
+    template <Scalar T>
+    CornerFunctions(const Polygon<T>& polygon, const Lattice<double, 2>& lattice,
+                    const EmbeddedProblem<2>& problem) {
+        std::vector<Vec<double, 2>> at;
+        for (const auto& c : polygon.vertices()) at.push_back(lattice.in_cells(vec_cast<double>(c)));
+        vertices_ = at;
+        for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
+            const auto& loop = polygon.loops()[n];
+            const bool inside_left = (signed_area(polygon, loop) > 0) == (loop_depth(polygon, n) % 2 == 0);
+            for (std::size_t i = loop.begin; i < loop.end; ++i) {
+                const std::size_t before = i > loop.begin ? i - 1 : loop.end - 1;
+                const std::size_t after = i + 1 < loop.end ? i + 1 : loop.begin;
+                double radius = most_radius;
+                polygon.for_each_edge([&](std::size_t j, std::size_t k) {
+                    if (j == i || k == i) {
+                        const auto e = at[j] - at[k];
+                        radius = std::min(radius, std::sqrt(dot(e, e)));
+                        return;
+                    }
+                    const auto e = at[k] - at[j];
+                    const double s = std::clamp(dot(at[i] - at[j], e) / dot(e, e), 0.0, 1.0);
+                    const auto d = at[j] + s * e - at[i];
+                    radius = std::min(radius, std::sqrt(dot(d, d)));
+                });
+                if (radius < least_radius) continue;
+                const Corner corner(at[i], at[before], at[after], inside_left, radius);
+                if (!corner.is_smooth()) add(corner, i, before, after, problem);
+            }
+        }
+    }
+
+    std::size_t count() const noexcept { return corners_.size(); }
+
+    /// Nodes whose equations get a right-hand side; ascending, without repeats.
+    std::vector<std::uint32_t> sources() const {
+        std::vector<std::uint32_t> nodes;
+        for (const auto& corner : corners_) {
+            for (const auto& defect : corner.defects) nodes.push_back(defect.node);
+        }
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        return nodes;
+    }
+    /// slots[node]: the place of a source node in Block::source.
+    void set_slots(std::span<const std::uint32_t> slots) {
+        for (auto& corner : corners_) {
+            for (auto& defect : corner.defects) defect.node = slots[defect.node];
+        }
+    }
+
+    /// The known coefficients (of w) of functions first … first + 7; the others zero. Adds what they do to `source`.
+    Coefficients start(std::size_t first, std::span<Row> source) const {
+        Coefficients all(corners_.size());
+        for (std::size_t n = 0; n < corners_.size(); ++n) {
+            for (auto& row : all[n]) std::fill(std::begin(row.v), std::end(row.v), 0.0);
+            for (std::size_t lane = 0; lane < width; ++lane) {
+                const auto slope = slopes(corners_[n], first + lane);
+                all[n][0][lane] = slope[1] - slope[0] * corners_[n].corner.cosine();
+            }
+            add_defects(corners_[n], 0, all[n][0], source);
+        }
+        return all;
+    }
+
+    /// The coefficients that fit a solution, those of w as in `known`.
+    Coefficients fit(std::size_t first, std::span<const Row> solution, const Coefficients& known) const {
+        Coefficients all = known;
+        for (std::size_t n = 0; n < corners_.size(); ++n) {
+            const Treated& t = corners_[n];
+            std::array<std::array<double, 3>, width> data{};
+            for (std::size_t lane = 0; lane < width; ++lane) {
+                data[lane] = {t.handles[0] == first + lane ? 1.0 : 0.0, slopes(t, first + lane)[0],
+                              known[n][0][lane]};
+            }
+            std::array<std::array<double, width>, Corner::most> sum{};
+            for (std::size_t i = 0; i < t.around.size(); ++i) {
+                const auto& node = t.around[i];
+                std::array<double, width> rest;
+                for (std::size_t lane = 0; lane < width; ++lane) {
+                    rest[lane] = solution[node.node][lane] - data[lane][0] - data[lane][1] * node.along -
+                                 data[lane][2] * node.w;
+                }
+                for (std::size_t k = 0; k < t.corner.count(); ++k) {
+                    const double share = t.fit[i * t.corner.count() + k];
+                    for (std::size_t lane = 0; lane < width; ++lane) sum[k][lane] += share * rest[lane];
+                }
+            }
+            for (std::size_t k = 0; k < t.corner.count(); ++k) {
+                for (std::size_t lane = 0; lane < width; ++lane) all[n][k + 1][lane] = sum[k][lane];
+            }
+        }
+        return all;
+    }
+    /// The largest difference of two sets of coefficients, which is how far they move a value.
+    double difference(const Coefficients& a, const Coefficients& b) const noexcept {
+        double largest = 0;
+        for (std::size_t n = 0; n < corners_.size(); ++n) {
+            for (std::size_t k = 1; k <= corners_[n].corner.count(); ++k) {
+                for (std::size_t lane = 0; lane < width; ++lane)
+                    largest = std::max(largest, std::fabs(a[n][k][lane] - b[n][k][lane]));
+            }
+        }
+        return largest;
+    }
+    /// Replaces coefficients by others and changes `source` accordingly; returns by how much at most, per function.
+    Row replace(Coefficients& all, const Coefficients& by, std::span<Row> source) const noexcept {
+        Row disturbance;
+        std::fill(std::begin(disturbance.v), std::end(disturbance.v), 0.0);
+        for (std::size_t n = 0; n < corners_.size(); ++n) {
+            const Treated& t = corners_[n];
+            for (std::size_t k = 1; k <= t.corner.count(); ++k) {
+                Row change;
+                for (std::size_t lane = 0; lane < width; ++lane) {
+                    change[lane] = by[n][k][lane] - all[n][k][lane];
+                    disturbance[lane] += t.largest_defect[k] * std::fabs(change[lane]);
+                }
+                add_defects(t, k, change, source);
+            }
+        }
+        all = by;
+        return disturbance;
+    }
+
+    /// What interpolation by `stencil` at `p` (in units of the lattice) misses of each function of the corner whose disc
+    /// the stencil lies in.
+    struct Correction {
+        static constexpr std::uint32_t none = ~std::uint32_t{0};
+        std::uint32_t corner = none;
+        std::array<double, Corner::most + 1> missed{};
+    };
+    template <class NodePlace>
+    Correction correction(const Vec<double, 2>& p, const CutStencil<2>& stencil,
+                          const NodePlace& place) const {
+        Correction result;
+        double nearest = std::numeric_limits<double>::max();
+        for (std::size_t n = 0; n < corners_.size(); ++n) {
+            const double d = corners_[n].corner.distance(p);
+            if (d + 1.5 > corners_[n].corner.radius() || d >= nearest) continue;
+            nearest = d;
+            result.corner = std::uint32_t(n);
+        }
+        if (result.corner == Correction::none) return result;
+        const Corner& corner = corners_[result.corner].corner;
+        result.missed = corner.functions(p);
+        const auto take = [&](const Vec<double, 2>& q, double share) {
+            const auto f = corner.functions(q);
+            for (std::size_t k = 0; k < f.size(); ++k) result.missed[k] -= share * f[k];
+        };
+        for (std::uint32_t i = 0; i < stencil.node_count; ++i)
+            take(place(stencil.nodes[i].node), stencil.nodes[i].share);
+        for (std::uint32_t i = 0; i < stencil.place_count; ++i) {
+            const auto& value = stencil.places[i].value;
+            take(value.weight[0] * vertices_[value.handle[0]] + value.weight[1] * vertices_[value.handle[1]],
+                 stencil.places[i].share);
+        }
+        return result;
+    }
+    static void apply(const Correction& correction, const Coefficients& all,
+                      std::array<double, width>& value) noexcept {
+        if (correction.corner == Correction::none) return;
+        for (std::size_t k = 0; k < correction.missed.size(); ++k) {
+            if (correction.missed[k] == 0) continue;
+            for (std::size_t lane = 0; lane < width; ++lane)
+                value[lane] += correction.missed[k] * all[correction.corner][k][lane];
+        }
+    }
+
+private:
+    static constexpr double least_radius = 10, most_radius = 24;
+
+    struct Defect {
+        std::uint32_t node;                        ///< then the slot
+        std::array<double, Corner::most + 1> of{}; ///< A applied to each function
+    };
+    struct Around {
+        std::uint32_t node;
+        double along, w;
+    };
+    struct Treated {
+        Corner corner;
+        std::array<std::size_t, 3> handles; ///< at the corner, before it, after it
+        std::vector<Defect> defects;
+        std::vector<Around> around; ///< nodes of the fit
+        std::vector<double> fit;    ///< of each of them, its share in each coefficient
+        std::array<double, Corner::most + 1> largest_defect{};
+    };
+
+    /// Slopes of a handle's hat along the edge after the corner and the one before it, away from the corner.
+    static std::array<double, 2> slopes(const Treated& t, std::size_t handle) noexcept {
+        std::array<double, 2> slope{};
+        if (handle == t.handles[0]) slope = {-1 / t.corner.length_after(), -1 / t.corner.length_before()};
+        if (handle == t.handles[1]) slope[1] += 1 / t.corner.length_before();
+        if (handle == t.handles[2]) slope[0] += 1 / t.corner.length_after();
+        return slope;
+    }
+    static void add_defects(const Treated& t, std::size_t k, const Row& coefficients,
+                            std::span<Row> source) noexcept {
+        for (const Defect& defect : t.defects) {
+            for (std::size_t lane = 0; lane < width; ++lane)
+                source[defect.node][lane] += defect.of[k] * coefficients[lane];
+        }
+    }
+
+    void add(const Corner& corner, std::size_t vertex, std::size_t before, std::size_t after,
+             const EmbeddedProblem<2>& problem) {
+        Treated t{corner, {vertex, before, after}, {}, {}, {}, {}};
+        const auto centre = vertices_[vertex];
+        const double radius = corner.radius();
+        const auto low_y = std::int32_t(std::max(std::ceil(centre[1] - radius), 0.0));
+        const auto high_y =
+            std::int32_t(std::min(std::floor(centre[1] + radius), double(problem.nodes.size()[1]) - 1));
+        for (NodeRuns<2>::Index index{0, low_y}; index[1] <= high_y; ++index[1]) {
+            const auto low = std::int32_t(std::max(std::ceil(centre[0] - radius), 0.0));
+            const auto high =
+                std::int32_t(std::min(std::floor(centre[0] + radius), double(problem.nodes.size()[0]) - 1));
+            for (index[0] = low; index[0] <= high; ++index[0]) {
+                const auto node = problem.nodes.find(index);
+                if (node == NodeRuns<2>::none) continue;
+                const Vec<double, 2> p{double(index[0]), double(index[1])};
+                const double r = corner.distance(p);
+                if (r + 1 < radius) t.defects.push_back(defect_of(corner, node, p, problem));
+                if (r > 0.3 * radius && r < 0.8 * radius)
+                    t.around.push_back({node, corner.along(p), corner.functions(p)[0]});
+            }
+        }
+        if (t.around.size() < 3 * corner.count()) return;
+        Eigen::MatrixXd s(long(t.around.size()), long(corner.count()));
+        std::size_t i = 0;
+        for (const auto& around : t.around) {
+            const auto index = problem.nodes.index(around.node);
+            const auto f = corner.functions({double(index[0]), double(index[1])});
+            for (std::size_t k = 0; k < corner.count(); ++k) s(long(i), long(k)) = f[k + 1];
+            ++i;
+        }
+        const Eigen::MatrixXd shares = (s.transpose() * s).ldlt().solve(s.transpose());
+        for (std::size_t n = 0; n < t.around.size(); ++n) {
+            for (std::size_t k = 0; k < corner.count(); ++k) t.fit.push_back(shares(long(k), long(n)));
+        }
+        for (const Defect& defect : t.defects) {
+            for (std::size_t k = 0; k < defect.of.size(); ++k)
+                t.largest_defect[k] = std::max(t.largest_defect[k], std::fabs(defect.of[k]));
+        }
+        corners_.push_back(std::move(t));
+    }
+
+    static Defect defect_of(const Corner& corner, std::uint32_t node, const Vec<double, 2>& p,
+                            const EmbeddedProblem<2>& problem) {
+        Defect defect{node, {}};
+        const auto here = corner.functions(p);
+        auto cut = std::lower_bound(problem.cuts.begin(), problem.cuts.end(), node,
+                                    [](const CutLink& a, std::uint32_t n) { return a.node < n; });
+        std::array<double, 4> weight{1, 1, 1, 1};
+        for (; cut != problem.cuts.end() && cut->node == node; ++cut) weight[cut->direction] = cut->weight;
+        for (std::size_t direction = 0; direction < 4; ++direction) {
+            auto q = p;
+            q[direction / 2] += ((direction & 1) != 0 ? 1 : -1) / weight[direction];
+            const auto there = corner.functions(q);
+            for (std::size_t k = 0; k < here.size(); ++k)
+                defect.of[k] += weight[direction] * (here[k] - there[k]);
+        }
+        return defect;
+    }
+
+    std::vector<Vec<double, 2>> vertices_;
+    std::vector<Treated> corners_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
