@@ -50,7 +50,8 @@ class HarmonicCoordinates;
 ///
 /// With the multigrid (the default), solved in double whatever `T`:
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
-///   accuracy  h² in the open; near a corner of interior angle ω not better than r^(π/ω) on a grid of spacing h is
+///   accuracy  of order h² in the open and around corners with ten cells of room (grid/corner_functions.hpp); next to
+///             an untreated corner of interior angle ω of order h^(π/ω)
 ///   cost      `evaluate` solves #V functions, eight at a time (unless `solve` has done so before), and samples them.
 ///             EvaluateOptions::parallel shares the eights out; each thread needs `solver_memory().block` bytes,
 ///             every point 430 bytes. The progress is asked after every cycle on the calling thread
