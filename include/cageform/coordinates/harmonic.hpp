@@ -6,6 +6,7 @@
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/grid/averaging_pyramid.hpp>
 #include <cageform/grid/corner_functions.hpp>
+#include <cageform/grid/multigrid.hpp>
 #include <cageform/grid/rasterise.hpp>
 #include <cageform/grid/sample.hpp>
 
@@ -110,7 +111,8 @@ public:
                                            const auto values = block.solution();
                                            grid->kept[group] = {{values.begin(), values.end()}, at_corners};
                                        });
-                                   if (status == Status::ok) kept_grid_ = std::move(grid);
+                                   if (status == Status::ok && evaluation.solver.unsettled == 0)
+                                       kept_grid_ = std::move(grid);
                                    return status;
                                });
             });
@@ -294,7 +296,7 @@ private:
                 SolverReport part;
                 CornerFunctions::Coefficients at_corners;
                 if (!solve_group(grid, group, block, at_corners, part, keep_going)) return;
-                take(group, block, at_corners);
+                if (part.unsettled == 0) take(group, block, at_corners);
                 ++done;
                 keep_going(0);
                 const std::lock_guard lock(report_access);
@@ -335,7 +337,7 @@ private:
         at_corners = grid.corners.start(first, block.source);
         auto error = grid.multigrid.start(block);
         double before = 0, change_before = 0;
-        bool frozen = false;
+        bool settled = false;
         for (;;) {
             report.error_estimate = largest(error.estimate);
             if (report.cycles > 1 && before > 0)
@@ -343,15 +345,15 @@ private:
                     std::max(report.convergence_factor, report.error_estimate / before);
             // The corners' coefficients follow the solution and the solution them, a few times each.
             double change = 0;
-            if (!frozen) {
+            if (!settled) {
                 auto fitted = grid.corners.fit(first, block.solution(), at_corners);
                 change = grid.corners.difference(fitted, at_corners);
-                frozen = report.cycles > 1 && change > 0.7 * change_before;
-                if (frozen && change > options_.multigrid.tolerance) {
+                settled = report.cycles > 1 && change > 0.7 * change_before;
+                if (settled && change > options_.multigrid.tolerance) {
                     report.unsettled = count;
                     return true; // in vain: see on_grid
                 }
-                if (!frozen) {
+                if (!settled) {
                     Multigrid<2>::disturb(block, grid.corners.replace(at_corners, fitted, block.source));
                     change_before = change;
                 }

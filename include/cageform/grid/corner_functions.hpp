@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
+#include <cageform/core/blocks.hpp>
 #include <cageform/grid/polygon_boundary.hpp>
 
 #include <Eigen/Cholesky>
@@ -131,8 +132,6 @@ public:
             }
         }
     }
-
-    std::size_t count() const noexcept { return corners_.size(); }
 
     /// Nodes whose equations get a right-hand side; ascending, without repeats.
     std::vector<std::uint32_t> sources() const {

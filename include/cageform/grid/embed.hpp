@@ -2,8 +2,7 @@
 // give every link that ends on the boundary its length and its data. Knows no cage and no solver.
 #pragma once
 
-#include <cageform/core/vec.hpp>
-#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/detail/hierarchy.hpp>
 
 #include <limits>
 
@@ -44,7 +43,7 @@ struct EmbeddedProblem {
 
 namespace detail {
 
-/// A line along `axis` to the node at `x` on it, and back.
+/// The node at `x` on a line along `axis`. Lines along axis 0 are rows.
 template <std::size_t D>
 typename NodeRuns<D>::Index on_line(const typename NodeRuns<D>::Index& size, std::size_t axis,
                                     std::uint32_t line, std::int32_t x) noexcept {
@@ -58,15 +57,6 @@ typename NodeRuns<D>::Index on_line(const typename NodeRuns<D>::Index& size, std
         line /= std::uint32_t(size[k]);
     }
     return index;
-}
-template <std::size_t D>
-std::uint32_t line_of(const typename NodeRuns<D>::Index& size, std::size_t axis,
-                      const typename NodeRuns<D>::Index& index) noexcept {
-    std::uint32_t line = 0;
-    for (std::size_t k = D; k-- > 0;) {
-        if (k != axis) line = line * std::uint32_t(size[k]) + std::uint32_t(index[k]);
-    }
-    return line;
 }
 
 /// f(before, after) for neighbouring crossings of a line with the inside between them.
@@ -122,6 +112,7 @@ EmbeddedProblem<D> embed(const typename NodeRuns<D>::Index& size, const Crossing
                          const Nearest& nearest) {
     using Index = typename NodeRuns<D>::Index;
     EmbeddedProblem<D> problem;
+    NodeRuns<D> nodes(size);
 
     // Nodes on the boundary as the other axes' lines see it, by row and x.
     std::vector<std::pair<std::uint32_t, std::int32_t>> dropped;
@@ -130,12 +121,11 @@ EmbeddedProblem<D> embed(const typename NodeRuns<D>::Index& size, const Crossing
             const double x = std::round(crossing.position);
             if (std::fabs(crossing.position - x) > on_boundary_distance) continue;
             const Index index = detail::on_line<D>(size, axis, crossing.line, std::int32_t(x));
-            dropped.push_back({detail::line_of<D>(size, 0, index), index[0]});
+            dropped.push_back({std::uint32_t(nodes.row(index)), index[0]});
         }
     }
     std::sort(dropped.begin(), dropped.end());
 
-    NodeRuns<D> nodes(size);
     std::size_t row = 0;
     auto drop = dropped.begin();
     detail::for_each_inner_interval<D>(crossings[0], [&](const Crossing<D>& a, const Crossing<D>& b) {

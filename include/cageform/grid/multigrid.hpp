@@ -68,7 +68,6 @@ public:
     }
 
     std::uint32_t unknowns() const noexcept { return levels_.front().count; }
-    std::size_t level_count() const noexcept { return levels_.size(); }
 
     /// Nodes that may have a right-hand side, ascending within a slab; `Block::source` is parallel to them.
     std::size_t source_count() const noexcept { return levels_.front().odd.size(); }

@@ -139,10 +139,6 @@ public:
         }
     }
 
-    std::size_t bytes() const noexcept {
-        return runs_.size() * sizeof(Run) + row_begin_.size() * sizeof(row_begin_[0]);
-    }
-
 private:
     Index size_{};
     std::vector<std::uint32_t> row_begin_;
