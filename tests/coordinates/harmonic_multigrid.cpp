@@ -60,7 +60,7 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
                 evaluate_all(Harmonic<double>(cage, {.resolution = resolution}), oracle.points);
             REQUIRE(weights.status() == Status::ok);
             CHECK(weights.evaluation.solver.error_estimate <= 1e-6);
-            CHECK(weights.evaluation.solver.convergence_factor <= (resolution < 256 ? 0.3 : 0.2));
+            CHECK(weights.evaluation.solver.convergence_factor <= 0.2);
             double error = 0;
             for (std::size_t i = 0; i < oracle.points.size(); ++i)
                 error = std::max(error, difference(weights.rows[i], oracle.coordinates[i]));
@@ -145,8 +145,8 @@ TEST_CASE("the multigrid tells its progress and is cancelled", "[coordinates][ha
     };
     CHECK(evaluate_all(coordinates, points, options).status() == Status::ok);
     CHECK(last == 1);
-    CHECK(calls >= int(cage.size()) / 8 * 3);
-    const int stop_at = GENERATE(1, 3, 8);
+    CHECK(calls >= 5); // after every cycle
+    const int stop_at = GENERATE(1, 3, 6);
     int asked = 0;
     options.progress = [&](double) { return ++asked < stop_at; };
     CHECK(evaluate_all(coordinates, points, options).status() == Status::cancelled);

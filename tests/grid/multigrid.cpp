@@ -10,7 +10,6 @@
 #include <bit>
 
 using cageform::CutLink;
-using cageform::Lanes;
 using cageform::Multigrid;
 using cageform::NodeRuns;
 using cageform_tests::Random;
@@ -107,15 +106,16 @@ void set_data(const Multigrid<D>& multigrid, const Domain<D>& domain, typename M
               const Value& value) {
     std::vector<std::size_t> slot(multigrid.unknowns());
     for (std::size_t s = 0; s < multigrid.source_count(); ++s) slot[multigrid.source_node(s)] = s;
-    for (auto& row : block.source) std::fill(std::begin(row.v), std::end(row.v), 0.0);
+    for (auto& values : block.source) values.fill(0.0);
     for (std::size_t c = 0; c < domain.cuts.size(); ++c) {
         for (std::size_t k = 0; k < width; ++k)
             block.source[slot[domain.cuts[c].node]][k] += domain.cuts[c].weight * value(c, k);
     }
 }
 
-double largest(const Lanes<double>& row) {
-    return *std::max_element(std::begin(row.v), std::end(row.v));
+template <class Values>
+double largest(const Values& values) {
+    return *std::max_element(values.begin(), values.end());
 }
 
 /// Cycles until the estimate is below `tolerance`; returns how many it took.
@@ -156,13 +156,12 @@ void check_linear(int seed) {
     set_data(multigrid, domain, block,
              [&](std::size_t c, std::size_t k) { return value(domain.places[c], k); });
     const int cycles = solve(multigrid, block, 1e-11);
-    // A factor of 0.2 a cycle, of 0.3 in 3D, where links cut at random lengths are rougher than any surface makes
-    // them; scattered walls, which no coarse grid resolves, cost up to twice as many.
-    CHECK(cycles <= (seed % 2 == 0 ? 32 : D == 3 ? 22 : 16));
+    // A factor of 0.2 a cycle, whether links are cut at random lengths or by scattered walls no coarse grid resolves.
+    CHECK(cycles <= 16);
     double error = 0;
     for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
         for (std::size_t k = 0; k < width; ++k)
-            error = std::max(error, std::fabs(block.solution()[node][k] - value(domain.index[node], k)));
+            error = std::max(error, std::fabs(block.value(node)[k] - value(domain.index[node], k)));
     }
     CHECK(error <= 1e-10);
 }
@@ -220,17 +219,20 @@ TEST_CASE("the multigrid's estimate and bound cover the error", "[grid][multigri
         for (std::size_t k = 0; k < width; ++k) {
             double true_error = 0;
             for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
-                true_error = std::max(true_error, std::fabs(block.solution()[node][k] -
+                true_error = std::max(true_error, std::fabs(block.value(node)[k] -
                                                             exact(Eigen::Index(node), Eigen::Index(k))));
             }
-            CHECK(true_error <= error.bound[k] + 1e-12);
-            CHECK(true_error <= error.estimate[k] + 1e-12);
+            // In float the bound leaves out what that rounds.
+            const double rounding = block.is_refined() ? 1e-12 : 1e-5;
+            CHECK(true_error <= error.bound[k] + rounding);
+            // An estimate is no bound: in 1000 such domains, full of walls, it was at worst a seventh too small.
+            CHECK(true_error <= 1.2 * error.estimate[k] + rounding);
         }
         error = multigrid.cycle(block);
     }
     // The maximum principle: a mean of values in [0, 1].
-    for (const auto& row : block.solution()) {
-        for (const double u : row.v) CHECK((u >= -1e-9 && u <= 1 + 1e-9));
+    for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
+        for (const double u : block.value(node)) CHECK((u >= -1e-9 && u <= 1 + 1e-9));
     }
 }
 
@@ -266,7 +268,7 @@ TEST_CASE("the multigrid solves the printed grids", "[grid][multigrid][oracle]")
         solve(multigrid, block, 1e-13);
         domain.nodes.for_each([&](const Index<2>& index, std::uint32_t node) {
             const double expected = numbers[std::size_t(index[1])][std::size_t(index[0])];
-            CHECK(std::fabs(block.solution()[node][0] - expected) <=
+            CHECK(std::fabs(block.value(node)[0] - expected) <=
                   1e-12 * std::max(1.0, std::fabs(expected)));
         });
     }
@@ -283,7 +285,8 @@ TEST_CASE("right-hand sides do not feel each other", "[grid][multigrid]") {
         (void)multigrid.start(block);
         for (int cycle = 0; cycle < 3; ++cycle) (void)multigrid.cycle(block);
         std::vector<std::uint64_t> bits;
-        for (const auto& row : block.solution()) bits.push_back(std::bit_cast<std::uint64_t>(row[3]));
+        for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node)
+            bits.push_back(std::bit_cast<std::uint64_t>(block.value(node)[3]));
         return bits;
     };
     CHECK(run(0) == run(1e6));
@@ -292,11 +295,13 @@ TEST_CASE("right-hand sides do not feel each other", "[grid][multigrid]") {
 TEST_CASE("a block needs the memory that was stated", "[grid][multigrid]") {
     const auto domain = random_domain<2>(9, 120, true, [](Random&) { return 0.5; });
     const Multigrid<2> multigrid(domain.nodes, domain.cuts, {});
-    const auto block = multigrid.make_block();
-    std::size_t rows = block.source.size();
-    for (const auto& fields : block.fields) rows += fields.u.size() + fields.b.size();
-    CHECK(rows * sizeof(Lanes<double>) == multigrid.block_bytes());
+    auto block = multigrid.make_block();
+    set_data(multigrid, domain, block, [&](std::size_t c, std::size_t) { return domain.places[c][0]; });
+    (void)multigrid.start(block);
+    for (int cycle = 0; cycle < 4; ++cycle) (void)multigrid.cycle(block);
+    CHECK(block.bytes() == multigrid.block_bytes());
     CHECK(multigrid.bytes() > 0);
-    // Four thirds of a field and its right-hand sides: nothing but inner nodes is paid for.
-    CHECK(multigrid.block_bytes() < std::size_t(2.4 * 64 * multigrid.unknowns()));
+    // Three fields and their right-hand sides on coarse levels: nothing but inner nodes is paid for.
+    CHECK(double(multigrid.block_bytes()) <
+          64 * (3.8 * double(multigrid.unknowns()) + 5 * double(multigrid.source_count())));
 }

@@ -29,7 +29,7 @@ struct SolverReport {
 
     std::size_t cells = 0;         ///< unknowns of one function
     std::size_t cycles = 0;        ///< of the multigrid, the most that a function took
-    double convergence_factor = 0; ///< error after a multigrid cycle over that before, the worst met
+    double convergence_factor = 0; ///< error after a multigrid cycle over that before, the worst met above the tolerance
     double error_estimate = 0; ///< of the discrete solution: what the multigrid stops on (grid/multigrid.hpp)
     double error_bound = 0;    ///< the same by the maximum principle alone, far above it
     std::size_t unsettled = 0; ///< functions whose corners could not be fitted, so that no corner was treated

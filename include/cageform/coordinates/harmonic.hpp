@@ -20,7 +20,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// Which solver makes the functions.
 enum class HarmonicSolver : std::uint8_t {
-    multigrid,         ///< all functions eight by eight, boundary where it is (grid/multigrid.hpp)
+    multigrid,         ///< all functions sixteen by sixteen, boundary where it is (grid/multigrid.hpp)
     averaging_pyramid, ///< the papers' own, the historical baseline (grid/averaging_pyramid.hpp)
 };
 
@@ -49,12 +49,12 @@ class HarmonicCoordinates;
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 3 and 4. On vertices and edges the boundary data itself is taken, so they are exact there.
 ///
-/// With the multigrid (the default), solved in double whatever `T`:
+/// With the multigrid (the default), solved to the digits of double whatever `T`:
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
 ///   accuracy  of order h² in the open and around corners with ten cells of room (grid/corner_functions.hpp); next to
 ///             an untreated corner of interior angle ω of order h^(π/ω)
-///   cost      `evaluate` solves #V functions, eight at a time (unless `solve` has done so before), and samples them.
-///             EvaluateOptions::parallel shares the eights out; each thread needs `solver_memory().block` bytes,
+///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so before), and samples them.
+///             EvaluateOptions::parallel shares the sixteens out; each thread needs `solver_memory().block` bytes,
 ///             every point 430 bytes. The progress is asked after every cycle on the calling thread
 ///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse; not_converged;
 ///             cancelled; out_of_memory
@@ -108,8 +108,10 @@ public:
                                        *grid, evaluation.solver, rising,
                                        [&](std::size_t group, typename Multigrid<2>::Block& block,
                                            const CornerFunctions::Coefficients& at_corners) {
-                                           const auto values = block.solution();
-                                           grid->kept[group] = {{values.begin(), values.end()}, at_corners};
+                                           auto& kept = grid->kept[group];
+                                           kept.at_corners = at_corners;
+                                           for (std::uint32_t n = 0; n < grid->multigrid.unknowns(); ++n)
+                                               kept.values.push_back(block.value(n));
                                        });
                                    if (status == Status::ok && evaluation.solver.unsettled == 0)
                                        kept_grid_ = std::move(grid);
@@ -173,8 +175,7 @@ public:
     /// setting the solver up, some hundredths of solving.
     struct SolverMemory {
         std::size_t hierarchy = 0; ///< once
-        std::size_t block =
-            0; ///< eight functions: on each thread, and after `solve` about half of it per eight
+        std::size_t block = 0; ///< sixteen functions: on each thread, and after `solve` about half of it per sixteen
     };
     SolverMemory solver_memory() const {
         std::shared_ptr<const Grid> grid;
@@ -186,10 +187,12 @@ public:
 private:
     // ---- the multigrid ----
 
-    /// Eight functions: at the nodes, and what they have of each corner's.
+    /// Sixteen functions: at the nodes, and what they have of each corner's.
     struct Functions {
-        std::vector<Lanes<double>> values;
+        std::vector<Multigrid<2>::Values> values;
         CornerFunctions::Coefficients at_corners;
+
+        const Multigrid<2>::Values& value(std::uint32_t node) const noexcept { return values[node]; }
     };
 
     /// The problem on the grid and its solver; after `solve` the functions too.
@@ -217,7 +220,7 @@ private:
         CornerFunctions corners;
         Multigrid<2> multigrid;
         std::vector<std::uint32_t> cut_slots; ///< of each cut link in Block::source
-        std::size_t groups;                   ///< of eight functions
+        std::size_t groups;                   ///< of sixteen functions
         std::vector<Functions> kept;          ///< by group
     };
 
@@ -284,7 +287,7 @@ private:
                     spare.pop_back();
                 }
             }
-            if (block.fields.empty()) block = grid.multigrid.make_block();
+            if (block.empty()) block = grid.multigrid.make_block();
             for (std::size_t group = begin; group < end && !cancelled; ++group) {
                 const auto keep_going = [&](double fraction) {
                     if (std::this_thread::get_id() == caller && options.progress) {
@@ -315,14 +318,14 @@ private:
         return cancelled ? Status::cancelled : report.unconverged > 0 ? Status::not_converged : Status::ok;
     }
 
-    /// Functions 8·group …; false when cancelled.
+    /// Functions 16·group …; false when cancelled.
     template <class KeepGoing>
     bool solve_group(const Grid& grid, std::size_t group, typename Multigrid<2>::Block& block,
                      CornerFunctions::Coefficients& at_corners, SolverReport& report,
                      const KeepGoing& keep_going) const {
         constexpr std::size_t width = Multigrid<2>::width;
         const std::size_t first = group * width, count = std::min(width, cage_.size() - first);
-        for (auto& row : block.source) std::fill(std::begin(row.v), std::end(row.v), 0.0);
+        for (auto& values : block.source) values.fill(0.0);
         for (std::size_t c = 0; c < grid.problem.cuts.size(); ++c) {
             const auto& value = grid.problem.values[c];
             for (std::size_t n = 0; n < BoundaryValue<2>::most; ++n) {
@@ -331,8 +334,8 @@ private:
                     grid.problem.cuts[c].weight * value.weight[n];
             }
         }
-        const auto largest = [&](const Lanes<double>& row) {
-            return *std::max_element(row.v, row.v + count);
+        const auto largest = [&](const Multigrid<2>::Values& values) {
+            return *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(count));
         };
         at_corners = grid.corners.start(first, block.source);
         auto error = grid.multigrid.start(block);
@@ -340,13 +343,13 @@ private:
         bool settled = false;
         for (;;) {
             report.error_estimate = largest(error.estimate);
-            if (report.cycles > 1 && before > 0)
+            if (report.cycles > 1 && before > options_.multigrid.tolerance)
                 report.convergence_factor =
                     std::max(report.convergence_factor, report.error_estimate / before);
             // The corners' coefficients follow the solution and the solution them, a few times each.
             double change = 0;
             if (!settled) {
-                auto fitted = grid.corners.fit(first, block.solution(), at_corners);
+                auto fitted = grid.corners.fit(first, block, at_corners);
                 change = grid.corners.difference(fitted, at_corners);
                 settled = report.cycles > 1 && change > 0.7 * change_before;
                 if (settled && change > options_.multigrid.tolerance) {
@@ -354,17 +357,20 @@ private:
                     return true; // in vain: see on_grid
                 }
                 if (!settled) {
-                    Multigrid<2>::disturb(block, grid.corners.replace(at_corners, fitted, block.source));
+                    const auto disturbance = grid.corners.replace(at_corners, fitted, block.source);
+                    error.estimate = Multigrid<2>::disturb(block, disturbance);
                     change_before = change;
                 }
             }
-            if (std::max(report.error_estimate, change) <= options_.multigrid.tolerance) break;
+            if (block.is_refined() &&
+                std::max(report.error_estimate, change) <= options_.multigrid.tolerance)
+                break;
             if (report.cycles == options_.multigrid.max_cycles) {
                 report.unconverged = count;
                 break;
             }
             if (!keep_going(double(report.cycles) / double(report.cycles + 4))) return false;
-            before = report.error_estimate;
+            before = largest(error.estimate);
             error = grid.multigrid.cycle(block);
             ++report.cycles;
         }
@@ -428,11 +434,11 @@ private:
             if (stencils[i].correction.corner != CornerFunctions::Correction::none) corrected.push_back(i);
         }
         std::vector<T> added(corrected.size() * cage_.size());
-        const auto sample = [&](std::size_t group, std::span<const Lanes<double>> values,
+        const auto sample = [&](std::size_t group, const auto& solution,
                                 const CornerFunctions::Coefficients& at_corners) {
             const std::size_t first = group * Multigrid<2>::width;
             for (std::size_t i = 0; i < stencils.size(); ++i)
-                sample_group(stencils[i].mean, values, first, i, weights);
+                sample_group(stencils[i].mean, solution, first, i, weights);
             for (std::size_t n = 0; n < corrected.size(); ++n) {
                 std::array<double, Multigrid<2>::width> more{};
                 CornerFunctions::apply(stencils[corrected[n]].correction, at_corners, more);
@@ -444,13 +450,13 @@ private:
         if (!grid.kept.empty()) {
             status = detail::for_each_block(grid.groups, options, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t group = begin; group < end; ++group)
-                    sample(group, grid.kept[group].values, grid.kept[group].at_corners);
+                    sample(group, grid.kept[group], grid.kept[group].at_corners);
             });
         } else {
             status = solve_groups(grid, report, options,
                                   [&](std::size_t group, typename Multigrid<2>::Block& block,
                                       const CornerFunctions::Coefficients& at_corners) {
-                                      sample(group, block.solution(), at_corners);
+                                      sample(group, block, at_corners);
                                   });
         }
         if (status != Status::ok) return status;
@@ -489,14 +495,15 @@ private:
         }
         return stencil;
     }
-    void sample_group(const CutStencil<2>& mean, std::span<const Lanes<double>> values, std::size_t first,
-                      std::size_t i, BlockView<T> weights) const noexcept {
+    template <class Solution> // a block of the multigrid, or functions that were kept
+    void sample_group(const CutStencil<2>& mean, const Solution& solution, std::size_t first, std::size_t i,
+                      BlockView<T> weights) const noexcept {
         constexpr std::size_t width = Multigrid<2>::width;
         const std::size_t count = std::min(width, cage_.size() - first);
-        std::array<double, width> value{};
+        Multigrid<2>::Values value{};
         for (std::uint32_t n = 0; n < mean.node_count; ++n) {
-            const auto& row = values[mean.nodes[n].node];
-            for (std::size_t k = 0; k < width; ++k) value[k] += mean.nodes[n].share * row[k];
+            const auto& at_node = solution.value(mean.nodes[n].node);
+            for (std::size_t k = 0; k < width; ++k) value[k] += mean.nodes[n].share * at_node[k];
         }
         for (std::uint32_t n = 0; n < mean.place_count; ++n) {
             const auto& place = mean.places[n];

@@ -11,7 +11,7 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
-#include <cageform/core/blocks.hpp>
+#include <cageform/grid/multigrid.hpp>
 #include <cageform/grid/polygon_boundary.hpp>
 
 #include <Eigen/Cholesky>
@@ -92,10 +92,10 @@ private:
 /// The corners of a polygon laid into a lattice, and how they enter equations and sampling.
 class CornerFunctions {
 public:
-    static constexpr std::size_t width = lane_count<double>;
-    using Row = Lanes<double>;
+    static constexpr std::size_t width = Multigrid<2>::width;
+    using Row = Multigrid<2>::Values;
 
-    /// Coefficients of eight functions at every corner: those of s_1 … s_most.
+    /// Coefficients of sixteen functions at every corner: those of s_1 … s_most.
     using Coefficients = std::vector<std::array<Row, Corner::most + 1>>;
 
     CornerFunctions() = default;
@@ -150,11 +150,11 @@ public:
         }
     }
 
-    /// The known coefficients (of w) of functions first … first + 7; the others zero. Adds what they do to `source`.
+    /// The known coefficients (of w) of functions first … first + 15; the others zero. Adds what they do to `source`.
     Coefficients start(std::size_t first, std::span<Row> source) const {
         Coefficients all(corners_.size());
         for (std::size_t n = 0; n < corners_.size(); ++n) {
-            for (auto& row : all[n]) std::fill(std::begin(row.v), std::end(row.v), 0.0);
+            for (auto& row : all[n]) row.fill(0.0);
             for (std::size_t lane = 0; lane < width; ++lane) {
                 const auto slope = slopes(corners_[n], first + lane);
                 all[n][0][lane] = slope[1] - slope[0] * corners_[n].corner.cosine();
@@ -165,7 +165,8 @@ public:
     }
 
     /// The coefficients that fit a solution, those of w as in `known`.
-    Coefficients fit(std::size_t first, std::span<const Row> solution, const Coefficients& known) const {
+    Coefficients fit(std::size_t first, const Multigrid<2>::Block& solution,
+                     const Coefficients& known) const {
         Coefficients all = known;
         for (std::size_t n = 0; n < corners_.size(); ++n) {
             const Treated& t = corners_[n];
@@ -177,11 +178,9 @@ public:
             std::array<std::array<double, width>, Corner::most> sum{};
             for (std::size_t i = 0; i < t.around.size(); ++i) {
                 const auto& node = t.around[i];
-                std::array<double, width> rest;
-                for (std::size_t lane = 0; lane < width; ++lane) {
-                    rest[lane] = solution[node.node][lane] - data[lane][0] - data[lane][1] * node.along -
-                                 data[lane][2] * node.w;
-                }
+                Row rest = solution.value(node.node);
+                for (std::size_t lane = 0; lane < width; ++lane)
+                    rest[lane] -= data[lane][0] + data[lane][1] * node.along + data[lane][2] * node.w;
                 for (std::size_t k = 0; k < t.corner.count(); ++k) {
                     const double share = t.fit[i * t.corner.count() + k];
                     for (std::size_t lane = 0; lane < width; ++lane) sum[k][lane] += share * rest[lane];
@@ -207,7 +206,7 @@ public:
     /// Replaces coefficients by others and changes `source` accordingly; returns by how much at most, per function.
     Row replace(Coefficients& all, const Coefficients& by, std::span<Row> source) const noexcept {
         Row disturbance;
-        std::fill(std::begin(disturbance.v), std::end(disturbance.v), 0.0);
+        disturbance.fill(0.0);
         for (std::size_t n = 0; n < corners_.size(); ++n) {
             const Treated& t = corners_[n];
             for (std::size_t k = 1; k <= t.corner.count(); ++k) {

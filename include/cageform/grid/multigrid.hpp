@@ -1,10 +1,14 @@
-// The Laplace equation on the nodes of a lattice, solved for eight right-hand sides at once.
+// The Laplace equation on the nodes of a lattice, solved for sixteen right-hand sides at once.
 //
 // Dirichlet data enters through cut links (CutLink): where it lies is known to the node. Coarse grids are
 // every second node, with interpolation built from the equations and Galerkin operators, so that walls, slits and
 // legs of one node's width stay what they are on every level (Dendy, Black box multigrid, J. Comput. Phys. 48
 // (1982); in 2D and 3D the same code here). The finest level is relaxed in red-black order, its residual and the
 // way to the coarse grid done in the same pass over memory; the way back likewise.
+//
+// Cycles work in float, a row of sixteen functions a cache line. From the second on, every third cycle begins by putting
+// the solution so far aside and computing its residual in double; the cycles go on with the rest (iterative refinement;
+// Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3), so that the sum is right to the digits of double.
 #pragma once
 
 #include <cageform/core/detail/pack.hpp>
@@ -20,19 +24,49 @@ namespace cageform::inline CAGEFORM_ABI {
 template <std::size_t D>
 class Multigrid {
 public:
-    static constexpr std::size_t width = lane_count<double>; ///< right-hand sides solved together
-    using Row = Lanes<double>;
+    static constexpr std::size_t width = lane_count<float>; ///< right-hand sides solved together
+    using Values = std::array<double, width>;               ///< one number for each of them
+    using Row = Lanes<float>;
 
-    /// What one block of right-hand sides needs. `solution` and `source` are the caller's to read and write.
+    /// What one block of right-hand sides needs. `source` is the caller's to write, between cycles too.
     struct Block {
+        std::vector<Values> source; ///< right-hand sides of the nodes that may have one (`source_slot`)
+
+        /// The solution at a node.
+        Values value(std::uint32_t node) const noexcept {
+            Values v;
+            for (std::size_t k = 0; k < width; ++k) v[k] = double(fields[0].u[node][k]);
+            if (settled.empty()) return v;
+            for (std::size_t k = 0; k < width; ++k) v[k] += double(settled[node][k]);
+            if (remainder.empty()) return v;
+            for (std::size_t k = 0; k < width; ++k) v[k] += double(remainder[node][k]);
+            return v;
+        }
+        bool empty() const noexcept { return fields.empty(); }
+
+        /// Whether the error is known in double: until then, the second cycle, the bound is one only up to what float
+        /// rounds.
+        bool is_refined() const noexcept { return refined; }
+        std::size_t bytes() const noexcept {
+            std::size_t rows = settled.capacity() + remainder.capacity() + odd_source.capacity();
+            for (const auto& level : fields) rows += level.u.capacity() + level.b.capacity();
+            return rows * sizeof(Row) + (source.capacity() + settled_part.capacity()) * sizeof(Values);
+        }
+
+    private:
+        friend class Multigrid;
         struct Fields {
             std::vector<Row> u, b;
         };
-        std::vector<Fields> fields; ///< a level each; the finest has no b unless every node has a source
-        std::vector<Row> source;    ///< right-hand sides of the nodes that may have one (`source_slot`)
-        Row gain;                   ///< error per residual, as the cycles so far showed
-        Row residual;               ///< largest, after the last cycle
-        std::span<Row> solution() noexcept { return fields.front().u; }
+        std::vector<Fields> fields;          ///< a level each
+        std::vector<Row> settled, remainder; ///< the part of the solution put aside: together twice float's digits
+        std::vector<Values> settled_part;    ///< what of `source` it takes up
+        std::vector<Row> odd_source;         ///< the rest
+        Row gain, estimate;                  ///< error per residual, as the cycles so far showed, and with caution
+        Row residual;                        ///< largest, after the last cycle
+        std::size_t cycles = 0;
+        bool refined = false;                ///< the finest level has a right-hand side everywhere
+        bool blank = true;                   ///< the finest level's u is zero, whatever it holds
     };
 
     /// cuts     every link of an unknown that does not end on an unknown
@@ -78,26 +112,40 @@ public:
         block.fields.resize(levels_.size());
         for (std::size_t l = 0; l < levels_.size(); ++l) {
             block.fields[l].u.resize(levels_[l].count);
-            if (l > 0) block.fields[l].b.resize(levels_[l].count);
+            block.fields[l].b.resize(levels_[l].count);
         }
         block.source.resize(source_count());
-        Pack(0.0).store(block.gain);
-        Pack(0.0).store(block.residual);
+        block.settled_part.resize(source_count());
+        block.odd_source.resize(source_count());
         return block;
     }
 
     /// What is known of the error of a block's solution, per right-hand side.
     struct Error {
-        Row estimate; ///< from the residual, by what the corrections were for the residuals before them; twofold
-        Row bound;    ///< from the residual alone, by the maximum principle: never less than the error
+        Values estimate; ///< from the residual, by what the corrections were for the residuals before them; twofold and more
+        Values bound;    ///< from the residual alone, by the maximum principle: never less than the error (see is_refined)
     };
 
     /// A first guess of a block whose `source` is set, from the coarse grids up.
     Error start(Block& block) const {
         const std::size_t bottom_level = levels_.size() - 1;
-        Pack(0.0).store(block.gain);
-        Pack(0.0).store(block.residual);
-        for (std::size_t l = 0; l < bottom_level; ++l) {
+        Pack(0.0f).store(block.gain);
+        Pack(0.0f).store(block.residual);
+        block.settled.clear();
+        block.remainder.clear();
+        block.refined = false;
+        for (auto& part : block.settled_part) part.fill(0.0);
+        take_sources(block);
+        block.cycles = 0;
+        block.blank = true;
+        if (bottom_level == 0) {
+            clear(block.fields[0].b);
+        } else {
+            clear(block.fields[1].b);
+            for (std::size_t j = 0; j < source_count(); ++j)
+                give_to_coarse(block, 0, j, Pack::load(block.odd_source[j]));
+        }
+        for (std::size_t l = 1; l < bottom_level; ++l) {
             clear(block.fields[l].u);
             pass(block, l, false, 1, true);
         }
@@ -113,6 +161,8 @@ public:
     /// One cycle more.
     Error cycle(Block& block) const {
         const bool direct = levels_.size() == 1;
+        take_sources(block);
+        if (direct || block.cycles++ % refine_every == 1) refine(block);
         if (direct)
             bottom(block);
         else
@@ -120,67 +170,156 @@ public:
         return finish(block, direct);
     }
 
-    /// To be told when `source` has been changed between cycles: by how much at most, per right-hand side.
-    static void disturb(Block& block, const Row& change) noexcept {
-        (Pack::load(block.residual) + Pack::load(change)).store(block.residual);
+    /// To be told when `source` has been changed between cycles: by how much at most, per right-hand side. Returns the
+    /// estimate of the error that the solution has now.
+    static Values disturb(Block& block, const Values& change) noexcept {
+        for (std::size_t k = 0; k < width; ++k) block.residual[k] += float(change[k]);
+        return widened(Pack::load(block.estimate) * Pack::load(block.residual));
     }
 
     /// Bytes of the hierarchy, and of every block beside it.
     std::size_t bytes() const noexcept {
-        std::size_t n = std::size_t(factor_.size()) * sizeof(double);
+        std::size_t n = factor_.size() * sizeof(float);
         for (const auto& level : levels_) n += level.bytes();
         return n;
     }
+    /// Of four cycles; further ones need a row for each unknown more.
     std::size_t block_bytes() const noexcept {
-        std::size_t rows = source_count();
-        for (std::size_t l = 0; l < levels_.size(); ++l) rows += levels_[l].count * (l > 0 ? 2u : 1u);
-        return rows * sizeof(Row);
+        std::size_t rows = source_count() + levels_.front().count;
+        for (const auto& level : levels_) rows += 2 * std::size_t(level.count);
+        return rows * sizeof(Row) + 2 * source_count() * sizeof(Values);
     }
 
 private:
-    using Pack = detail::Pack<double>;
+    using Pack = detail::Pack<float>;
     using Stretch = detail::Stretch<D>;
 
     /// Largest |b − A u|: of nodes without given data beside them, and of the others over what draws them to it.
     struct Residual {
         Pack inner, drawn;
 
-        void add(const Pack& r) noexcept { inner = max<double>(inner, abs<double>(r)); }
+        void add(const Pack& r) noexcept { inner = max<float>(inner, abs<float>(r)); }
         void add_odd(const typename detail::Level<D>::Odd& node, const Pack& r) noexcept {
             if (node.pull >= 1) {
-                drawn = max<double>(drawn, Pack(1 / node.pull) * abs<double>(r));
+                drawn = max<float>(drawn, Pack(1 / node.pull) * abs<float>(r));
             } else {
                 add(r);
             }
         }
     };
 
+    static Values widened(const Pack& p) noexcept {
+        Row row;
+        p.store(row);
+        Values values;
+        for (std::size_t k = 0; k < width; ++k) values[k] = double(row[k]);
+        return values;
+    }
+
+    /// The right-hand sides that are left when what is put aside has taken its part.
+    void take_sources(Block& block) const noexcept {
+        for (std::size_t j = 0; j < block.source.size(); ++j) {
+            for (std::size_t k = 0; k < width; ++k)
+                block.odd_source[j][k] = float(block.source[j][k] - block.settled_part[j][k]);
+        }
+    }
+
+    /// Puts the solution so far aside and makes its residual, in double, the right-hand side.
+    void refine(Block& block) const {
+        auto& [u, b] = block.fields[0];
+        if (!block.refined) {
+            std::swap(u, block.settled);
+            u.resize(levels_[0].count);
+        } else {
+            if (block.remainder.empty()) {
+                block.remainder.resize(levels_[0].count);
+                clear(block.remainder);
+            }
+            for (std::size_t i = 0; i < u.size(); ++i) {
+                for (std::size_t k = 0; k < width; ++k) {
+                    const double low = double(block.remainder[i][k]) + double(u[i][k]);
+                    const double sum = double(block.settled[i][k]) + low;
+                    block.settled[i][k] = float(sum);
+                    block.remainder[i][k] = float(sum - double(block.settled[i][k]));
+                }
+            }
+        }
+        block.blank = true;
+        block.refined = true;
+        const auto& level = levels_[0];
+        for (std::size_t q = 0; q < level.slabs.size(); ++q) {
+            for (std::size_t t = first_stretch(0, q); t < level.slabs[q].stretches_end; ++t)
+                residual_in_double(block.settled.data(), block.remainder.data(), level.stretches[t], b.data());
+            for (std::size_t j = first_odd(0, q); j < level.slabs[q].odd_end; ++j) {
+                auto& part = block.settled_part[j];
+                part.fill(0.0);
+                const auto add = [&](std::size_t node, double factor) {
+                    for (std::size_t k = 0; k < width; ++k)
+                        part[k] += factor * double(block.settled[node][k]);
+                    if (block.remainder.empty()) return;
+                    for (std::size_t k = 0; k < width; ++k)
+                        part[k] += factor * double(block.remainder[node][k]);
+                };
+                add(level.odd[j].node, level.odd[j].diagonal);
+                const auto* const entries = level.entries.data() + j * finest_entries;
+                for (std::size_t n = 0; n < finest_entries; ++n)
+                    add(entries[n].node, -double(entries[n].weight));
+            }
+        }
+        take_sources(block);
+    }
+    /// −A applied to a stretch of a solution and, where there is one, its remainder.
+    static void residual_in_double(const Row* u, const Row* remainder, const Stretch& s, Row* b) noexcept {
+        std::array<std::ptrdiff_t, 2 * D> to{-1, 1};
+        for (std::size_t k = 1, r = 1; k < D; ++k, r *= 3) {
+            to[2 * k] = s.row[middle_row - r];
+            to[2 * k + 1] = s.row[middle_row + r];
+        }
+        const auto add = [&to](Values& sum, const Row* here) {
+            for (std::size_t n = 0; n < to.size(); ++n) {
+                const Row& there = here[to[n]];
+                for (std::size_t k = 0; k < width; ++k) sum[k] += double(there[k]);
+            }
+            for (std::size_t k = 0; k < width; ++k) sum[k] -= 2.0 * double(D) * double((*here)[k]);
+        };
+        for (std::size_t i = s.first; i < s.first + s.count; ++i) {
+            Values sum{};
+            add(sum, u + i);
+            if (remainder != nullptr) add(sum, remainder + i);
+            for (std::size_t k = 0; k < width; ++k) b[i][k] = float(sum[k]);
+        }
+    }
+
     /// The last pass of a cycle over the finest level, and what it says of the error.
     Error finish(Block& block, bool direct) const {
         Residual now;
+        Pack caution(2.0f);
         if (direct) {
-            now = {Pack(0.0), Pack(0.0)};
+            now = {Pack(0.0f), Pack(0.0f)};
             for (std::size_t j = 0; j < levels_[0].odd.size(); ++j)
                 now.add_odd(levels_[0].odd[j], odd_residual(block, 0, j));
         } else {
             // The correction just found is the error of the solution before, up to what relaxation takes away.
-            Pack correction(0.0);
+            Pack correction(0.0f);
             for (const Row& row : block.fields[1].u)
-                correction = max<double>(correction, abs<double>(Pack::load(row)));
+                correction = max<float>(correction, abs<float>(Pack::load(row)));
             const Pack before = Pack::load(block.residual);
-            const Pack gain = correction / max<double>(before, Pack(std::numeric_limits<double>::min()));
-            const Pack known = select<double>(Pack(0.0) < before, gain, Pack(0.0));
-            max<double>(Pack::load(block.gain), known).store(block.gain);
+            const Pack gain = correction / max<float>(before, Pack(std::numeric_limits<float>::min()));
+            const Pack known = select<float>(Pack(0.0f) < before, gain, Pack(0.0f));
+            // Residuals get smoother and tell of more error: as the gain has grown it may grow again.
+            const Pack last = Pack::load(block.gain), largest = max<float>(last, known);
+            const Pack growth = largest / max<float>(last, Pack(std::numeric_limits<float>::min()));
+            caution = caution * select<float>(Pack(0.0f) < last, min<float>(growth, Pack(2.0f)), Pack(2.0f));
+            largest.store(block.gain);
             now = pass(block, 0, true, finest_sweeps, true);
         }
-        const Pack largest = max<double>(now.inner, now.drawn);
+        const Pack largest = max<float>(now.inner, now.drawn);
         largest.store(block.residual);
-        Error error;
         const Pack known = Pack::load(block.gain);
-        const Pack gain = select<double>(Pack(0.0) < known, max<double>(Pack(1.0), known), Pack(4.0));
-        (Pack(2.0) * gain * largest).store(error.estimate);
-        (Pack(reach_) * now.inner + now.drawn).store(error.bound);
-        return error;
+        const Pack gain = select<float>(Pack(0.0f) < known, max<float>(Pack(1.0f), known), Pack(4.0f));
+        (caution * gain).store(block.estimate);
+        return {widened(caution * gain * largest),
+                widened(Pack(float(reach_)) * now.inner + now.drawn)};
     }
 
     void factorise(const detail::Equations<D>& e) {
@@ -193,43 +332,46 @@ private:
             }
         });
         const Eigen::LLT<Eigen::MatrixXd> llt(a);
-        if (llt.info() == Eigen::Success) factor_ = llt.matrixL();
+        if (llt.info() != Eigen::Success) return;
+        const Eigen::MatrixXd factor = llt.matrixL();
+        for (Eigen::Index i = 0; i < n; ++i) {
+            for (Eigen::Index j = 0; j < i; ++j) factor_.push_back(float(factor(i, j) / factor(i, i)));
+            factor_.push_back(float(1 / factor(i, i)));
+        }
+        for (Eigen::Index i = n; i-- > 0;) {
+            for (Eigen::Index j = i + 1; j < n; ++j) factor_.push_back(float(factor(j, i) / factor(i, i)));
+            factor_.push_back(float(1 / factor(i, i)));
+        }
     }
 
     static void clear(std::vector<Row>& rows) noexcept {
         std::memset(static_cast<void*>(rows.data()), 0, rows.size() * sizeof(Row));
     }
 
-    void bottom(Block& block) const {
-        const std::size_t l = levels_.size() - 1;
-        auto& u = block.fields[l].u;
-        if (factor_.rows() != Eigen::Index(levels_[l].count)) {
+    void bottom(Block& block) const noexcept {
+        const std::size_t l = levels_.size() - 1, n = levels_[l].count;
+        auto& [u, b] = block.fields[l];
+        if (factor_.empty()) {
             // Too thin for coarser grids, hence close to the data everywhere: relaxation is quick.
             clear(u);
             pass(block, l, false, 8, false);
             return;
         }
-        const std::size_t n = levels_[l].count;
-        for (std::size_t i = 0; i < n; ++i) {
-            Pack x = right_hand_side(block, l, i);
-            for (std::size_t j = 0; j < i; ++j)
-                x = x - Pack(factor_(Eigen::Index(i), Eigen::Index(j))) * Pack::load(u[j]);
-            (x * Pack(1 / factor_(Eigen::Index(i), Eigen::Index(i)))).store(u[i]);
+        if (l == 0) {
+            for (std::size_t j = 0; j < levels_[0].odd.size(); ++j) b[levels_[0].odd[j].node] = block.odd_source[j];
         }
-        for (std::size_t i = n; i-- > 0;) {
-            Pack x = Pack::load(u[i]);
-            for (std::size_t j = i + 1; j < n; ++j)
-                x = x - Pack(factor_(Eigen::Index(j), Eigen::Index(i))) * Pack::load(u[j]);
-            (x * Pack(1 / factor_(Eigen::Index(i), Eigen::Index(i)))).store(u[i]);
-        }
-    }
-    /// Of a node of the bottom level.
-    Pack right_hand_side(const Block& block, std::size_t l, std::size_t node) const noexcept {
-        if (l > 0) return Pack::load(block.fields[l].b[node]);
-        for (std::size_t j = 0; j < levels_[0].odd.size(); ++j) {
-            if (levels_[0].odd[j].node == node) return Pack::load(block.source[j]);
-        }
-        return Pack(0.0);
+        const float* factor = factor_.data();
+        const auto eliminate = [&](const Row& right, std::size_t begin, std::size_t end) {
+            Pack sum(0.0f), other(0.0f); // two sums side by side hide the time an addition takes
+            for (; begin + 1 < end; begin += 2, factor += 2) {
+                sum = sum + Pack(factor[0]) * Pack::load(u[begin]);
+                other = other + Pack(factor[1]) * Pack::load(u[begin + 1]);
+            }
+            if (begin < end) sum = sum + Pack(*factor++) * Pack::load(u[begin]);
+            return Pack(*factor++) * Pack::load(right) - (sum + other);
+        };
+        for (std::size_t i = 0; i < n; ++i) eliminate(b[i], 0, i).store(u[i]);
+        for (std::size_t i = n; i-- > 0;) eliminate(u[i], i + 1, n).store(u[i]);
     }
 
     // ---- one node ---------------------------------------------------------------------------------
@@ -237,16 +379,17 @@ private:
     Pack odd_neighbours(const Block& block, std::size_t l, std::size_t j) const noexcept {
         const auto& level = levels_[l];
         const Row* const u = block.fields[l].u.data();
-        Pack sum = Pack::load(l == 0 ? block.source[j] : block.fields[l].b[level.odd[j].node]);
         const auto* entry = level.entries.data();
         if (l == 0) {
+            Pack sum = Pack::load(block.odd_source[j]);
             entry += j * finest_entries;
             for (std::size_t n = 0; n < finest_entries; ++n)
                 sum = sum + Pack(entry[n].weight) * Pack::load(u[entry[n].node]);
             return sum;
         }
+        Pack sum = Pack::load(block.fields[l].b[level.odd[j].node]);
         const auto* const end = entry + level.odd[j].stencil_end;
-        Pack other(0.0); // two sums side by side hide the time an addition takes
+        Pack other(0.0f);
         for (entry += j == 0 ? 0 : level.odd[j - 1].stencil_end; entry != end; entry += 2) {
             sum = sum + Pack(entry[0].weight) * Pack::load(u[entry[0].node]);
             other = other + Pack(entry[1].weight) * Pack::load(u[entry[1].node]);
@@ -255,63 +398,76 @@ private:
     }
     Pack odd_residual(const Block& block, std::size_t l, std::size_t j) const noexcept {
         const auto& node = levels_[l].odd[j];
-        return odd_neighbours(block, l, j) - Pack(node.diagonal) * Pack::load(block.fields[l].u[node.node]);
+        return odd_neighbours(block, l, j) - Pack(float(node.diagonal)) * Pack::load(block.fields[l].u[node.node]);
     }
 
     // ---- one stretch ------------------------------------------------------------------------------
 
-    /// body(n, i, x) for nodes n = begin, begin + step, … of a stretch (number i), where x is b − A u when
+    /// body(n, x) for every second node of a stretch of the finest level from `n` = begin on, where x is b − A u when
     /// `Residual`, else the value that makes the node's equation hold.
-    template <bool Residual, class Body>
-    void walk(const Block& block, std::size_t l, const Stretch& s, std::uint32_t begin, std::uint32_t step,
-              Body&& body) const noexcept {
-        const auto& level = levels_[l];
-        const Row* const u = block.fields[l].u.data();
-        const Pack share(Residual ? 1.0 : 1 / level.diagonal);
-        const Pack diagonal(level.diagonal);
-        const auto finish = [&](std::uint32_t n, Pack sum) {
-            const std::size_t i = s.first + n;
-            if constexpr (Residual) {
-                body(n, i, sum - diagonal * Pack::load(u[i]));
-            } else {
-                body(n, i, sum * share);
-            }
-        };
-        if (l == 0) {
-            for (std::uint32_t n = begin; n < s.count; n += step) {
-                const Row* const at = u + s.first + n;
-                Pack sum = Pack::load(at[-1]) + Pack::load(at[1]);
-                for (std::size_t k = 1, r = 1; k < D; ++k, r *= 3)
-                    sum =
-                        sum + (Pack::load(at[s.row[middle_row - r]]) + Pack::load(at[s.row[middle_row + r]]));
-                finish(n, sum);
-            }
-            return;
+    template <bool Residual, bool WithSource, class Body>
+    static void walk_finest(const Row* at, const Row* b, const Stretch& s, std::uint32_t begin,
+                            Body body) noexcept {
+        std::array<std::ptrdiff_t, 2 * D> to{};
+        for (std::size_t k = 1, r = 1; k < D; ++k, r *= 3) {
+            to[2 * k] = s.row[middle_row - r];
+            to[2 * k + 1] = s.row[middle_row + r];
         }
+        constexpr float diagonal = 2.0f * float(D);
+        const std::uint32_t count = s.count;
+        for (std::uint32_t n = begin; n < count; n += 2) {
+            const Row* const here = at + n;
+            Pack sum = Pack::load(here[-1]) + Pack::load(here[1]);
+            if constexpr (WithSource) sum = sum + Pack::load(b[n]);
+            for (std::size_t k = 1; k < D; ++k)
+                sum = sum + (Pack::load(here[to[2 * k]]) + Pack::load(here[to[2 * k + 1]]));
+            if constexpr (Residual) {
+                body(n, sum - Pack(diagonal) * Pack::load(*here));
+            } else {
+                body(n, sum * Pack(1 / diagonal));
+            }
+        }
+    }
+    /// The same for all nodes of a stretch of a coarser level. A value given by `body` is stored before the next node's.
+    template <bool Residual, class Body>
+    static void walk_coarse(const detail::Level<D>& level, Row* at, const Row* b, const Stretch& s,
+                            Body body) noexcept {
         // Sums over the neighbouring rows are carried along: what is a column ahead now is beside next.
-        const Row* const b = block.fields[l].b.data();
-        std::array<Pack, D + 1> weight;
-        for (std::size_t d = 1; d <= D; ++d) weight[d] = Pack(level.by_distance[d]);
         struct Column {
             std::array<Pack, D> sum; ///< over the rows at distance 1 … D − 1 from the node's own
         };
-        const auto column = [&](const Row* at) {
+        std::array<std::ptrdiff_t, row_count> to{};
+        for (std::size_t r = 0; r < row_count; ++r) to[r] = s.row[r];
+        const auto column = [&to](const Row* x) {
             Column c;
-            for (std::size_t d = 1; d < D; ++d) c.sum[d] = Pack(0.0);
+            for (std::size_t d = 1; d < D; ++d) c.sum[d] = Pack(0.0f);
             for (std::size_t r = 0; r < row_count; ++r) {
-                if (r != middle_row)
-                    c.sum[row_distance[r]] = c.sum[row_distance[r]] + Pack::load(at[s.row[r]]);
+                if (r != middle_row) c.sum[row_distance[r]] = c.sum[row_distance[r]] + Pack::load(x[to[r]]);
             }
             return c;
         };
-        const Row* at = u + s.first;
+        const float share = Residual ? 1.0f : 1 / level.diagonal;
+        std::array<Pack, D + 1> weight;
+        for (std::size_t d = 1; d <= D; ++d) weight[d] = Pack(share * level.by_distance[d]);
+        const Pack diagonal(level.diagonal), one(share);
         Column before = column(at - 1), here = column(at);
-        for (std::uint32_t n = 0; n < s.count; ++n, ++at) {
+        Pack left = Pack::load(at[-1]), middle = Pack::load(at[0]);
+        const std::uint32_t count = s.count;
+        for (std::uint32_t n = 0; n < count; ++n, ++at) {
             const Column ahead = column(at + 1);
-            Pack sum = Pack::load(b[s.first + n]);
+            const Pack right = Pack::load(at[1]);
+            Pack sum = one * Pack::load(b[n]);
             for (std::size_t d = 1; d < D; ++d)
                 sum = sum + (weight[d] * here.sum[d] + weight[d + 1] * (before.sum[d] + ahead.sum[d]));
-            finish(n, sum + weight[1] * (Pack::load(at[-1]) + Pack::load(at[1])));
+            sum = (sum + weight[1] * right) + weight[1] * left; // what the last step made comes in last
+            if constexpr (Residual) {
+                body(n, sum - diagonal * middle);
+                left = middle;
+            } else {
+                sum.store(*at);
+                left = sum;
+            }
+            middle = right;
             before = here;
             here = ahead;
         }
@@ -336,76 +492,113 @@ private:
             (odd_neighbours(block, l, j) * Pack(node.inverse)).store(block.fields[l].u[node.node]);
         }
     }
-    /// Every `step`-th node of the stretches: all (a sweep along the row), or those of one colour.
-    void relax(Block& block, std::size_t l, std::size_t q, std::uint32_t step,
-               std::uint32_t colour) const noexcept {
-        Row* const u = block.fields[l].u.data();
+    /// Every second node of the finest level's stretches, those of one colour.
+    template <bool WithSource>
+    void relax_finest(Block& block, std::size_t q, std::uint32_t colour) const noexcept {
+        auto& [u, b] = block.fields[0];
+        for (std::size_t t = first_stretch(0, q); t < levels_[0].slabs[q].stretches_end; ++t) {
+            const auto& s = levels_[0].stretches[t];
+            Row* const at = u.data() + s.first;
+            walk_finest<false, WithSource>(at, b.data() + s.first, s, first_of(s, colour),
+                                           [at](std::uint32_t n, const Pack& x) { x.store(at[n]); });
+        }
+    }
+    /// A sweep along the rows of a coarser level.
+    void relax_coarse(Block& block, std::size_t l, std::size_t q) const noexcept {
+        auto& [u, b] = block.fields[l];
         for (std::size_t t = first_stretch(l, q); t < levels_[l].slabs[q].stretches_end; ++t) {
             const auto& s = levels_[l].stretches[t];
-            walk<false>(block, l, s, step == 2 ? first_of(s, colour) : 0, step,
-                        [&](std::uint32_t, std::size_t i, const Pack& x) { x.store(u[i]); });
+            walk_coarse<false>(levels_[l], u.data() + s.first, b.data() + s.first, s, nullptr);
         }
     }
     /// Adds the residual of a slab to the right-hand side of the coarse level. Just relaxed nodes of the finest
     /// level's second colour have none.
+    template <bool WithSource>
     void restrict_slab(Block& block, std::size_t l, std::size_t q, Residual& largest) const noexcept {
         const auto& level = levels_[l];
+        auto& [u, b] = block.fields[l];
         Row* const coarse = block.fields[l + 1].b.data();
+        const Pack half(0.5f);
         for (std::size_t t = first_stretch(l, q); t < level.slabs[q].stretches_end; ++t) {
             const auto& s = level.stretches[t];
-            const Pack share(1.0 / double(s.coarse_rows)), half(0.5);
-            const auto give = [&](std::int32_t x, const Pack& r) {
+            const Pack share(1.0f / float(s.coarse_rows));
+            const auto give = [coarse, &s](std::int32_t x, const Pack& r) {
                 for (std::uint32_t c = 0; c < s.coarse_rows; ++c) {
                     Row& row = coarse[s.coarse[c] + std::uint32_t(x)];
                     (Pack::load(row) + r).store(row);
                 }
             };
-            Pack gathered(0.0); // for the coarse node at or before the place reached
-            std::int32_t reached = (s.x & 1) != 0 ? s.x / 2 : (s.x + 1) / 2;
-            walk<true>(block, l, s, l == 0 ? first_of(s, 0) : 0, l == 0 ? 2 : 1,
-                       [&](std::uint32_t n, std::size_t, const Pack& residual) {
-                           largest.add(residual);
-                           const std::int32_t x = s.x + std::int32_t(n);
-                           const Pack r = share * residual;
-                           if (x / 2 != reached) {
-                               give(reached, gathered);
-                               gathered = Pack(0.0);
-                               reached = x / 2;
-                           }
-                           if ((x & 1) == 0) {
-                               gathered = gathered + r;
-                           } else {
-                               give(reached, gathered + half * r);
-                               gathered = half * r;
-                               reached = x / 2 + 1;
-                           }
-                       });
+            std::int32_t x = s.x >> 1;
+            Pack gathered(0.0f); // for coarse node x
+            if (l > 0) {
+                bool between = (s.x & 1) != 0;
+                walk_coarse<true>(level, u.data() + s.first, b.data() + s.first, s,
+                                  [&](std::uint32_t, const Pack& residual) {
+                                      largest.add(residual);
+                                      const Pack r = share * residual;
+                                      if (between) {
+                                          give(x, gathered + half * r);
+                                          gathered = half * r;
+                                          ++x;
+                                      } else {
+                                          gathered = gathered + r;
+                                      }
+                                      between = !between;
+                                  });
+            } else {
+                const std::uint32_t begin = first_of(s, 0);
+                x = (s.x + std::int32_t(begin)) >> 1;
+                const bool between = ((s.x + std::int32_t(begin)) & 1) != 0;
+                const Pack part = between ? half * share : share;
+                walk_finest<true, WithSource>(u.data() + s.first, b.data() + s.first, s, begin,
+                                              [&](std::uint32_t, const Pack& residual) {
+                                                  largest.add(residual);
+                                                  const Pack r = part * residual;
+                                                  give(x, gathered + r);
+                                                  if (between) gathered = r;
+                                                  ++x;
+                                              });
+                if (!between || begin >= s.count) continue;
+            }
             // The last may lie one beyond the stretch only if it got something.
-            const std::int32_t last = s.x + std::int32_t(s.count) - 1;
-            if (s.count > 0 && reached <= (last + 1) / 2) give(reached, gathered);
+            if (2 * x <= s.x + std::int32_t(s.count)) give(x, gathered);
         }
         for (std::size_t j = first_odd(l, q); j < level.slabs[q].odd_end; ++j) {
             const Pack r = odd_residual(block, l, j);
             largest.add_odd(level.odd[j], r);
-            for (std::uint32_t n = j == 0 ? 0 : level.odd[j - 1].coarse_end; n < level.odd[j].coarse_end;
-                 ++n) {
-                Row& row = coarse[level.from_coarse[n].node];
-                (Pack::load(row) + Pack(level.from_coarse[n].weight) * r).store(row);
-            }
+            give_to_coarse(block, l, j, r);
         }
     }
-    /// Adds the interpolated coarse solution.
+    void give_to_coarse(Block& block, std::size_t l, std::size_t j, const Pack& r) const noexcept {
+        const auto& level = levels_[l];
+        Row* const coarse = block.fields[l + 1].b.data();
+        for (std::uint32_t n = j == 0 ? 0 : level.odd[j - 1].coarse_end; n < level.odd[j].coarse_end; ++n) {
+            Row& row = coarse[level.from_coarse[n].node];
+            (Pack::load(row) + Pack(level.from_coarse[n].weight) * r).store(row);
+        }
+    }
+    /// Adds the interpolated coarse solution, or sets it.
+    template <bool Set>
     void prolong(Block& block, std::size_t l, std::size_t q) const noexcept {
+        const auto add = [](Row& row, const Pack& x) {
+            if constexpr (Set) {
+                x.store(row);
+            } else {
+                (Pack::load(row) + x).store(row);
+            }
+        };
         const auto& level = levels_[l];
         Row* const u = block.fields[l].u.data();
         const Row* const coarse = block.fields[l + 1].u.data();
         for (std::size_t t = first_stretch(l, q); t < level.slabs[q].stretches_end; ++t) {
             const auto& s = level.stretches[t];
-            const Pack share(1.0 / double(s.coarse_rows)), half(0.5);
-            const auto take = [&](std::int32_t x) {
-                Pack sum = Pack::load(coarse[s.coarse[0] + std::uint32_t(x)]);
-                for (std::uint32_t c = 1; c < s.coarse_rows; ++c)
-                    sum = sum + Pack::load(coarse[s.coarse[c] + std::uint32_t(x)]);
+            const std::uint32_t rows = s.coarse_rows;
+            const auto from = s.coarse;
+            const Pack share(1.0f / float(rows)), half(0.5f);
+            const auto take = [=](std::int32_t x) {
+                Pack sum = Pack::load(coarse[from[0] + std::uint32_t(x)]);
+                for (std::uint32_t c = 1; c < rows; ++c)
+                    sum = sum + Pack::load(coarse[from[c] + std::uint32_t(x)]);
                 return share * sum;
             };
             Row* here = u + s.first;
@@ -413,22 +606,21 @@ private:
             std::int32_t x = s.x / 2;
             Pack low = take(x);
             if ((s.x & 1) == 0) {
-                (Pack::load(*here) + low).store(*here);
+                add(*here, low);
                 ++here;
             }
             for (; here < end; here += 2) { // an odd node and the even one after it
                 const Pack high = take(++x);
-                (Pack::load(here[0]) + half * (low + high)).store(here[0]);
-                if (here + 1 < end) (Pack::load(here[1]) + high).store(here[1]);
+                add(here[0], half * (low + high));
+                if (here + 1 < end) add(here[1], high);
                 low = high;
             }
         }
         for (std::size_t j = first_odd(l, q); j < level.slabs[q].odd_end; ++j) {
-            Row& here = u[level.odd[j].node];
-            Pack sum = Pack::load(here);
+            Pack sum(0.0f);
             for (std::uint32_t n = j == 0 ? 0 : level.odd[j - 1].coarse_end; n < level.odd[j].coarse_end; ++n)
                 sum = sum + Pack(level.from_coarse[n].weight) * Pack::load(coarse[level.from_coarse[n].node]);
-            sum.store(here);
+            add(u[level.odd[j].node], sum);
         }
     }
 
@@ -438,6 +630,12 @@ private:
     /// the coarse level (when `to_coarse`), each a few slabs behind the one before. Returns that residual's size.
     Residual pass(Block& block, std::size_t l, bool from_coarse, std::size_t sweeps,
                   bool to_coarse) const noexcept {
+        return l == 0 && block.refined ? pass<true>(block, l, from_coarse, sweeps, to_coarse)
+                                       : pass<false>(block, l, from_coarse, sweeps, to_coarse);
+    }
+    template <bool WithSource> // of every node of the finest level
+    Residual pass(Block& block, std::size_t l, bool from_coarse, std::size_t sweeps,
+                  bool to_coarse) const noexcept {
         const std::size_t slabs = levels_[l].slabs.size();
         const std::size_t start = from_coarse ? 1 : 0;
         const std::size_t lag = l == 0 ? 2 : 1; // slabs a sweep is behind the one before
@@ -445,22 +643,34 @@ private:
         const auto at = [&](std::size_t step, std::size_t behind) {
             return step >= behind && step - behind < slabs ? step - behind : slabs;
         };
-        Residual largest{Pack(0.0), Pack(0.0)};
+        Residual largest{Pack(0.0f), Pack(0.0f)};
+        const bool blank = l == 0 && block.blank;
+        block.blank = block.blank && l > 0;
         if (to_coarse) clear(block.fields[l + 1].b);
         for (std::size_t step = 0; step < steps; ++step) {
-            if (from_coarse && step < slabs) prolong(block, l, step);
+            if (from_coarse && step < slabs) {
+                if (blank) {
+                    prolong<true>(block, l, step);
+                } else {
+                    prolong<false>(block, l, step);
+                }
+            }
             for (std::size_t sweep = 0; sweep < sweeps; ++sweep) {
                 const std::size_t q = at(step, start + lag * sweep);
                 if (q < slabs) {
                     relax_odd(block, l, q);
-                    relax(block, l, q, l == 0 ? 2 : 1, 0);
+                    if (l > 0) {
+                        relax_coarse(block, l, q);
+                    } else {
+                        relax_finest<WithSource>(block, q, 0);
+                    }
                 }
                 if (l > 0) continue;
                 const std::size_t second = at(step, start + lag * sweep + 1);
-                if (second < slabs) relax(block, l, second, 2, 1);
+                if (second < slabs) relax_finest<WithSource>(block, second, 1);
             }
             const std::size_t q = at(step, start + lag * sweeps);
-            if (to_coarse && q < slabs) restrict_slab(block, l, q, largest);
+            if (to_coarse && q < slabs) restrict_slab<WithSource>(block, l, q, largest);
         }
         return largest;
     }
@@ -476,7 +686,8 @@ private:
         pass(block, below, true, 1, false);
     }
 
-    static constexpr std::size_t finest_sweeps = 3;
+    static constexpr std::size_t finest_sweeps = 7;
+    static constexpr std::size_t refine_every = 3; ///< cycles, from the second on
     static constexpr std::size_t finest_entries = 2 * D;
     static constexpr std::size_t row_count = detail::power(3, D - 1);
     static constexpr std::size_t middle_row = row_count / 2;
@@ -487,8 +698,8 @@ private:
     }();
 
     std::vector<detail::Level<D>> levels_;
-    double reach_ = 1;       ///< error per inner residual at most
-    Eigen::MatrixXd factor_; ///< lower Cholesky factor of the bottom level; empty where that is large
+    double reach_ = 1;          ///< error per inner residual at most
+    std::vector<float> factor_; ///< Cholesky's of the bottom level, as `bottom` reads it; empty where that is large
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

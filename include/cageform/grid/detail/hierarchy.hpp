@@ -76,25 +76,10 @@ struct Equations {
     }
 };
 
-/// How a node takes its value from the coarse grid.
+/// How a node takes its value from the coarse grid: the weight of each corner of the coarse cell it lies in. Bit k of
+/// a corner's number: the upper end along axis k. A node that has an even index along an axis lies at the lower end.
 template <std::size_t D>
-struct Interpolation {
-    std::uint32_t count = 0;
-    std::array<std::uint32_t, power(2, D)> node{};
-    std::array<double, power(2, D)> weight{};
-
-    void add(std::uint32_t n, double w) noexcept {
-        for (std::uint32_t i = 0; i < count; ++i) {
-            if (node[i] == n) {
-                weight[i] += w;
-                return;
-            }
-        }
-        CAGEFORM_ASSERT(count < node.size(), "a node lies in a cell of the coarse grid");
-        node[count] = n;
-        weight[count++] = w;
-    }
-};
+using Interpolation = std::array<double, power(2, D)>;
 
 /// Interpolation from every second node, and the equations there.
 template <std::size_t D>
@@ -102,26 +87,35 @@ struct Coarsening {
     std::vector<std::uint32_t> slot; ///< #nodes: into `special`, or none: multilinear
     std::vector<Interpolation<D>> special;
     Equations<D> coarse;
-};
 
-template <std::size_t D>
-Interpolation<D> multilinear(const NodeRuns<D>& coarse, const std::array<std::int32_t, D>& index) noexcept {
-    Interpolation<D> p;
-    for (std::size_t corner = 0; corner < power(2, D); ++corner) {
-        auto place = index;
-        double weight = 1;
-        bool used = true;
-        for (std::size_t k = 0; k < D; ++k) {
-            const bool odd = (index[k] & 1) != 0;
-            const bool up = ((corner >> k) & 1u) != 0;
-            if (!odd && up) used = false;
-            if (odd) weight *= 0.5;
-            place[k] = (index[k] >> 1) + (up ? 1 : 0);
-        }
-        if (used) p.add(coarse.find(place), weight);
+    const Interpolation<D>& of(std::uint32_t node, const std::array<std::int32_t, D>& index) const noexcept {
+        if (slot[node] != NodeRuns<D>::none) return special[slot[node]];
+        std::size_t odd = 0;
+        for (std::size_t k = 0; k < D; ++k) odd |= std::size_t(index[k] & 1) << k;
+        return multilinear[odd];
     }
-    return p;
-}
+    /// The index of a corner of the coarse cell of a node.
+    static std::array<std::int32_t, D> corner_index(std::array<std::int32_t, D> index,
+                                                    std::size_t corner) noexcept {
+        for (std::size_t k = 0; k < D; ++k) index[k] = (index[k] >> 1) + std::int32_t((corner >> k) & 1u);
+        return index;
+    }
+
+private:
+    /// By the axes along which a node lies between coarse ones.
+    static constexpr auto multilinear = [] {
+        std::array<Interpolation<D>, power(2, D)> all{};
+        for (std::size_t odd = 0; odd < all.size(); ++odd) {
+            for (std::size_t corner = 0; corner < all.size(); ++corner) {
+                if ((corner & ~odd) != 0) continue;
+                double weight = 1;
+                for (std::size_t k = 0; k < D; ++k) weight *= ((odd >> k) & 1u) != 0 ? 0.5 : 1.0;
+                all[odd][corner] = weight;
+            }
+        }
+        return all;
+    }();
+};
 
 template <std::size_t D>
 Equations<D> finest_equations(const NodeRuns<D>& nodes, std::span<const CutLink> cuts) {
@@ -218,19 +212,14 @@ private:
         });
         return near;
     }
-    Interpolation<D> interpolation_of(std::uint32_t node, const Index& index) const noexcept {
-        return out_.slot[node] == none ? multilinear<D>(out_.coarse.nodes, index)
-                                       : out_.special[out_.slot[node]];
-    }
-
     /// Nodes on coarse lines first, then on faces, then in cells: each takes from those before.
     void interpolation() {
         out_.slot.assign(fine_.nodes.count(), none);
         const auto near = near_special();
         for (std::size_t odd = 1; odd <= D; ++odd) {
             fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
-                if (odd_axes(index) != odd) return;
-                if (fine_.slot[node] == none && (odd == 1 || !near[node])) return;
+                if (!near[node] || odd_axes(index) != odd) return;
+                if (fine_.slot[node] == none && odd == 1) return;
                 auto special = between(node, index);
                 out_.slot[node] = std::uint32_t(out_.special.size());
                 out_.special.push_back(special);
@@ -242,6 +231,7 @@ private:
         const auto& a = fine_.stencil(node);
         std::array<double, P::count> collapsed{};
         for (std::size_t p = 0; p < P::count; ++p) {
+            if (a[p] == 0) continue;
             auto o = P::offset(p);
             for (std::size_t k = 0; k < D; ++k) o[k] *= index[k] & 1;
             collapsed[P::place(o)] -= a[p];
@@ -255,16 +245,20 @@ private:
         for (std::size_t p = 0; p < P::count; ++p) {
             if (p != P::centre) total += std::fabs(collapsed[p]);
         }
-        Interpolation<D> result;
+        Interpolation<D> result{};
         if (!(total > 0)) return result;
         for (std::size_t p = 0; p < P::count; ++p) {
             if (p == P::centre || collapsed[p] == 0) continue;
             const auto at = shifted<D>(index, P::offset(p));
             const auto n = fine_.nodes.find(at);
             if (n == none) continue;
-            const auto from = interpolation_of(n, at);
-            for (std::uint32_t i = 0; i < from.count; ++i)
-                result.add(from.node[i], from.weight[i] * collapsed[p] / total);
+            // Its cell's lower corner is ours, but for the axes along which it is our upper corner.
+            std::size_t up = 0;
+            for (std::size_t k = 0; k < D; ++k) up |= P::offset(p)[k] > 0 ? std::size_t{1} << k : 0u;
+            const auto& from = out_.of(n, at);
+            for (std::size_t corner = 0; corner < from.size(); ++corner) {
+                if (from[corner] != 0) result[corner | up] += from[corner] * collapsed[p] / total;
+            }
         }
         return result;
     }
@@ -274,65 +268,75 @@ private:
         auto& coarse = out_.coarse;
         coarse.regular = regular_coarse_stencil<D>(fine_.regular);
         coarse.slot.assign(coarse.nodes.count(), none);
-        const auto touched = touched_coarse_nodes();
-        coarse.nodes.for_each([&](const Index& index, std::uint32_t node) {
-            if (!touched[node]) return;
+        const auto close = close_to_special();
+        coarse.nodes.for_each([&](const Index&, std::uint32_t node) {
+            if (!close[node]) return;
             coarse.slot[node] = std::uint32_t(coarse.special.size());
-            coarse.special.push_back(galerkin(index, node));
+            coarse.special.push_back({});
         });
+        fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
+            std::array<std::uint32_t, power(2, D)> to{};
+            const auto& own = out_.of(node, index);
+            bool wanted = false;
+            for (std::size_t corner = 0; corner < own.size(); ++corner) {
+                to[corner] = none;
+                if (own[corner] == 0) continue;
+                const auto n = coarse.nodes.find(out_.corner_index(index, corner));
+                if (n != none) to[corner] = coarse.slot[n];
+                wanted = wanted || to[corner] != none;
+            }
+            if (wanted) add_row(node, index, own, to);
+        });
+        for (auto& special : coarse.special) share_out_pull(special);
     }
-    /// Coarse nodes with something special within two fine nodes.
-    std::vector<bool> touched_coarse_nodes() const {
-        std::vector<bool> touched(out_.coarse.nodes.count());
+    /// Coarse nodes with special interpolation within two fine nodes or a special equation within one.
+    std::vector<bool> close_to_special() const {
+        std::vector<bool> close(out_.coarse.nodes.count());
         fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
             if (fine_.slot[node] == none && out_.slot[node] == none) return;
+            const std::int32_t reach = out_.slot[node] == none ? 1 : 2;
             for (std::size_t p = 0; p < P::count; ++p) {
                 Index at{};
-                bool close = true;
+                bool near = true;
                 for (std::size_t k = 0; k < D; ++k) {
                     at[k] = (index[k] >> 1) + P::offset(p)[k];
-                    close = close && std::abs(2 * at[k] - index[k]) <= 2;
+                    near = near && std::abs(2 * at[k] - index[k]) <= reach;
                 }
-                const auto n = close ? out_.coarse.nodes.find(at) : none;
-                if (n != none) touched[n] = true;
+                const auto n = near ? out_.coarse.nodes.find(at) : none;
+                if (n != none) close[n] = true;
             }
         });
-        return touched;
+        return close;
     }
-    typename Equations<D>::Special galerkin(const Index& coarse, std::uint32_t number) const {
-        typename Equations<D>::Special result;
-        Index at = coarse;
-        for (auto& x : at) x *= 2;
-        std::array<std::uint32_t, P::count> around{};
-        for (std::size_t p = 0; p < P::count; ++p)
-            around[p] = out_.coarse.nodes.find(shifted<D>(coarse, P::offset(p)));
-        for (std::size_t p = 0; p < P::count; ++p) {
-            const auto f_index = shifted<D>(at, P::offset(p));
-            const auto f = fine_.nodes.find(f_index);
-            if (f == none) continue;
-            const auto pf = interpolation_of(f, f_index);
-            double wf = 0;
-            for (std::uint32_t i = 0; i < pf.count; ++i) wf += pf.node[i] == number ? pf.weight[i] : 0.0;
-            if (wf == 0) continue;
-            const auto& a = fine_.stencil(f);
-            for (std::size_t q = 0; q < P::count; ++q) {
-                if (a[q] == 0) continue;
-                const auto g_index = shifted<D>(f_index, P::offset(q));
-                const auto g = fine_.nodes.find(g_index);
-                if (g == none) continue;
-                const auto pg = interpolation_of(g, g_index);
-                for (std::uint32_t i = 0; i < pg.count; ++i) {
-                    for (std::size_t j = 0; j < P::count; ++j) {
-                        if (around[j] == pg.node[i]) {
-                            result.a[j] += wf * a[q] * pg.weight[i];
-                            break;
-                        }
-                    }
-                }
+    /// The row of A P of a fine node, given to the coarse nodes it interpolates from.
+    void add_row(std::uint32_t node, const Index& index, const Interpolation<D>& own,
+                 const std::array<std::uint32_t, power(2, D)>& to) {
+        std::array<double, P::count> row{}; // places from the lower corner of the node's coarse cell
+        const auto& a = fine_.stencil(node);
+        for (std::size_t q = 0; q < P::count; ++q) {
+            if (a[q] == 0) continue;
+            const auto at = shifted<D>(index, P::offset(q));
+            const auto n = q == P::centre ? node : fine_.nodes.find(at);
+            if (n == none) continue;
+            const auto& from = out_.of(n, at);
+            for (std::size_t corner = 0; corner < from.size(); ++corner) {
+                if (from[corner] != 0) row[place_from(index, out_.corner_index(at, corner))] += a[q] * from[corner];
             }
         }
-        share_out_pull(result);
-        return result;
+        for (std::size_t corner = 0; corner < to.size(); ++corner) {
+            if (to[corner] == none) continue;
+            auto& stencil = out_.coarse.special[to[corner]].a;
+            for (std::size_t p = 0; p < P::count; ++p) {
+                if (row[p] == 0) continue;
+                auto o = P::offset(p);
+                for (std::size_t k = 0; k < D; ++k) o[k] -= std::int32_t((corner >> k) & 1u);
+                stencil[P::place(o)] += own[corner] * row[p];
+            }
+        }
+    }
+    static std::size_t place_from(const Index& index, Index coarse) noexcept {
+        for (std::size_t k = 0; k < D; ++k) coarse[k] -= index[k] >> 1;
+        return P::place(coarse);
     }
     /// What is left of a row's sum draws to the boundary; it is laid along the axes that miss a neighbour.
     static void share_out_pull(typename Equations<D>::Special& s) noexcept {
@@ -376,23 +380,24 @@ template <std::size_t D>
 struct Level {
     struct Entry {
         std::uint32_t node;
-        double weight;
+        float weight;
     };
     /// A node outside the stretches.
     struct Odd {
         std::uint32_t node;
         std::uint32_t stencil_end; ///< in `entries`; begins where the one before ends
         std::uint32_t coarse_end;  ///< in `from_coarse`
-        double diagonal, inverse;
-        double pull; ///< the sum of its row of A: what draws it to the data
+        double diagonal;
+        float inverse;
+        float pull; ///< the sum of its row of A: what draws it to the data
     };
     struct Slab { ///< of constant index along the last axis
         std::uint32_t stretches_end, odd_end;
     };
 
     std::uint32_t count = 0;
-    double diagonal = 1;                     ///< of the regular stencil
-    std::array<double, D + 1> by_distance{}; ///< minus its other entries, by the number of axes off centre
+    float diagonal = 1;                     ///< of the regular stencil
+    std::array<float, D + 1> by_distance{}; ///< minus its other entries, by the number of axes off centre
     std::vector<Slab> slabs;
     std::vector<Stretch<D>> stretches;
     std::vector<Odd> odd;
@@ -414,8 +419,8 @@ Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, cons
     constexpr auto none = NodeRuns<D>::none;
     Level<D> level;
     level.count = e.nodes.count();
-    level.diagonal = e.regular[P::centre];
-    for (std::size_t p = 0; p < P::count; ++p) level.by_distance[P::distance(p)] = -e.regular[p];
+    level.diagonal = float(e.regular[P::centre]);
+    for (std::size_t p = 0; p < P::count; ++p) level.by_distance[P::distance(p)] = -float(e.regular[p]);
 
     std::size_t row = 0;
     const std::size_t rows = e.nodes.rows();
@@ -472,23 +477,26 @@ Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, cons
                     pull += a[p];
                     if (p == P::centre || a[p] == 0) continue;
                     const auto n = e.nodes.find(shifted<D>(index, P::offset(p)));
-                    if (n != none) level.entries.push_back({n, -a[p]});
+                    if (n != none) level.entries.push_back({n, -float(a[p])});
                 }
-                // Filled up with entries of no weight: to equal lengths on the finest level, to even ones else.
+                // Filled up with entries of no weight: to equal lengths on the finest level, else to even ones.
                 while (finest ? level.entries.size() % (2 * D) != 0 ||
                                     level.entries.size() == 2 * D * level.odd.size()
                               : level.entries.size() % 2 != 0)
-                    level.entries.push_back({node, 0.0});
+                    level.entries.push_back({node, 0.0f});
                 if (coarsening != nullptr) {
-                    const auto from = coarsening->slot[node] == none
-                                          ? multilinear<D>(coarsening->coarse.nodes, index)
-                                          : coarsening->special[coarsening->slot[node]];
-                    for (std::uint32_t i = 0; i < from.count; ++i)
-                        level.from_coarse.push_back({from.node[i], from.weight[i]});
+                    const auto& from = coarsening->of(node, index);
+                    std::uint32_t n = 0;
+                    for (std::size_t corner = 0; corner < from.size(); ++corner) {
+                        if (from[corner] == 0) continue;
+                        n = coarsening->coarse.nodes.find(coarsening->corner_index(index, corner));
+                        level.from_coarse.push_back({n, float(from[corner])});
+                    }
+                    while (level.from_coarse.size() % 2 != 0) level.from_coarse.push_back({n, 0.0f});
                 }
                 level.odd.push_back({node, std::uint32_t(level.entries.size()),
-                                     std::uint32_t(level.from_coarse.size()), a[P::centre], 1 / a[P::centre],
-                                     pull});
+                                     std::uint32_t(level.from_coarse.size()), a[P::centre],
+                                     float(1 / a[P::centre]), float(pull)});
             }
         }
         if ((row + 1) % slab_rows == 0)
