@@ -7,4 +7,5 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/grid/dirichlet.hpp>
 #include <cageform/version.hpp>

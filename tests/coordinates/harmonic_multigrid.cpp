@@ -110,9 +110,11 @@ TEST_CASE("a bind by the multigrid changes weights no more than the solver's err
 
 TEST_CASE("solving before, in batches or on threads gives the same bits",
           "[coordinates][harmonic][threads]") {
-    const Polygon<double> cage(random_star<double>(31));
+    std::uint64_t seed = 0; // of a cage whose functions are solved in three groups
+    while (random_star<double>(seed).size() <= 32) ++seed;
+    const Polygon<double> cage(random_star<double>(seed));
     const auto points = points_in(cage, 100, 2);
-    Harmonic<double> coordinates(cage, {.resolution = 96});
+    Harmonic<double> coordinates(cage, {.resolution = 96, .multigrid = {.tolerance = 1e-11}});
     const auto expected = evaluate_all(coordinates, points);
     REQUIRE(expected.status() == Status::ok);
     cageform::EvaluateOptions threaded;

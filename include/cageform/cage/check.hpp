@@ -18,6 +18,7 @@ enum class CageFaultKind : std::uint8_t {
     edges_cross,          ///< the edges that start at vertices `a` and `b` cross or touch
     no_area,              ///< all vertices of loop `a` lie on one line
     degenerate_simplex,   ///< the simplex has no volume relative to its size
+    no_volume,            ///< a box has no extent along axis `a`
     collinear_vertex,     ///< warning: vertex `a` lies on the straight line between its neighbours
     loop_turns_otherwise, ///< warning: loop `a` is clockwise, or a hole `a` counter-clockwise; handled
 };
@@ -40,6 +41,7 @@ constexpr Status status_of(CageFaultKind kind) noexcept {
     case CageFaultKind::edges_cross: return Status::cage_self_crossing;
     case CageFaultKind::no_area: return Status::cage_has_no_area;
     case CageFaultKind::degenerate_simplex: return Status::degenerate_simplex;
+    case CageFaultKind::no_volume: return Status::cage_has_no_volume;
     case CageFaultKind::collinear_vertex:
     case CageFaultKind::loop_turns_otherwise: return Status::ok;
     }
@@ -56,6 +58,7 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     case CageFaultKind::edges_cross: return "edges cross or touch";
     case CageFaultKind::no_area: return "loop without area";
     case CageFaultKind::degenerate_simplex: return "simplex without volume";
+    case CageFaultKind::no_volume: return "box without volume";
     case CageFaultKind::collinear_vertex: return "collinear vertex (warning)";
     case CageFaultKind::loop_turns_otherwise: return "loop turns the other way (warning)";
     }

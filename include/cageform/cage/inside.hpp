@@ -1,6 +1,7 @@
 // Where a point lies with respect to a polygon, and the boundary point nearest to it.
 #pragma once
 
+#include <cageform/cage/boundary_value.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/core/status.hpp>
 
@@ -43,6 +44,15 @@ BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>&
         if (first || candidate.distance < best.distance) best = candidate;
     });
     return best;
+}
+
+/// The boundary data at the boundary place nearest to a finite point, and that place: linear along the edges.
+template <Scalar T>
+BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 2>& p,
+                                        Vec<T, 2>& place) noexcept {
+    const auto q = nearest_on_boundary(polygon, p);
+    place = q.position;
+    return {{std::uint32_t(q.i), std::uint32_t(q.j)}, {1 - double(q.s), double(q.s)}};
 }
 
 /// Inside by the even-odd rule; on the boundary when within `tolerance` of it (the cage's

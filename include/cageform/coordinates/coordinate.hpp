@@ -27,22 +27,24 @@ struct EvaluateOptions {
 struct SolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
 
-    std::size_t cells = 0;         ///< unknowns of one function
-    std::size_t cycles = 0;        ///< of the multigrid, the most that a function took
-    double convergence_factor = 0; ///< error after a multigrid cycle over that before, the worst met above the tolerance
+    std::size_t cells = 0;  ///< unknowns of one function
+    std::size_t cycles = 0; ///< of the multigrid, the most that a function took
+    double convergence_factor =
+        0; ///< error after a multigrid cycle over that before, the worst met above the tolerance
     double error_estimate = 0; ///< of the discrete solution: what the multigrid stops on (grid/multigrid.hpp)
     double error_bound = 0;    ///< the same by the maximum principle alone, far above it
     std::size_t unsettled = 0; ///< functions whose corners could not be fitted, so that no corner was treated
     std::size_t bytes = 0;     ///< of the hierarchy and one block of functions
     std::size_t unseen_handle = none;      ///< with Status::grid_too_coarse: the first that no node feels,
     std::size_t sufficient_resolution = 0; ///< and a resolution at which all are felt; 0: none is offered
-    std::size_t crowded_cells = 0;         ///< cells that hold edges which do not share a vertex: the grid is
-                                           ///< too coarse to tell them apart
-    std::size_t solves = 0;                ///< functions solved
-    std::size_t sweeps = 0;                ///< of the averaging solver on the finest grid, over all functions
-    std::size_t unconverged = 0;           ///< functions whose tolerance was not met
-    double largest_mean_change = 0;        ///< of the averaging solver's last sweep, over all functions
-    double seconds = 0;                    ///< wall-clock time
+    std::size_t culprit = none;     ///< with rim_not_given or value_not_finite of solve_dirichlet: where
+    std::size_t crowded_cells = 0;  ///< cells that hold edges which do not share a vertex: the grid is
+                                    ///< too coarse to tell them apart
+    std::size_t solves = 0;         ///< functions solved
+    std::size_t sweeps = 0;         ///< of the averaging solver on the finest grid, over all functions
+    std::size_t unconverged = 0;    ///< functions whose tolerance was not met
+    double largest_mean_change = 0; ///< of the averaging solver's last sweep, over all functions
+    double seconds = 0;             ///< wall-clock time
 };
 
 /// Outcome of evaluating a coordinate type for a batch of points.
@@ -87,15 +89,19 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
-/// What `nearest_boundary` is for every type whose handles are the vertices of a polygon and whose weights
-/// are linear along its edges: `row` (#V) gets the two weights of the nearest boundary point, which is returned.
-template <Scalar T>
-Vec<T, 2> nearest_boundary_weights(const Polygon<T>& cage, const Vec<T, 2>& p, std::span<T> row) noexcept {
-    const auto q = nearest_on_boundary(cage, p);
+/// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights on the boundary are
+/// its hat functions: `row` (#V) gets the weights of the nearest boundary point, which is returned.
+template <class Cage>
+Vec<typename Cage::scalar, Cage::dimension>
+nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
+                         std::span<typename Cage::scalar> row) noexcept {
+    using T = typename Cage::scalar;
+    Vec<T, Cage::dimension> place;
+    const auto value = nearest_boundary_value(cage, p, place);
     std::fill(row.begin(), row.end(), T(0));
-    row[q.i] = T(1) - q.s;
-    row[q.j] = q.s;
-    return q.position;
+    for (std::size_t n = 0; n < value.handle.size(); ++n)
+        row[value.handle[n]] += static_cast<T>(value.weight[n]);
+    return place;
 }
 
 /// Weights of a single point, a convenience on top of `evaluate`.

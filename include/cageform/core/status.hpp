@@ -17,11 +17,15 @@ enum class [[nodiscard]] Status : std::uint8_t{
     duplicate_vertices,       ///< two consecutive cage vertices coincide
     cage_self_crossing,       ///< two edges of the cage cross or touch
     cage_has_no_area,         ///< all vertices of a loop lie on one line
+    cage_has_no_volume,       ///< a box has no extent along some axis
     not_a_simplex,            ///< barycentric coordinates need exactly dimension + 1 vertices
     degenerate_simplex,       ///< the simplex has no volume relative to its size
+    solver_not_supported,     ///< the solver asked for is not there for this cage
     resolution_not_supported, ///< the grid is too small to hold a cage, or too large to index
     tolerance_not_positive,   ///< a solver's tolerance is zero, negative or NaN
     grid_too_coarse,   ///< no node of the grid feels some handle; SolverReport names it and a resolution
+    rim_not_given,     ///< an unknown cell has no neighbour on some side (SolverReport::culprit)
+    value_not_finite,  ///< a given value is NaN or infinite (SolverReport::culprit)
     not_converged,     ///< a solver ran out of sweeps or cycles before its tolerance was met
     pose_size_differs, ///< a pose has another number of points than the binding has handles
     pose_not_finite,   ///< a pose holds NaN or infinity, or lies too far off to be represented
@@ -40,11 +44,15 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::duplicate_vertices: return "two consecutive cage vertices coincide";
     case Status::cage_self_crossing: return "two edges of the cage cross or touch";
     case Status::cage_has_no_area: return "a cage loop encloses no area";
+    case Status::cage_has_no_volume: return "the cage encloses no volume";
     case Status::not_a_simplex: return "barycentric coordinates need a simplex: dimension + 1 vertices";
     case Status::degenerate_simplex: return "the simplex has no volume relative to its size";
+    case Status::solver_not_supported: return "the solver is not there for this kind of cage";
     case Status::resolution_not_supported: return "the grid resolution is out of range";
     case Status::tolerance_not_positive: return "the solver's tolerance is not a positive number";
     case Status::grid_too_coarse: return "the grid is too coarse to see a part of the cage";
+    case Status::rim_not_given: return "an unknown cell lies on the rim of the grid";
+    case Status::value_not_finite: return "a given value is not a finite number";
     case Status::not_converged: return "the solver did not reach its tolerance";
     case Status::pose_size_differs: return "the pose has another number of points than the cage";
     case Status::pose_not_finite: return "the pose holds a number that is not finite";

@@ -165,8 +165,8 @@ public:
     }
 
     /// The coefficients that fit a solution, those of w as in `known`.
-    Coefficients fit(std::size_t first, const Multigrid<2>::Block& solution,
-                     const Coefficients& known) const {
+    template <class Solution> // a block of the multigrid
+    Coefficients fit(std::size_t first, const Solution& solution, const Coefficients& known) const {
         Coefficients all = known;
         for (std::size_t n = 0; n < corners_.size(); ++n) {
             const Treated& t = corners_[n];

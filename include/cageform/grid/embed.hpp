@@ -2,19 +2,12 @@
 // give every link that ends on the boundary its length and its data. Knows no cage and no solver.
 #pragma once
 
+#include <cageform/cage/boundary_value.hpp>
 #include <cageform/grid/detail/hierarchy.hpp>
 
 #include <limits>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// The boundary data at a place: the handles whose hat functions do not vanish there, and their values, which sum to 1.
-template <std::size_t D>
-struct BoundaryValue {
-    static constexpr std::size_t most = D <= 2 ? D : 4; ///< a vertex, an edge, a triangle or quadrilateral
-    std::array<std::uint32_t, most> handle{};
-    std::array<double, most> weight{};
-};
 
 /// A lattice line meets the boundary. In units of the lattice: node i of an axis lies at i.
 template <std::size_t D>
@@ -33,12 +26,47 @@ using Crossings = std::array<std::vector<Crossing<D>>, D>;
 /// A node nearer to a crossing than this (in spacings) is on the boundary and no unknown.
 inline constexpr double on_boundary_distance = 1e-9;
 
+/// A node whose value is given.
+template <std::size_t D>
+struct FixedNode {
+    typename NodeRuns<D>::Index index;
+    BoundaryValue<D> value;
+};
+
 /// The unknown nodes of a boundary value problem and their links to the data.
 template <std::size_t D>
 struct EmbeddedProblem {
     NodeRuns<D> nodes;
     std::vector<CutLink> cuts;            ///< sorted by node
     std::vector<BoundaryValue<D>> values; ///< parallel to `cuts`
+};
+
+/// The value at a point as a mean of values at nodes and on the boundary; serves any number of fields.
+template <std::size_t D>
+struct CutStencil {
+    struct Node {
+        std::uint32_t node;
+        double share;
+    };
+    struct Place { ///< on the boundary
+        BoundaryValue<D> value;
+        double share;
+    };
+    static constexpr std::size_t most_nodes = std::size_t{1} << D;
+
+    std::array<Node, most_nodes> nodes;
+    std::array<Place, 2 * most_nodes> places;
+    std::uint32_t node_count = 0, place_count = 0;
+
+    void add(std::uint32_t node, double share) noexcept {
+        for (std::uint32_t n = 0; n < node_count; ++n) {
+            if (nodes[n].node != node) continue;
+            nodes[n].share += share;
+            return;
+        }
+        nodes[node_count++] = {node, share};
+    }
+    void add(const BoundaryValue<D>& value, double share) noexcept { places[place_count++] = {value, share}; }
 };
 
 namespace detail {
@@ -106,16 +134,24 @@ std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handle
 ///   size     of the lattice, in nodes
 ///   nearest  nearest(index): the data of the boundary place nearest to a node; asked only where rounding makes the
 ///            lines of different axes disagree
+///   fixed    nodes of the lattice, wherever they lie, that are no unknowns: each at most once, in any order
 ///   cost     O(#crossings log #crossings + #rows); nodes outside cost nothing
 template <std::size_t D, class Nearest>
 EmbeddedProblem<D> embed(const typename NodeRuns<D>::Index& size, const Crossings<D>& crossings,
-                         const Nearest& nearest) {
+                         const Nearest& nearest, std::span<const FixedNode<D>> fixed = {}) {
     using Index = typename NodeRuns<D>::Index;
     EmbeddedProblem<D> problem;
     NodeRuns<D> nodes(size);
 
-    // Nodes on the boundary as the other axes' lines see it, by row and x.
-    std::vector<std::pair<std::uint32_t, std::int32_t>> dropped;
+    // Nodes on the boundary as the other axes' lines see it, by row and x; and those fixed.
+    using Place = std::pair<std::uint32_t, std::int32_t>;
+    std::vector<Place> dropped;
+    std::vector<std::pair<Place, std::size_t>> given;
+    for (std::size_t n = 0; n < fixed.size(); ++n) {
+        dropped.push_back({std::uint32_t(nodes.row(fixed[n].index)), fixed[n].index[0]});
+        given.push_back({dropped.back(), n});
+    }
+    std::sort(given.begin(), given.end());
     for (std::size_t axis = 1; axis < D; ++axis) {
         for (const auto& crossing : crossings[axis]) {
             const double x = std::round(crossing.position);
@@ -175,7 +211,7 @@ EmbeddedProblem<D> embed(const typename NodeRuns<D>::Index& size, const Crossing
     };
     cuts.erase(std::unique(cuts.begin(), cuts.end(), same), cuts.end());
 
-    // Links to nodes that are no unknowns, without a crossing: the axes disagree by rounding.
+    // Links to nodes that are no unknowns, without a crossing: fixed ones, or the axes disagree by rounding.
     std::vector<Cut> missing;
     const auto is_cut = [&](std::uint32_t node, std::size_t direction) {
         const Cut key{{node, std::uint8_t(direction), std::numeric_limits<double>::infinity()}, {}};
@@ -186,7 +222,11 @@ EmbeddedProblem<D> embed(const typename NodeRuns<D>::Index& size, const Crossing
         if (is_cut(node, direction)) return;
         Index there = index;
         there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
-        missing.push_back({{node, std::uint8_t(direction), 1.0}, nearest(there)});
+        const Place place{std::uint32_t(nodes.row(there)), there[0]};
+        const auto at = std::lower_bound(given.begin(), given.end(), std::pair{place, std::size_t{0}});
+        const bool known = at != given.end() && at->first == place;
+        missing.push_back(
+            {{node, std::uint8_t(direction), 1.0}, known ? fixed[at->second].value : nearest(there)});
     });
     cuts.insert(cuts.end(), missing.begin(), missing.end());
     std::sort(cuts.begin(), cuts.end(), before);

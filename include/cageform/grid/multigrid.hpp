@@ -58,15 +58,16 @@ public:
         struct Fields {
             std::vector<Row> u, b;
         };
-        std::vector<Fields> fields;          ///< a level each
-        std::vector<Row> settled, remainder; ///< the part of the solution put aside: together twice float's digits
-        std::vector<Values> settled_part;    ///< what of `source` it takes up
-        std::vector<Row> odd_source;         ///< the rest
-        Row gain, estimate;                  ///< error per residual, as the cycles so far showed, and with caution
-        Row residual;                        ///< largest, after the last cycle
+        std::vector<Fields> fields; ///< a level each
+        std::vector<Row> settled,
+            remainder; ///< the part of the solution put aside: together twice float's digits
+        std::vector<Values> settled_part; ///< what of `source` it takes up
+        std::vector<Row> odd_source;      ///< the rest
+        Row gain, estimate; ///< error per residual, as the cycles so far showed, and with caution
+        Row residual;       ///< largest, after the last cycle
         std::size_t cycles = 0;
-        bool refined = false;                ///< the finest level has a right-hand side everywhere
-        bool blank = true;                   ///< the finest level's u is zero, whatever it holds
+        bool refined = false; ///< the finest level has a right-hand side everywhere
+        bool blank = true;    ///< the finest level's u is zero, whatever it holds
     };
 
     /// cuts     every link of an unknown that does not end on an unknown
@@ -122,8 +123,10 @@ public:
 
     /// What is known of the error of a block's solution, per right-hand side.
     struct Error {
-        Values estimate; ///< from the residual, by what the corrections were for the residuals before them; twofold and more
-        Values bound;    ///< from the residual alone, by the maximum principle: never less than the error (see is_refined)
+        Values
+            estimate; ///< from the residual, by what the corrections were for the residuals before them; twofold and more
+        Values
+            bound; ///< from the residual alone, by the maximum principle: never less than the error (see is_refined)
     };
 
     /// A first guess of a block whose `source` is set, from the coarse grids up.
@@ -247,9 +250,10 @@ private:
         block.blank = true;
         block.refined = true;
         const auto& level = levels_[0];
+        const Row* const remainder = block.remainder.empty() ? nullptr : block.remainder.data();
         for (std::size_t q = 0; q < level.slabs.size(); ++q) {
             for (std::size_t t = first_stretch(0, q); t < level.slabs[q].stretches_end; ++t)
-                residual_in_double(block.settled.data(), block.remainder.data(), level.stretches[t], b.data());
+                residual_in_double(block.settled.data(), remainder, level.stretches[t], b.data());
             for (std::size_t j = first_odd(0, q); j < level.slabs[q].odd_end; ++j) {
                 auto& part = block.settled_part[j];
                 part.fill(0.0);
@@ -318,8 +322,7 @@ private:
         const Pack known = Pack::load(block.gain);
         const Pack gain = select<float>(Pack(0.0f) < known, max<float>(Pack(1.0f), known), Pack(4.0f));
         (caution * gain).store(block.estimate);
-        return {widened(caution * gain * largest),
-                widened(Pack(float(reach_)) * now.inner + now.drawn)};
+        return {widened(caution * gain * largest), widened(Pack(float(reach_)) * now.inner + now.drawn)};
     }
 
     void factorise(const detail::Equations<D>& e) {
@@ -358,7 +361,8 @@ private:
             return;
         }
         if (l == 0) {
-            for (std::size_t j = 0; j < levels_[0].odd.size(); ++j) b[levels_[0].odd[j].node] = block.odd_source[j];
+            for (std::size_t j = 0; j < levels_[0].odd.size(); ++j)
+                b[levels_[0].odd[j].node] = block.odd_source[j];
         }
         const float* factor = factor_.data();
         const auto eliminate = [&](const Row& right, std::size_t begin, std::size_t end) {
@@ -398,7 +402,8 @@ private:
     }
     Pack odd_residual(const Block& block, std::size_t l, std::size_t j) const noexcept {
         const auto& node = levels_[l].odd[j];
-        return odd_neighbours(block, l, j) - Pack(float(node.diagonal)) * Pack::load(block.fields[l].u[node.node]);
+        return odd_neighbours(block, l, j) -
+               Pack(float(node.diagonal)) * Pack::load(block.fields[l].u[node.node]);
     }
 
     // ---- one stretch ------------------------------------------------------------------------------
@@ -698,8 +703,9 @@ private:
     }();
 
     std::vector<detail::Level<D>> levels_;
-    double reach_ = 1;          ///< error per inner residual at most
-    std::vector<float> factor_; ///< Cholesky's of the bottom level, as `bottom` reads it; empty where that is large
+    double reach_ = 1; ///< error per inner residual at most
+    std::vector<float>
+        factor_; ///< Cholesky's of the bottom level, as `bottom` reads it; empty where that is large
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -8,34 +8,6 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The value at a point as a mean of values at nodes and on the boundary; serves any number of fields.
-template <std::size_t D>
-struct CutStencil {
-    struct Node {
-        std::uint32_t node;
-        double share;
-    };
-    struct Place { ///< on the boundary
-        BoundaryValue<D> value;
-        double share;
-    };
-    static constexpr std::size_t most_nodes = std::size_t{1} << D;
-
-    std::array<Node, most_nodes> nodes;
-    std::array<Place, 2 * most_nodes> places;
-    std::uint32_t node_count = 0, place_count = 0;
-
-    void add(std::uint32_t node, double share) noexcept {
-        for (std::uint32_t n = 0; n < node_count; ++n) {
-            if (nodes[n].node != node) continue;
-            nodes[n].share += share;
-            return;
-        }
-        nodes[node_count++] = {node, share};
-    }
-    void add(const BoundaryValue<D>& value, double share) noexcept { places[place_count++] = {value, share}; }
-};
-
 /// A polygon in units of a lattice. Node i of the lattice lies at i.
 template <Scalar T>
 class PolygonBoundary {
@@ -80,6 +52,27 @@ public:
             value = edge.at(s);
         }
         return value;
+    }
+
+    /// How far a point can go along an axis, up or down, before it meets the boundary, but no farther than `limit`. O(edges).
+    double free_way(const Vec<double, 2>& p, std::size_t axis, bool up, double limit) const noexcept {
+        const std::size_t across = 1 - axis;
+        for (const Edge& edge : edges_) {
+            const double from = edge.a[across], to = edge.b[across];
+            if (p[across] < std::min(from, to) || p[across] > std::max(from, to)) continue;
+            const auto meet = [&](double s) {
+                const double way =
+                    (edge.a[axis] + s * (edge.b[axis] - edge.a[axis]) - p[axis]) * (up ? 1 : -1);
+                if (way >= 0) limit = std::min(limit, way);
+            };
+            if (from != to) {
+                meet((p[across] - from) / (to - from));
+            } else {
+                meet(0);
+                meet(1);
+            }
+        }
+        return limit;
     }
 
     /// Prepares `sample`: which edges pass which cell.

@@ -1,0 +1,154 @@
+// The simplest cage in space: an axis-aligned box whose faces are divided into rectangles.
+#pragma once
+
+#include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/check.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// An axis-aligned box. Its vertices are the corners of the rectangles that its faces are divided into, the first
+/// axis fastest: two divisions along each axis make 26 vertices. Between the vertices of a rectangle boundary data is
+/// bilinear.
+///
+/// Construction never fails; `check` tells whether the box can serve as a cage.
+template <Scalar T>
+class Box {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = 3;
+    using Divisions = std::array<std::size_t, 3>; ///< along each axis, at least 1
+
+    Box() = default;
+    Box(const Vec<T, 3>& lower, const Vec<T, 3>& upper, const Divisions& divisions = {1, 1, 1})
+        : lower_(lower)
+        , upper_(upper)
+        , divisions_(divisions) {
+        std::array<std::size_t, 3> index{};
+        for (index[2] = 0; index[2] <= divisions[2]; ++index[2]) {
+            for (index[1] = 0; index[1] <= divisions[1]; ++index[1]) {
+                for (index[0] = 0; index[0] <= divisions[0]; ++index[0]) {
+                    bool surface = false;
+                    Vec<T, 3> p;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        CAGEFORM_ASSERT(divisions[k] > 0, "a box has at least one division along each axis");
+                        surface = surface || index[k] == 0 || index[k] == divisions[k];
+                        const double t = double(index[k]) / double(divisions[k]);
+                        p[k] = static_cast<T>((1 - t) * double(lower[k]) + t * double(upper[k]));
+                    }
+                    numbers_.push_back(std::uint32_t(vertices_.size()));
+                    if (surface) vertices_.push_back(p);
+                }
+            }
+        }
+    }
+
+    std::size_t size() const noexcept { return vertices_.size(); }
+    std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
+    const Vec<T, 3>& lower() const noexcept { return lower_; }
+    const Vec<T, 3>& upper() const noexcept { return upper_; }
+    const Divisions& divisions() const noexcept { return divisions_; }
+
+    /// The boundary data at a place of the face across `axis`, the upper or the lower one. The place is given by its
+    /// parts of the box's extents, of which that along `axis` is not looked at.
+    BoundaryValue<3> on_face(std::size_t axis, bool upper, const Vec<double, 3>& part) const noexcept {
+        std::array<std::size_t, 3> low{};
+        std::array<double, 3> beyond{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (k == axis) {
+                low[k] = upper ? divisions_[k] : 0;
+                continue;
+            }
+            const double t = std::clamp(part[k], 0.0, 1.0) * double(divisions_[k]);
+            low[k] = std::min(std::size_t(t), divisions_[k] - 1);
+            beyond[k] = t - double(low[k]);
+        }
+        const std::size_t a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
+        BoundaryValue<3> value;
+        for (std::size_t n = 0; n < 4; ++n) {
+            auto index = low;
+            index[a] += n & 1u;
+            index[b] += n >> 1;
+            value.handle[n] =
+                numbers_[(index[2] * (divisions_[1] + 1) + index[1]) * (divisions_[0] + 1) + index[0]];
+            value.weight[n] =
+                ((n & 1u) != 0 ? beyond[a] : 1 - beyond[a]) * ((n >> 1) != 0 ? beyond[b] : 1 - beyond[b]);
+        }
+        return value;
+    }
+
+    /// The parts of the box's extents at which a point lies: 0 at the lower end, 1 at the upper.
+    Vec<double, 3> parts(const Vec<double, 3>& p) const noexcept {
+        Vec<double, 3> part;
+        for (std::size_t k = 0; k < 3; ++k)
+            part[k] = (p[k] - double(lower_[k])) / (double(upper_[k]) - double(lower_[k]));
+        return part;
+    }
+
+private:
+    Vec<T, 3> lower_{}, upper_{};
+    Divisions divisions_{};
+    std::vector<Vec<T, 3>> vertices_;
+    std::vector<std::uint32_t>
+        numbers_; ///< of the vertex at each place of the lattice of divisions, if it is one
+};
+
+/// Whether a box can serve as a cage: its corners are finite, and along every axis the divisions of its extent are
+/// longer than coincidence_tolerance.
+template <Scalar T>
+CageReport check(const Box<T>& box) {
+    CageReport report;
+    for (std::size_t i = 0; i < box.size(); ++i) {
+        if (!is_finite(box.vertices()[i])) report.add(CageFaultKind::vertex_not_finite, i);
+    }
+    if (report.status != Status::ok) return report;
+    if (box.size() == 0) {
+        report.add(CageFaultKind::no_volume, 0);
+        return report;
+    }
+    const double tolerance = coincidence_tolerance(bounds_of(box.vertices()));
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (double(box.upper()[k]) - double(box.lower()[k]) <= tolerance * double(box.divisions()[k]))
+            report.add(CageFaultKind::no_volume, k);
+    }
+    return report;
+}
+
+/// Inside, on the boundary when within `tolerance` of it (the cage's coincidence_tolerance).
+template <Scalar T>
+PointState locate(const Box<T>& box, const Vec<T, 3>& p, T tolerance) noexcept {
+    if (!is_finite(p)) return PointState::not_finite;
+    double least = std::numeric_limits<double>::max(); // to a face, negative outside
+    for (std::size_t k = 0; k < 3; ++k) {
+        least = std::fmin(
+            least, std::fmin(double(p[k]) - double(box.lower()[k]), double(box.upper()[k]) - double(p[k])));
+    }
+    if (std::fabs(least) <= double(tolerance)) return PointState::on_boundary;
+    return least > 0 ? PointState::inside : PointState::outside;
+}
+
+/// The boundary data at the boundary place nearest to a finite point, and that place.
+template <Scalar T>
+BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, Vec<T, 3>& place) noexcept {
+    std::size_t axis = 0;
+    bool upper = false, outside = false;
+    double least = std::numeric_limits<double>::max();
+    place = p;
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (const bool up : {false, true}) {
+            const double distance =
+                up ? double(box.upper()[k]) - double(p[k]) : double(p[k]) - double(box.lower()[k]);
+            if (distance < 0) {
+                place[k] = up ? box.upper()[k] : box.lower()[k];
+                outside = true;
+            }
+            if (distance >= least) continue;
+            least = distance;
+            axis = k;
+            upper = up;
+        }
+    }
+    if (!outside) place[axis] = upper ? box.upper()[axis] : box.lower()[axis];
+    return box.on_face(axis, upper, box.parts(vec_cast<double>(place)));
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,170 @@
+// Gradients of harmonic coordinates, in polygons and boxes.
+#include "../catch.hpp"
+#include "../support/oracle.hpp"
+#include "../support/weights.hpp"
+
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/core/threads.hpp>
+
+using namespace cageform_tests;
+using cageform::Box;
+using cageform::epsilon;
+using cageform::HarmonicCoordinates;
+using cageform::HarmonicOptions;
+using cageform::Lanes;
+using cageform::Polygon;
+
+namespace {
+
+template <class T, std::size_t D>
+struct Gradients {
+    cageform::Evaluation evaluation;
+    std::vector<PointState> states;
+    std::vector<std::vector<Vec<T, D>>> rows; ///< [point][handle]
+};
+
+template <class T, std::size_t D>
+Gradients<T, D> gradients_of(const HarmonicCoordinates<T, D>& coordinates,
+                             const std::vector<Vec<T, D>>& points,
+                             const cageform::EvaluateOptions& options = {}) {
+    const std::size_t handles = coordinates.handles().size(),
+                      blocks = cageform::block_count<T>(points.size());
+    std::vector<Lanes<T>> position(blocks * D), rows(blocks * D * handles);
+    const cageform::BlockView<T> places{position.data(), D, points.size()};
+    const cageform::BlockView<T> gradients{rows.data(), D * handles, points.size()};
+    Gradients<T, D> result;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        result.states.push_back(is_finite(points[i]) ? PointState::inside : PointState::not_finite);
+        for (std::size_t k = 0; k < D; ++k) places(i, k) = points[i][k];
+    }
+    result.evaluation = coordinates.evaluate_gradients(places, gradients, result.states, options);
+    if (result.evaluation.status != Status::ok) return result;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::vector<Vec<T, D>> row(handles);
+        for (std::size_t h = 0; h < handles; ++h) {
+            for (std::size_t k = 0; k < D; ++k) row[h][k] = gradients(i, k * handles + h);
+        }
+        result.rows.push_back(std::move(row));
+    }
+    return result;
+}
+
+/// Σ ∇h_i = 0 and Σ C_i ∇h_i = identity: what linear precision says of gradients.
+template <class T, std::size_t D>
+void check_laws(const HarmonicCoordinates<T, D>& coordinates, const std::vector<Vec<T, D>>& points,
+                double tolerance) {
+    const auto gradients = gradients_of(coordinates, points);
+    REQUIRE(gradients.evaluation.status == Status::ok);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CAPTURE(i, points[i][0], points[i][1]);
+        if (gradients.states[i] == PointState::unreached) continue;
+        const auto centre = vec_cast<double>(points[i]);
+        Vec<double, D> sum{};
+        std::array<Vec<double, D>, D> jacobian{};
+        double size = 0;
+        for (std::size_t h = 0; h < gradients.rows[i].size(); ++h) {
+            const auto g = vec_cast<double>(gradients.rows[i][h]);
+            const auto c = vec_cast<double>(coordinates.handles()[h]) - centre;
+            size = std::max(size, std::sqrt(dot(c, c)));
+            sum = sum + g;
+            for (std::size_t k = 0; k < D; ++k) jacobian[k] = jacobian[k] + c[k] * g;
+        }
+        for (std::size_t k = 0; k < D; ++k) {
+            CHECK(std::fabs(sum[k]) * size <= tolerance);
+            for (std::size_t l = 0; l < D; ++l)
+                CHECK(std::fabs(jacobian[k][l] - (k == l ? 1 : 0)) <= tolerance);
+        }
+    }
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("gradients keep linear precision up to the boundary",
+                   "[coordinates][harmonic][gradients][property]", float, double) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(8));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 9);
+    // Differences over a tenth of a cell at least, of sums of functions each off by the solver's error.
+    const auto tolerance = [](std::size_t handles, double cells) {
+        return double(handles) * cells * 10 * (1e-8 + 2 * double(epsilon<T>));
+    };
+    const Polygon<T> star(random_star<T>(std::uint64_t(seed)));
+    std::vector<Vec<T, 2>> in_plane;
+    for (int n = 0; n < 60; ++n) in_plane.push_back(random_inside(star, random, 1e-5));
+    for (std::size_t i = 0; i < star.size(); ++i) // vertices and places on edges
+        in_plane.push_back(T(0.5) * (star[i] + star[i % 2 == 0 ? i : (i + 1) % star.size()]));
+    const HarmonicOptions options{.resolution = 120, .multigrid = {.tolerance = 1e-8}};
+    check_laws(HarmonicCoordinates<T, 2>(star, options), in_plane, tolerance(star.size(), 120));
+
+    const Box<T> box({T(-1), T(2), T(0)}, {T(0.3), T(3), T(2)}, {1 + std::size_t(seed) % 3, 2, 3});
+    std::vector<Vec<T, 3>> in_space;
+    for (int n = 0; n < 60; ++n) {
+        Vec<T, 3> p;
+        for (std::size_t k = 0; k < 3; ++k)
+            p[k] = T(random.uniform(double(box.lower()[k]), double(box.upper()[k])));
+        if (n % 10 == 0) p[std::size_t(n) / 10 % 3] = box.upper()[std::size_t(n) / 10 % 3];
+        in_space.push_back(p);
+    }
+    check_laws(HarmonicCoordinates<T, 3>(box, {.resolution = 24, .multigrid = {.tolerance = 1e-8}}), in_space,
+               tolerance(box.size(), 24));
+}
+
+TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
+    // Of the unit square the functions are bilinear; of the hexagon, differences of a much finer grid serve.
+    const Polygon<double> square(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+    const std::vector<Vec<double, 2>> points{{0.3, 0.4}, {0.01, 0.7}, {0.99, 0.002}, {0.5, 0}, {0, 0}};
+    const auto of_square = gradients_of(HarmonicCoordinates<double, 2>(square, {.resolution = 50}), points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto [x, y] = std::pair(points[i][0], points[i][1]);
+        // On the boundary they are taken half a cell inside, and these change by as much.
+        const double allowed = of_square.states[i] == PointState::on_boundary ? 0.501 / 50 : 3e-4;
+        CHECK(distance(of_square.rows[i][0], Vec<double, 2>{y - 1, x - 1}) <= allowed);
+        CHECK(distance(of_square.rows[i][2], Vec<double, 2>{y, x}) <= allowed);
+    }
+    const auto cage = read_oracle("harmonic2d_hexagon").cage<double>();
+    Random random(5);
+    std::vector<Vec<double, 2>> inside;
+    const double size = size_of(cage.vertices());
+    for (int n = 0; n < 100; ++n) inside.push_back(random_inside(cage, random, 0.06 * size));
+    const auto at = [&](std::size_t resolution) {
+        return gradients_of(HarmonicCoordinates<double, 2>(
+                                cage, {.resolution = resolution, .multigrid = {.tolerance = 1e-10}}),
+                            inside);
+    };
+    const auto exact = at(1024);
+    std::array<double, 2> error{};
+    for (const std::size_t k : {0, 1}) {
+        const auto coarse = at(k == 0 ? 32 : 128);
+        for (std::size_t i = 0; i < inside.size(); ++i) {
+            for (std::size_t h = 0; h < cage.size(); ++h)
+                error[k] = std::max(error[k], distance(coarse.rows[i][h], exact.rows[i][h]) * size);
+        }
+    }
+    CHECK(error[0] <= 3e-2);
+    CHECK(error[1] <= error[0] / 8); // order h² would be a sixteenth
+}
+
+TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradients][status]") {
+    const Polygon<double> cage(random_star<double>(3));
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<Vec<double, 2>> points{{1e9, 0}, {nan, 0}};
+    HarmonicCoordinates<double, 2> coordinates(cage, {.resolution = 64});
+    const auto gradients = gradients_of(coordinates, points);
+    CHECK(gradients.evaluation.status == Status::ok);
+    CHECK(gradients.states[0] == PointState::outside);
+    CHECK(gradients.states[1] == PointState::not_finite);
+    HarmonicOptions averaging;
+    averaging.solver = cageform::HarmonicSolver::averaging_pyramid;
+    CHECK(gradients_of(HarmonicCoordinates<double, 2>(cage, averaging), points).evaluation.status ==
+          Status::solver_not_supported);
+    // Solved before, or on threads: the same bits.
+    Random random(1);
+    const std::vector<Vec<double, 2>> inside(20, random_inside(cage, random, 1e-3));
+    const auto expected = gradients_of(coordinates, inside);
+    cageform::EvaluateOptions threaded;
+    threaded.parallel = cageform::ThreadedFor{2};
+    REQUIRE(coordinates.solve(threaded).status == Status::ok);
+    const auto again = gradients_of(coordinates, inside, threaded);
+    for (std::size_t h = 0; h < cage.size(); ++h) CHECK(again.rows[7][h] == expected.rows[7][h]);
+}
