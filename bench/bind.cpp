@@ -19,10 +19,10 @@ void finish(benchmark::State& state, std::size_t points) {
 }
 
 /// `again` binds into the memory of the bind before, as an editor does; else every bind takes new memory.
-template <class Coordinates>
-void run_bind(benchmark::State& state, const Coordinates& coordinates, const std::vector<Point>& points,
+template <class Coordinates, class Points>
+void run_bind(benchmark::State& state, const Coordinates& coordinates, const Points& points,
               bool again = false) {
-    cageform::Binding<typename Coordinates::scalar, 2> recycled;
+    cageform::Binding<typename Coordinates::scalar, Coordinates::dimension> recycled;
     if (again) recycled = cageform::bind(coordinates, points).binding;
     for (auto _ : state) {
         auto result = cageform::bind(coordinates, points, {}, std::move(recycled));
@@ -138,6 +138,22 @@ void bind_harmonic(benchmark::State& state) {
              points_inside(cage, std::size_t(state.range(0))));
 }
 
+/// A cube of 98 vertices (four divisions along each axis) and 2,562 points on a sphere in it: the case that Blender's Mesh
+/// Deform binds at 32 cells and not in minutes at 64.
+void bind_harmonic_cube(benchmark::State& state) {
+    const cageform::Box<double> cube({-1, -1, -1}, {1, 1, 1}, {4, 4, 4});
+    std::vector<cageform::Vec<double, 3>> points;
+    constexpr std::size_t count = 2562;
+    for (std::size_t i = 0; i < count; ++i) { // a Fibonacci spiral
+        const double z = 1 - 2 * (double(i) + 0.5) / double(count), r = std::sqrt(1 - z * z);
+        const double t = double(i) * std::numbers::pi * (3 - std::sqrt(5.0));
+        points.push_back({0.8 * r * std::cos(t), 0.8 * r * std::sin(t), 0.8 * z});
+    }
+    cageform::HarmonicOptions options;
+    options.resolution = std::size_t(state.range(0));
+    run_bind(state, cageform::HarmonicCoordinates3d(cube, options), points);
+}
+
 void points_and_handles(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"});
     for (const int points : {152, 10000, 1000000}) benchmark->Args({points, 25});
@@ -170,3 +186,9 @@ BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(bind_mean_value, double)->Name("bind_mean_value growth")->Apply(growing_points);
 BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::multigrid)->Apply(growing_grid);
 BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::averaging_pyramid)->Apply(growing_grid);
+BENCHMARK(bind_harmonic_cube)
+    ->ArgName("resolution")
+    ->Arg(32)
+    ->Arg(64)
+    ->Arg(128)
+    ->Unit(benchmark::kMillisecond);

@@ -2,7 +2,7 @@
 # Usage: sh examples/run.sh [--build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
 # pictures: the cat at rest and in every pose by mean value and harmonic coordinates, the man, the aleph,
-# heat maps of coordinates; then prints a table of figures.
+# heat maps of coordinates, how the solver converges; then prints a table of figures.
 set -eu
 cd "$(dirname "$0")/.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev librsvg2-bin
@@ -57,6 +57,8 @@ for vertex in 1 2; do
   field field_biped_${vertex}_mean_value biped_cage $vertex mean-value
   field field_biped_${vertex}_harmonic biped_cage $vertex harmonic
 done
+
+"$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png
 
 # Every grid point of the biped's cage, as numbers.
 awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print x "," y }' >out/biped_points.csv

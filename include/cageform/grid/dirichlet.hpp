@@ -3,7 +3,7 @@
 // a few known pixels, heat that has come to rest, crosswords of numbers.
 #pragma once
 
-#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/grid/evaluation.hpp>
 #include <cageform/grid/lattice.hpp>
 #include <cageform/grid/multigrid.hpp>
 

@@ -103,15 +103,15 @@ private:
 
     /// The problem on the grid and its solver; after `solve` the functions too.
     struct Grid {
-        Grid(const Cage& cage, const Lattice<double, D>& with_lattice, const Crossings<D>& crossings,
+        Grid(const Cage& from, const Lattice<double, D>& with_lattice, const Crossings<D>& crossings,
              Boundary with, bool with_corners)
             : lattice(with_lattice)
             , boundary(std::move(with))
             , problem(embed<D>(node_counts(lattice), crossings,
                                [this](const auto& node) { return boundary.nearest(node); }))
-            , corners(with_corners ? corners_of(cage, lattice, problem) : CornerFunctions())
+            , corners(with_corners ? corners_of(from, lattice, problem) : CornerFunctions())
             , multigrid(problem.nodes, problem.cuts, corners.sources())
-            , groups((cage.size() + Multigrid<D>::width - 1) / Multigrid<D>::width) {
+            , groups((from.size() + Multigrid<D>::width - 1) / Multigrid<D>::width) {
             boundary.index_cells();
             std::size_t slot = 0;
             std::vector<std::uint32_t> slots(problem.nodes.count());

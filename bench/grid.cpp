@@ -1,0 +1,241 @@
+// How long does it take to solve the Laplace equation for all functions of a cage, beside the ways it is usually done?
+//
+// The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions); data is given at the
+// cells around them, as on the staircase grids of the papers. Beside the multigrid (to an estimated error of 1e-6): the
+// papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), CHOLMOD's factorisation
+// where it is installed, and what it takes to move the memory of the solution once.
+#include "workloads.hpp"
+
+#include <cageform/core/threads.hpp>
+#include <cageform/grid/averaging_pyramid.hpp>
+#include <cageform/grid/multigrid.hpp>
+
+#include <benchmark/benchmark.h>
+
+#include <atomic>
+#include <numeric>
+
+#if defined(CAGEFORM_BENCH_CHOLMOD)
+#include <Eigen/CholmodSupport>
+#endif
+
+namespace {
+
+using cageform::CellTag;
+using cageform::CutLink;
+using cageform::Multigrid;
+using cageform::NodeRuns;
+using cageform::Vec;
+
+/// Cells inside a figure of the extent [−1.5, 1.5]^D.
+template <std::size_t D>
+struct Problem {
+    static constexpr std::size_t functions = D == 2 ? 25 : 112;
+
+    explicit Problem(std::int32_t n) {
+        box.cells.fill(std::size_t(n));
+        typename NodeRuns<D>::Index size;
+        size.fill(n);
+        nodes = NodeRuns<D>(size);
+        const auto place = [&](std::size_t cell) {
+            Vec<double, D> p{};
+            for (std::size_t k = 0; k < D; ++k) p[k] = 3 * (double(box.index(cell)[k]) + 0.5) / n - 1.5;
+            return p;
+        };
+        tags.assign(box.size(), CellTag::exterior);
+        for (std::size_t row = 0; row < box.size(); row += std::size_t(n)) {
+            for (std::int32_t x = 0; x < n; ++x) {
+                if (!inside(place(row + std::size_t(x)))) continue;
+                tags[row + std::size_t(x)] = CellTag::interior;
+                nodes.add_run(x, x + 1);
+                cells.push_back(row + std::size_t(x));
+            }
+            nodes.end_row();
+        }
+        nodes.for_each_end([&](const auto&, std::uint32_t node, std::size_t direction) {
+            const std::size_t step = box.stride(direction / 2);
+            const std::size_t given = (direction & 1) != 0 ? cells[node] + step : cells[node] - step;
+            tags[given] = CellTag::boundary;
+            cuts.push_back({node, std::uint8_t(direction), 1.0});
+            given_cells.push_back(given);
+            given_places.push_back(place(given));
+        });
+        // Functions like hats: about `functions` places on the boundary.
+        for (std::size_t k = 0; k < functions; ++k)
+            centres.push_back(given_places[(2 * k + 1) * given_places.size() / (2 * functions)]);
+    }
+    double data(std::size_t function, std::size_t cut) const {
+        const auto d = given_places[cut] - centres[function];
+        return std::exp(-(D == 2 ? 20.0 : 12.0) * dot(d, d));
+    }
+
+    cageform::CellBox<D> box;
+    NodeRuns<D> nodes;
+    std::vector<CellTag> tags;
+    std::vector<std::size_t> cells; ///< of the nodes
+    std::vector<CutLink> cuts;
+    std::vector<std::size_t> given_cells; ///< of the cuts, and where they lie
+    std::vector<Vec<double, D>> given_places, centres;
+
+private:
+    static bool inside(const Vec<double, D>& p) {
+        const double r = std::sqrt(dot(p, p)), angle = std::atan2(p[1], p[0]);
+        if constexpr (D == 2) {
+            return r < 1 + 0.35 * std::sin(5 * angle) + 0.1 * std::cos(3 * angle);
+        } else {
+            const double height = std::acos(std::clamp(p[2] / std::fmax(r, 1e-9), -1.0, 1.0));
+            return r < 1 + 0.3 * std::cos(3 * height) + 0.15 * std::sin(height) * std::cos(5 * angle);
+        }
+    }
+};
+
+/// Functions first … of a block solved to 1e-6; returns the cycles.
+template <std::size_t D>
+std::size_t solve_block(const Problem<D>& problem, const Multigrid<D>& multigrid,
+                        const std::vector<std::uint32_t>& slot, std::size_t first,
+                        typename Multigrid<D>::Block& block) {
+    const std::size_t count = std::min(Multigrid<D>::width, problem.functions - first);
+    for (auto& row : block.source) row.fill(0.0);
+    for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
+        auto& row = block.source[slot[problem.cuts[c].node]];
+        for (std::size_t k = 0; k < count; ++k) row[k] += problem.data(first + k, c);
+    }
+    auto error = multigrid.start(block);
+    std::size_t cycles = 0;
+    while (!block.is_refined() || *std::max_element(error.estimate.begin(), error.estimate.end()) > 1e-6) {
+        error = multigrid.cycle(block);
+        ++cycles;
+    }
+    return cycles;
+}
+
+template <std::size_t D>
+void multigrid(benchmark::State& state) {
+    const Problem<D> problem(std::int32_t(state.range(0)));
+    const cageform::ThreadedFor threads{std::size_t(state.range(1))};
+    constexpr std::size_t groups = (Problem<D>::functions + Multigrid<D>::width - 1) / Multigrid<D>::width;
+    std::size_t bytes = 0;
+    std::atomic<std::size_t> cycles{0};
+    for (auto _ : state) {
+        const Multigrid<D> solver(problem.nodes, problem.cuts, {});
+        std::vector<std::uint32_t> slot(solver.unknowns());
+        for (std::size_t s = 0; s < solver.source_count(); ++s)
+            slot[solver.source_node(s)] = std::uint32_t(s);
+        cycles = 0;
+        const auto solve_groups = [&](std::size_t begin, std::size_t end) {
+            auto block = solver.make_block();
+            for (std::size_t group = begin; group < end; ++group) {
+                cycles += solve_block(problem, solver, slot, group * Multigrid<D>::width, block);
+                benchmark::DoNotOptimize(block.value(0));
+            }
+        };
+        if (state.range(1) == 1) {
+            solve_groups(0, groups);
+        } else {
+            threads(groups, 1, solve_groups);
+        }
+        bytes = solver.bytes() + std::size_t(state.range(1)) * solver.block_bytes();
+    }
+    state.counters["unknowns"] = double(problem.nodes.count());
+    state.counters["cycles"] = double(cycles) / double(groups);
+    state.counters["MB"] = double(bytes) / 1e6;
+}
+
+template <std::size_t D>
+void papers_sweeps(benchmark::State& state) {
+    const Problem<D> problem(std::int32_t(state.range(0)));
+    cageform::AveragingOptions options;
+    options.tolerance = 1e-5;
+    std::vector<double> field(problem.box.size());
+    std::size_t sweeps = 0;
+    for (auto _ : state) {
+        cageform::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
+        sweeps = 0;
+        for (std::size_t k = 0; k < problem.functions; ++k) {
+            std::fill(field.begin(), field.end(), 0.0);
+            for (std::size_t c = 0; c < problem.cuts.size(); ++c)
+                field[problem.given_cells[c]] = problem.data(k, c);
+            const auto outcome = pyramid.solve(std::span<double>(field));
+            if (!outcome.converged) state.SkipWithError("did not converge");
+            sweeps += outcome.sweeps;
+        }
+        benchmark::ClobberMemory();
+    }
+    state.counters["unknowns"] = double(problem.nodes.count());
+    state.counters["sweeps"] = double(sweeps) / double(problem.functions);
+}
+
+#if defined(CAGEFORM_BENCH_CHOLMOD)
+template <std::size_t D>
+void cholmod(benchmark::State& state) {
+    const Problem<D> problem(std::int32_t(state.range(0)));
+    const int n = int(problem.nodes.count());
+    std::vector<int> number(problem.box.size(), -1);
+    for (int i = 0; i < n; ++i) number[problem.cells[std::size_t(i)]] = i;
+    for (auto _ : state) {
+        Eigen::SparseMatrix<double> a(n, n);
+        a.reserve(Eigen::VectorXi::Constant(n, int(D) + 1));
+        for (int i = 0; i < n; ++i) { // the lower half
+            a.insert(i, i) = 2.0 * double(D);
+            for (std::size_t k = 0; k < D; ++k) {
+                const int above = number[problem.cells[std::size_t(i)] + problem.box.stride(k)];
+                if (above >= 0) a.insert(above, i) = -1;
+            }
+        }
+        const Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(a);
+        if (factor.info() != Eigen::Success) state.SkipWithError("not factorised");
+        constexpr std::size_t together = 28;
+        for (std::size_t first = 0; first < problem.functions; first += together) {
+            const std::size_t count = std::min(together, problem.functions - first);
+            Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Eigen::Index(count));
+            for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
+                for (std::size_t k = 0; k < count; ++k)
+                    right(problem.cuts[c].node, Eigen::Index(k)) += problem.data(first + k, c);
+            }
+            const Eigen::MatrixXd solution = factor.solve(right);
+            benchmark::DoNotOptimize(solution.data());
+        }
+    }
+    state.counters["unknowns"] = double(n);
+}
+BENCHMARK_TEMPLATE(cholmod, 2)->ArgName("n")->Arg(256)->Arg(1024)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(cholmod, 3)->ArgName("n")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+#endif
+
+/// Reading and writing each function's values once, in float: no sweep of a solver can do with less.
+template <std::size_t D>
+void limit_move_solution(benchmark::State& state) {
+    const Problem<D> problem(std::int32_t(state.range(0)));
+    constexpr std::size_t groups = (Problem<D>::functions + Multigrid<D>::width - 1) / Multigrid<D>::width;
+    std::vector<cageform::Lanes<float>> rows(problem.nodes.count());
+    for (auto& row : rows) std::fill(std::begin(row.v), std::end(row.v), 0.0f);
+    for (auto _ : state) {
+        for (std::size_t group = 0; group < groups; ++group) {
+            for (auto& row : rows) {
+                for (float& x : row.v) x += 1;
+            }
+            benchmark::ClobberMemory();
+        }
+    }
+    state.counters["unknowns"] = double(problem.nodes.count());
+}
+
+void grids_2d(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"n", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
+    for (const int n : {256, 1024}) benchmark->Args({n, 1});
+    benchmark->Args({1024, 2});
+}
+void grids_3d(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"n", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
+    for (const int n : {64, 128}) benchmark->Args({n, 1});
+    benchmark->Args({128, 2});
+}
+
+} // namespace
+
+BENCHMARK_TEMPLATE(multigrid, 2)->Apply(grids_2d);
+BENCHMARK_TEMPLATE(multigrid, 3)->Apply(grids_3d);
+BENCHMARK_TEMPLATE(papers_sweeps, 2)->ArgName("n")->Arg(256)->Arg(1024)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(papers_sweeps, 3)->ArgName("n")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(limit_move_solution, 2)->ArgName("n")->Arg(1024)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(limit_move_solution, 3)->ArgName("n")->Arg(128)->Unit(benchmark::kMillisecond);

@@ -1,0 +1,267 @@
+// How the solver of harmonic coordinates converges, drawn: the error after each cycle of the multigrid, and the error of
+// the weights against the cells of the grid, with corners treated and not, and by the papers' sweeps.
+//
+//     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
+
+#include "atomic_file.hpp"
+#include "cage_file.hpp"
+#include "guard.hpp"
+#include "render.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+int fail(const std::string& message) {
+    std::cerr << "convergence: " << message << '\n';
+    return 1;
+}
+
+struct Curve {
+    std::string name, colour, dashes;
+    std::vector<std::array<double, 2>> points; // y by its logarithm to the base 10
+};
+
+constexpr std::array<const char*, 6> colours{"#1b6ca8", "#c8553d", "#2e8b57",
+                                             "#8d5fa8", "#b8860b", "#4a4a4a"};
+
+std::string with_digits(const char* format, double x) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), format, x);
+    return text.data();
+}
+
+/// The largest error estimate of all functions after each cycle, at `resolution` cells.
+Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resolution) {
+    using cageform::Multigrid;
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const auto extent = bounds.upper - bounds.lower;
+    cageform::Lattice<double, 2> lattice;
+    lattice.spacing = std::max(extent[0], extent[1]) / double(resolution);
+    lattice.origin = bounds.lower;
+    for (std::size_t k = 0; k < 2; ++k)
+        lattice.cells[k] = std::size_t(std::ceil(extent[k] / lattice.spacing)) + 1;
+
+    const cageform::PolygonBoundary<double> boundary(cage, lattice);
+    const auto problem =
+        cageform::embed<2>({std::int32_t(lattice.cells[0]), std::int32_t(lattice.cells[1])},
+                           boundary.crossings(), [&](const auto& node) { return boundary.nearest(node); });
+    const Multigrid<2> multigrid(problem.nodes, problem.cuts, {});
+    std::vector<std::uint32_t> slot(multigrid.unknowns());
+    for (std::size_t s = 0; s < multigrid.source_count(); ++s)
+        slot[multigrid.source_node(s)] = std::uint32_t(s);
+
+    Curve curve;
+    auto block = multigrid.make_block();
+    for (std::size_t first = 0; first < cage.size(); first += Multigrid<2>::width) {
+        for (auto& row : block.source) row.fill(0.0);
+        for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
+            const auto& value = problem.values[c];
+            for (std::size_t n = 0; n < value.handle.size(); ++n) {
+                if (value.handle[n] - first < Multigrid<2>::width)
+                    block.source[slot[problem.cuts[c].node]][value.handle[n] - first] +=
+                        problem.cuts[c].weight * value.weight[n];
+            }
+        }
+        auto error = multigrid.start(block);
+        for (std::size_t cycle = 0; cycle <= 9; ++cycle) {
+            if (curve.points.size() == cycle) curve.points.push_back({double(cycle), -300});
+            for (const double e : error.estimate)
+                curve.points[cycle][1] = std::max(curve.points[cycle][1], std::log10(e));
+            error = multigrid.cycle(block);
+        }
+    }
+    return curve;
+}
+
+/// Points spread over a cage (a Halton sequence), the same for every grid.
+std::vector<cageform::Vec<double, 2>> points_in(const cageform::Polygon<double>& cage, std::size_t count) {
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const auto radical_inverse = [](std::size_t n, std::size_t base) {
+        double x = 0, digit = 1;
+        for (; n > 0; n /= base) x += (digit /= double(base)) * double(n % base);
+        return x;
+    };
+    std::vector<cageform::Vec<double, 2>> points;
+    for (std::size_t n = 1; points.size() < count; ++n) {
+        const cageform::Vec<double, 2> p{
+            bounds.lower[0] + radical_inverse(n, 2) * (bounds.upper[0] - bounds.lower[0]),
+            bounds.lower[1] + radical_inverse(n, 3) * (bounds.upper[1] - bounds.lower[1])};
+        if (cageform::locate(cage, p, 0.0) == cageform::PointState::inside) points.push_back(p);
+    }
+    return points;
+}
+
+/// The largest difference of weights to those of a grid four times as fine as the finest shown.
+Curve error_by_cells(const cageform::Polygon<double>& cage, const cageform::HarmonicOptions& options,
+                     std::string& refused) {
+    const auto points = points_in(cage, 1000);
+    const auto weights = [&](cageform::HarmonicOptions with, std::size_t resolution) {
+        with.resolution = resolution;
+        return cageform::bind(cageform::HarmonicCoordinates2d(cage, with), points);
+    };
+    constexpr std::size_t finest = 512;
+    const auto exact = weights({}, 4 * finest);
+    Curve curve;
+    if (exact.report.status != cageform::Status::ok) {
+        refused = cageform::to_string(exact.report.status);
+        return curve;
+    }
+    for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
+        const auto coarse = weights(options, resolution);
+        if (coarse.report.status != cageform::Status::ok) continue; // too coarse for a part of the cage
+        double error = 1e-16;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            for (std::size_t k = 0; k < cage.size(); ++k)
+                error = std::max(error, std::fabs(coarse.binding.weight(i, k) - exact.binding.weight(i, k)));
+        }
+        curve.points.push_back({std::log2(double(resolution)), std::log10(error)});
+    }
+    return curve;
+}
+
+/// A diagram as a group of SVG elements.
+std::string diagram(double left, const std::string& title, const std::string& x_title,
+                    const std::vector<Curve>& curves, bool powers_of_two) {
+    constexpr double width = 430, height = 330, top = 60;
+    double x0 = 1e9, x1 = -1e9, y0 = 0, y1 = -1e9;
+    for (const Curve& curve : curves) {
+        for (const auto& [x, y] : curve.points) {
+            x0 = std::min(x0, x);
+            x1 = std::max(x1, x);
+            y0 = std::min(y0, std::floor(y));
+            y1 = std::max(y1, std::ceil(y));
+        }
+    }
+    const auto at_x = [&](double x) { return left + (x - x0) / (x1 - x0) * width; };
+    const auto at_y = [&](double y) { return top + (y1 - y) / (y1 - y0) * height; };
+    const auto number = [](double x) { return with_digits("%.1f", x); };
+    const auto text = [&](double x, double y, const char* anchor, const std::string& words, int size) {
+        return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor +
+               "\" font-size=\"" + std::to_string(size) + "\">" + words + "</text>\n";
+    };
+    std::string svg = text(left + width / 2, top - 22, "middle", title, 17);
+    const auto grid_line = [&](double xa, double ya, double xb, double yb) {
+        svg += "<path d=\"M" + number(xa) + "," + number(ya) + " L" + number(xb) + "," + number(yb) +
+               "\" stroke=\"#d8d8d8\"/>\n";
+    };
+    for (double y = y0; y <= y1; y += 1) {
+        grid_line(left, at_y(y), left + width, at_y(y));
+        if (int(y - y0) % 2 == 0) svg += text(left - 8, at_y(y) + 4, "end", with_digits("1e%.0f", y), 13);
+    }
+    for (double x = x0; x <= x1; x += 1) {
+        grid_line(at_x(x), top, at_x(x), top + height);
+        svg += text(at_x(x), top + height + 18, "middle",
+                    with_digits("%.0f", powers_of_two ? std::exp2(x) : x), 13);
+    }
+    svg += text(left + width / 2, top + height + 40, "middle", x_title, 14);
+    double row = top + height + 64;
+    for (const Curve& curve : curves) {
+        std::string line;
+        for (const auto& [x, y] : curve.points) {
+            line += (line.empty() ? "M" : " L") + number(at_x(x)) + "," + number(at_y(y));
+            svg += "<circle cx=\"" + number(at_x(x)) + "\" cy=\"" + number(at_y(y)) + "\" r=\"3\" fill=\"" +
+                   curve.colour + "\"/>\n";
+        }
+        const std::string style = "fill=\"none\" stroke=\"" + curve.colour +
+                                  "\" stroke-width=\"2\" stroke-dasharray=\"" + curve.dashes + "\"/>\n";
+        svg += "<path d=\"" + line + "\" " + style;
+        svg += "<path d=\"M" + number(left) + "," + number(row - 4) + " h34\" " + style;
+        svg += text(left + 42, row, "start", curve.name, 13);
+        row += 19;
+    }
+    return svg;
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App app("Draws how the solver of harmonic coordinates converges for some cages.");
+    std::vector<std::string> cage_paths;
+    std::string out_path;
+    bool png = false;
+    std::size_t resolution = 512;
+    app.add_option("--cage", cage_paths, "SVG or CSV files, six at most")->required()->expected(1, 6);
+    app.add_option("-o,--output", out_path, "the SVG file to write")->required();
+    app.add_option("--resolution", resolution, "cells of the grid the cycles are shown on")
+        ->check(CLI::Range(16, 4096))
+        ->capture_default_str();
+    app.add_flag("--png", png, "also render it, to the same name with .png");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 1;
+    }
+
+    std::vector<Curve> by_cycle, by_cells;
+    for (std::size_t n = 0; n < cage_paths.size(); ++n) {
+        const auto file = load_cage(cage_paths[n]);
+        if (!file) return fail(to_string(file.error()));
+        const auto cage = file->polygon<double>();
+        cageform::BindReport report;
+        report.cage = cageform::check(cage);
+        report.status = report.cage.status;
+        if (report.status != cageform::Status::ok) return fail(describe_faults(cage_paths[n], report));
+        const std::string name = std::filesystem::path(cage_paths[n]).stem().string();
+
+        auto cycles = error_by_cycle(cage, resolution);
+        cycles.name = name;
+        cycles.colour = colours[n];
+        cycles.dashes = "none";
+        std::cout << name << ": error falls by "
+                  << with_digits("%.3f", std::pow(10.0, (cycles.points[6][1] - cycles.points[1][1]) / 5))
+                  << " a cycle\n";
+        by_cycle.push_back(std::move(cycles));
+
+        struct Way {
+            const char* name;
+            const char* dashes;
+            cageform::HarmonicOptions options;
+        };
+        std::array<Way, 3> ways{Way{"", "none", {}}, Way{", corners untreated", "9 5", {}},
+                                Way{", the papers' sweeps", "2 4", {}}};
+        ways[1].options.multigrid.corner_functions = false;
+        ways[2].options.solver = cageform::HarmonicSolver::averaging_pyramid;
+        for (const Way& way : ways) {
+            std::string refused;
+            auto curve = error_by_cells(cage, way.options, refused);
+            if (!refused.empty()) return fail(cage_paths[n] + ": " + refused);
+            curve.name = name + way.name;
+            curve.colour = colours[n];
+            curve.dashes = way.dashes;
+            std::cout << curve.name << ":";
+            for (const auto& [cells, error] : curve.points)
+                std::cout << "  " << with_digits("%.0f", std::exp2(cells)) << " cells "
+                          << with_digits("%.1e", std::pow(10.0, error));
+            std::cout << '\n';
+            by_cells.push_back(std::move(curve));
+        }
+    }
+    const double height = 480 + 19 * double(by_cells.size());
+    AtomicFile file(out_path);
+    file.write("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1100 " + with_digits("%.0f", height) +
+               "\" width=\"1100\" height=\"" + with_digits("%.0f", height) +
+               "\" font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" "
+               "fill=\"white\"/>\n");
+    file.write(diagram(80,
+                       "largest error (estimated) after each cycle, " + std::to_string(resolution) + " cells",
+                       "cycles of the multigrid", by_cycle, false));
+    file.write(diagram(620, "largest error of a weight", "cells along the cage", by_cells, true));
+    file.write("</svg>\n");
+    if (const auto error = file.commit()) return fail(*error);
+    if (png) {
+        if (const auto error =
+                render_png(out_path, std::filesystem::path(out_path).replace_extension(".png"), 1100))
+            return fail(*error);
+    }
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return cageform_examples::guarded("convergence", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,103 @@
+// What a computation that may take long is told and tells: threads, progress, its outcome.
+#pragma once
+
+#include <cageform/core/parallel.hpp>
+#include <cageform/core/status.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <new>
+#include <stdexcept>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// body(begin, end); see core/parallel.hpp.
+using RangeBody = std::function<void(std::size_t, std::size_t)>;
+/// parallel_for(count, grain, body); see core/parallel.hpp.
+using ParallelFor = std::function<void(std::size_t, std::size_t, const RangeBody&)>;
+/// Called on the calling thread with the fraction done, in [0, 1] and never falling; false cancels.
+using Progress = std::function<bool(double)>;
+
+struct EvaluateOptions {
+    ParallelFor parallel = SerialFor{};
+    Progress progress{};
+};
+
+/// What a solver did. All zero for closed forms.
+struct SolverReport {
+    static constexpr std::size_t none = ~std::size_t{0};
+
+    std::size_t cells = 0;  ///< unknowns of one function
+    std::size_t cycles = 0; ///< of the multigrid, the most that a function took
+    double convergence_factor =
+        0; ///< error after a multigrid cycle over that before, the worst met above the tolerance
+    double error_estimate = 0; ///< of the discrete solution: what the multigrid stops on (grid/multigrid.hpp)
+    double error_bound = 0;    ///< the same by the maximum principle alone, far above it
+    std::size_t unsettled = 0; ///< functions whose corners could not be fitted, so that no corner was treated
+    std::size_t bytes = 0;     ///< of the hierarchy and one block of functions
+    std::size_t unseen_handle = none;      ///< with Status::grid_too_coarse: the first that no node feels,
+    std::size_t sufficient_resolution = 0; ///< and a resolution at which all are felt; 0: none is offered
+    std::size_t culprit = none;     ///< with rim_not_given or value_not_finite of solve_dirichlet: where
+    std::size_t crowded_cells = 0;  ///< cells that hold edges which do not share a vertex: the grid is
+                                    ///< too coarse to tell them apart
+    std::size_t solves = 0;         ///< functions solved
+    std::size_t sweeps = 0;         ///< of the averaging solver on the finest grid, over all functions
+    std::size_t unconverged = 0;    ///< functions whose tolerance was not met
+    double largest_mean_change = 0; ///< of the averaging solver's last sweep, over all functions
+    double seconds = 0;             ///< wall-clock time
+};
+
+/// Outcome of evaluating a coordinate type for a batch of points.
+struct Evaluation {
+    Status status = Status::ok;
+    SolverReport solver;
+};
+
+namespace detail {
+
+/// The caller's parallel_for; one left empty is the serial one.
+template <class Body>
+void in_parallel(const EvaluateOptions& options, std::size_t count, std::size_t grain, const Body& body) {
+    if (options.parallel) {
+        options.parallel(count, grain, body);
+    } else {
+        SerialFor{}(count, grain, body);
+    }
+}
+
+/// Runs body(first, last) over `blocks` (or pieces) in parallel, in at most fifty steps between which the
+/// caller's progress is told. Returns Status::cancelled when it says so.
+template <class Body>
+Status for_each_block(std::size_t blocks, const EvaluateOptions& options, const Body& body) {
+    constexpr std::size_t grain = 16;
+    const std::size_t step = options.progress ? std::max<std::size_t>(blocks / 50, 16 * grain) : blocks;
+    for (std::size_t begin = 0; begin < blocks; begin += step) {
+        const std::size_t count = std::min(step, blocks - begin);
+        in_parallel(options, count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
+        if (options.progress && !options.progress(double(begin + count) / double(blocks)))
+            return Status::cancelled;
+    }
+    return Status::ok;
+}
+
+/// Runs `f`; an allocation that fails becomes Status::out_of_memory (without exceptions it ends the program,
+/// as the standard library has it).
+template <class F>
+Status guard_memory(F&& f) {
+#if defined(__cpp_exceptions)
+    try {
+        return f();
+    } catch (const std::bad_alloc&) {
+        return Status::out_of_memory;
+    } catch (const std::length_error&) {
+        return Status::out_of_memory;
+    }
+#else
+    return f();
+#endif
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI
