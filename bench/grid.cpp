@@ -112,7 +112,7 @@ std::size_t solve_block(const Problem<D>& problem, const Multigrid<D>& multigrid
 template <std::size_t D>
 void multigrid(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
-    const cageform::ThreadedFor threads{std::size_t(state.range(1))};
+    const cageform::ThreadedFor threads{unsigned(state.range(1))};
     constexpr std::size_t groups = (Problem<D>::functions + Multigrid<D>::width - 1) / Multigrid<D>::width;
     std::size_t bytes = 0;
     std::atomic<std::size_t> cycles{0};

@@ -51,10 +51,14 @@ public:
         return index;
     }
 
-    /// Runs are added in order, a row at a time.
+    /// Runs are added in order, a row at a time; those that touch become one.
     void add_run(std::int32_t begin, std::int32_t end) {
         if (begin >= end) return;
-        runs_.push_back({begin, end, count_});
+        if (runs_.size() > row_begin_.back() && runs_.back().end == begin) {
+            runs_.back().end = end;
+        } else {
+            runs_.push_back({begin, end, count_});
+        }
         count_ += std::uint32_t(end - begin);
     }
     void end_row() { row_begin_.push_back(std::uint32_t(runs_.size())); }
