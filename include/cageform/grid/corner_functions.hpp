@@ -64,15 +64,23 @@ public:
         double theta = std::atan2(y, x);
         // The sector's far side may show as a small negative angle, as may its near side by rounding.
         if (theta < 0 && theta < 0.5 * angle_ - std::numbers::pi) theta += 2 * std::numbers::pi;
-        for (std::size_t k = 1; k <= count_; ++k) {
-            const double e = double(k) * exponent_;
-            f[k] = std::pow(r, e) * std::sin(e * theta);
+        // The s_k are the imaginary parts of the powers of z = (r e^{iθ})^(π/ω).
+        const double size = std::pow(r, exponent_);
+        const double re = size * std::cos(exponent_ * theta), im = size * std::sin(exponent_ * theta);
+        const std::size_t m =
+            angle_ < 1.5 * std::numbers::pi ? 1 : 2; // of the s_m whose exponent is closest to 1
+        double power_re = re, power_im = im, closest = im;
+        for (std::size_t k = 1; k <= std::max(count_, m); ++k) {
+            if (k <= count_) f[k] = power_im;
+            if (k == m) closest = power_im;
+            const double next = power_re * re - power_im * im;
+            power_im = power_re * im + power_im * re;
+            power_re = next;
         }
-        // (y − s_m)/sin ω with the s_m whose exponent is closest to 1: bounded even where ω is a multiple of π.
-        const double m = std::max(1.0, std::round(angle_ / std::numbers::pi));
-        const double e = m * exponent_, sine = std::sin(angle_);
+        // (y − s_m)/sin ω: bounded even where ω is a multiple of π.
+        const double e = double(m) * exponent_, sine = std::sin(angle_);
         if (std::fabs(sine) > 1e-5) {
-            f[0] = radius_ * (r * std::sin(theta) - std::pow(r, e) * std::sin(e * theta)) / sine;
+            f[0] = (y - radius_ * closest) / sine;
         } else {
             const double between = 0.5 * (1 + e);
             const double slope = std::pow(r, between) * (std::log(r) * std::sin(between * theta) +

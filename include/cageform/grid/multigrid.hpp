@@ -74,11 +74,6 @@ public:
     /// sources  further nodes that take a right-hand side of their own
     Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts,
               std::span<const std::uint32_t> sources) {
-        std::vector<bool> marked;
-        if (!sources.empty()) {
-            marked.resize(nodes.count());
-            for (const auto node : sources) marked[node] = true;
-        }
         // ∇²(−|x|²/2D) = −1: over a ball of radius R about the nodes the error is at most R²/2D residuals.
         double squares = 0;
         for (const auto n : nodes.size()) squares += 0.25 * double(n) * double(n);
@@ -90,23 +85,26 @@ public:
             if (count > direct) {
                 auto coarsening = detail::Coarsener<D>(equations).take();
                 if (coarsening.coarse.nodes.count() > 0) {
-                    levels_.push_back(detail::make_level<D>(equations, &coarsening, marked, levels_.empty()));
+                    levels_.push_back(detail::make_level<D>(equations, &coarsening, levels_.empty()));
                     equations = std::move(coarsening.coarse);
-                    marked.clear();
                     continue;
                 }
             }
-            levels_.push_back(detail::make_level<D>(equations, nullptr, marked, levels_.empty()));
+            levels_.push_back(detail::make_level<D>(equations, nullptr, levels_.empty()));
             if (count <= direct) factorise(equations);
-            return;
+            break;
         }
+        find_inner_sources(nodes, sources);
     }
 
     std::uint32_t unknowns() const noexcept { return levels_.front().count; }
 
-    /// Nodes that may have a right-hand side, ascending within a slab; `Block::source` is parallel to them.
-    std::size_t source_count() const noexcept { return levels_.front().odd.size(); }
-    std::uint32_t source_node(std::size_t slot) const noexcept { return levels_.front().odd[slot].node; }
+    /// Nodes that may have a right-hand side, those with cut links first; `Block::source` is parallel to them.
+    std::size_t source_count() const noexcept { return levels_.front().odd.size() + inner_sources_.size(); }
+    std::uint32_t source_node(std::size_t slot) const noexcept {
+        const auto& odd = levels_.front().odd;
+        return slot < odd.size() ? odd[slot].node : inner_sources_[slot - odd.size()].node;
+    }
 
     Block make_block() const {
         Block block;
@@ -117,7 +115,7 @@ public:
         }
         block.source.resize(source_count());
         block.settled_part.resize(source_count());
-        block.odd_source.resize(source_count());
+        block.odd_source.resize(levels_[0].odd.size());
         return block;
     }
 
@@ -138,15 +136,17 @@ public:
         block.remainder.clear();
         block.refined = false;
         for (auto& part : block.settled_part) part.fill(0.0);
+        if (bottom_level == 0 || !inner_sources_.empty()) clear(block.fields[0].b);
         take_sources(block);
         block.cycles = 0;
         block.blank = true;
-        if (bottom_level == 0) {
-            clear(block.fields[0].b);
-        } else {
+        if (bottom_level > 0 && inner_sources_.empty()) {
             clear(block.fields[1].b);
-            for (std::size_t j = 0; j < source_count(); ++j)
+            for (std::size_t j = 0; j < block.odd_source.size(); ++j)
                 give_to_coarse(block, 0, j, Pack::load(block.odd_source[j]));
+        } else if (bottom_level > 0) {
+            clear(block.fields[0].u);
+            pass(block, 0, false, 1, true);
         }
         for (std::size_t l = 1; l < bottom_level; ++l) {
             clear(block.fields[l].u);
@@ -182,13 +182,13 @@ public:
 
     /// Bytes of the hierarchy, and of every block beside it.
     std::size_t bytes() const noexcept {
-        std::size_t n = factor_.size() * sizeof(float);
+        std::size_t n = factor_.size() * sizeof(float) + inner_sources_.size() * sizeof(InnerSource);
         for (const auto& level : levels_) n += level.bytes();
         return n;
     }
     /// Of four cycles; further ones need a row for each unknown more.
     std::size_t block_bytes() const noexcept {
-        std::size_t rows = source_count() + levels_.front().count;
+        std::size_t rows = levels_.front().odd.size() + levels_.front().count;
         for (const auto& level : levels_) rows += 2 * std::size_t(level.count);
         return rows * sizeof(Row) + 2 * source_count() * sizeof(Values);
     }
@@ -219,11 +219,36 @@ private:
         return values;
     }
 
+    /// A node without cut links that may have a right-hand side, and its neighbours.
+    struct InnerSource {
+        std::uint32_t node;
+        std::array<std::uint32_t, 2 * D> neighbours;
+    };
+    void find_inner_sources(const NodeRuns<D>& nodes, std::span<const std::uint32_t> sources) {
+        std::vector<bool> wanted(sources.empty() ? 0 : nodes.count());
+        for (const auto node : sources) wanted[node] = true;
+        if (wanted.empty()) return;
+        for (const auto& odd : levels_.front().odd) wanted[odd.node] = false;
+        Neighbours<D> around(nodes);
+        nodes.for_each([&](const auto& index, std::uint32_t node) {
+            if (!wanted[node]) return;
+            around.move_to(index);
+            InnerSource source{node, {}};
+            std::size_t n = 0;
+            for (std::size_t p = 0; p < detail::Places<D>::count; ++p) {
+                if (detail::Places<D>::distance(p) == 1) source.neighbours[n++] = around.at(p);
+            }
+            inner_sources_.push_back(source);
+        });
+    }
+
     /// The right-hand sides that are left when what is put aside has taken its part.
     void take_sources(Block& block) const noexcept {
+        const std::size_t odd = block.odd_source.size();
         for (std::size_t j = 0; j < block.source.size(); ++j) {
+            Row& rest = j < odd ? block.odd_source[j] : block.fields[0].b[inner_sources_[j - odd].node];
             for (std::size_t k = 0; k < width; ++k)
-                block.odd_source[j][k] = float(block.source[j][k] - block.settled_part[j][k]);
+                rest[k] = float(block.source[j][k] - block.settled_part[j][k]);
         }
     }
 
@@ -257,20 +282,25 @@ private:
             for (std::size_t j = first_odd(0, q); j < level.slabs[q].odd_end; ++j) {
                 auto& part = block.settled_part[j];
                 part.fill(0.0);
-                const auto add = [&](std::size_t node, double factor) {
-                    for (std::size_t k = 0; k < width; ++k)
-                        part[k] += factor * double(block.settled[node][k]);
-                    if (block.remainder.empty()) return;
-                    for (std::size_t k = 0; k < width; ++k)
-                        part[k] += factor * double(block.remainder[node][k]);
-                };
-                add(level.odd[j].node, level.odd[j].diagonal);
+                add_settled(block, level.odd[j].node, level.odd[j].diagonal, part);
                 const auto* const entries = level.entries.data() + j * finest_entries;
                 for (std::size_t n = 0; n < finest_entries; ++n)
-                    add(entries[n].node, -double(entries[n].weight));
+                    add_settled(block, entries[n].node, -double(entries[n].weight), part);
             }
         }
+        for (std::size_t n = 0; n < inner_sources_.size(); ++n) {
+            auto& part = block.settled_part[level.odd.size() + n];
+            part.fill(0.0);
+            add_settled(block, inner_sources_[n].node, 2.0 * double(D), part);
+            for (const auto neighbour : inner_sources_[n].neighbours)
+                add_settled(block, neighbour, -1.0, part);
+        }
         take_sources(block);
+    }
+    static void add_settled(const Block& block, std::uint32_t node, double factor, Values& sum) noexcept {
+        for (std::size_t k = 0; k < width; ++k) sum[k] += factor * double(block.settled[node][k]);
+        if (block.remainder.empty()) return;
+        for (std::size_t k = 0; k < width; ++k) sum[k] += factor * double(block.remainder[node][k]);
     }
     /// −A applied to a stretch of a solution and, where there is one, its remainder.
     static void residual_in_double(const Row* u, const Row* remainder, const Stretch& s, Row* b) noexcept {
@@ -635,8 +665,9 @@ private:
     /// the coarse level (when `to_coarse`), each a few slabs behind the one before. Returns that residual's size.
     Residual pass(Block& block, std::size_t l, bool from_coarse, std::size_t sweeps,
                   bool to_coarse) const noexcept {
-        return l == 0 && block.refined ? pass<true>(block, l, from_coarse, sweeps, to_coarse)
-                                       : pass<false>(block, l, from_coarse, sweeps, to_coarse);
+        return l == 0 && (block.refined || !inner_sources_.empty())
+                   ? pass<true>(block, l, from_coarse, sweeps, to_coarse)
+                   : pass<false>(block, l, from_coarse, sweeps, to_coarse);
     }
     template <bool WithSource> // of every node of the finest level
     Residual pass(Block& block, std::size_t l, bool from_coarse, std::size_t sweeps,
@@ -703,6 +734,7 @@ private:
     }();
 
     std::vector<detail::Level<D>> levels_;
+    std::vector<InnerSource> inner_sources_;
     double reach_ = 1; ///< error per inner residual at most
     std::vector<float>
         factor_; ///< Cholesky's of the bottom level, as `bottom` reads it; empty where that is large

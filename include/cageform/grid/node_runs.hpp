@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -148,6 +149,55 @@ private:
     std::vector<std::uint32_t> row_begin_;
     std::vector<Run> runs_;
     std::uint32_t count_ = 0;
+};
+
+/// The numbers of nodes around a place that goes along the rows in order, as `for_each` does: each in constant time, where
+/// `find` has to search.
+template <std::size_t D>
+class Neighbours {
+public:
+    using Index = typename NodeRuns<D>::Index;
+
+    explicit Neighbours(const NodeRuns<D>& nodes)
+        : nodes_(nodes) {}
+
+    void move_to(const Index& index) noexcept {
+        const bool onwards = x_ != before_all && index[0] >= x_ &&
+                             std::equal(index.begin() + 1, index.end(), row_.begin() + 1);
+        x_ = index[0];
+        if (onwards) return;
+        row_ = index;
+        for (std::size_t r = 0; r < rows; ++r) {
+            Index there = index;
+            bool inside = true;
+            std::size_t rest = r;
+            for (std::size_t k = 1; k < D; ++k, rest /= 3) {
+                there[k] += std::int32_t(rest % 3) - 1;
+                inside = inside && there[k] >= 0 && there[k] < nodes_.size()[k];
+            }
+            run_[r] = inside ? nodes_.row_runs(nodes_.row(there)) : nullptr;
+            end_[r] = inside ? nodes_.row_runs_end(nodes_.row(there)) : nullptr;
+        }
+    }
+    /// `place` is one of the 3^D around, axis 0 fastest; `NodeRuns::none` where there is no node.
+    std::uint32_t at(std::size_t place) noexcept {
+        const std::size_t r = place / 3;
+        const std::int32_t x = x_ + std::int32_t(place % 3) - 1;
+        while (run_[r] != end_[r] && run_[r]->end < x_) ++run_[r];
+        const auto* run = run_[r];
+        while (run != end_[r] && run->end <= x) ++run;
+        return run != end_[r] && run->begin <= x ? run->first + std::uint32_t(x - run->begin)
+                                                 : NodeRuns<D>::none;
+    }
+
+private:
+    static constexpr std::size_t rows = D == 1 ? 1 : D == 2 ? 3 : 9;
+    static constexpr std::int32_t before_all = std::numeric_limits<std::int32_t>::min();
+
+    const NodeRuns<D>& nodes_;
+    Index row_{};
+    std::int32_t x_ = before_all;
+    std::array<const typename NodeRuns<D>::Run*, rows> run_{}, end_{};
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -32,11 +33,7 @@ struct Places {
     static constexpr std::size_t centre = count / 2;
     using Offset = std::array<std::int32_t, D>;
 
-    static constexpr Offset offset(std::size_t place) noexcept {
-        Offset o{};
-        for (std::size_t k = 0; k < D; ++k, place /= 3) o[k] = std::int32_t(place % 3) - 1;
-        return o;
-    }
+    static constexpr const Offset& offset(std::size_t place) noexcept { return offsets[place]; }
     static constexpr std::size_t place(const Offset& o) noexcept {
         std::size_t n = 0;
         for (std::size_t k = D; k-- > 0;) n = 3 * n + std::size_t(o[k] + 1);
@@ -48,7 +45,24 @@ struct Places {
         for (const auto o : offset(place)) n += o != 0 ? 1 : 0;
         return n;
     }
+
+private:
+    static constexpr std::array<Offset, count> offsets = [] {
+        std::array<Offset, count> all{};
+        for (std::size_t p = 0; p < count; ++p) {
+            for (std::size_t k = 0, rest = p; k < D; ++k, rest /= 3) all[p][k] = std::int32_t(rest % 3) - 1;
+        }
+        return all;
+    }();
 };
+
+/// The place of a corner of the cell above a node; bit k: the upper end along axis k.
+template <std::size_t D>
+constexpr std::size_t corner_place(std::size_t corner) noexcept {
+    typename Places<D>::Offset o{};
+    for (std::size_t k = 0; k < D; ++k) o[k] = std::int32_t((corner >> k) & 1u);
+    return Places<D>::place(o);
+}
 
 template <std::size_t D>
 constexpr std::array<std::int32_t, D> shifted(std::array<std::int32_t, D> index,
@@ -203,10 +217,12 @@ private:
     /// Which nodes have a special one among their 3^D. Where a neighbour is missing some other is special.
     std::vector<bool> near_special() const {
         std::vector<bool> near(fine_.nodes.count());
+        Neighbours<D> around(fine_.nodes);
         fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
             if (fine_.slot[node] == none) return;
+            around.move_to(index);
             for (std::size_t p = 0; p < P::count; ++p) {
-                const auto n = fine_.nodes.find(shifted<D>(index, P::offset(p)));
+                const auto n = around.at(p);
                 if (n != none) near[n] = true;
             }
         });
@@ -217,17 +233,19 @@ private:
         out_.slot.assign(fine_.nodes.count(), none);
         const auto near = near_special();
         for (std::size_t odd = 1; odd <= D; ++odd) {
+            Neighbours<D> around(fine_.nodes);
             fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
                 if (!near[node] || odd_axes(index) != odd) return;
                 if (fine_.slot[node] == none && odd == 1) return;
-                auto special = between(node, index);
+                around.move_to(index);
+                auto special = between(node, index, around);
                 out_.slot[node] = std::uint32_t(out_.special.size());
                 out_.special.push_back(special);
             });
         }
     }
     /// The equation of the node itself, collapsed onto the axes along which it lies between coarse nodes.
-    Interpolation<D> between(std::uint32_t node, const Index& index) const noexcept {
+    Interpolation<D> between(std::uint32_t node, const Index& index, Neighbours<D>& around) const noexcept {
         const auto& a = fine_.stencil(node);
         std::array<double, P::count> collapsed{};
         for (std::size_t p = 0; p < P::count; ++p) {
@@ -249,13 +267,12 @@ private:
         if (!(total > 0)) return result;
         for (std::size_t p = 0; p < P::count; ++p) {
             if (p == P::centre || collapsed[p] == 0) continue;
-            const auto at = shifted<D>(index, P::offset(p));
-            const auto n = fine_.nodes.find(at);
+            const auto n = around.at(p);
             if (n == none) continue;
             // Its cell's lower corner is ours, but for the axes along which it is our upper corner.
             std::size_t up = 0;
             for (std::size_t k = 0; k < D; ++k) up |= P::offset(p)[k] > 0 ? std::size_t{1} << k : 0u;
-            const auto& from = out_.of(n, at);
+            const auto& from = out_.of(n, shifted<D>(index, P::offset(p)));
             for (std::size_t corner = 0; corner < from.size(); ++corner) {
                 if (from[corner] != 0) result[corner | up] += from[corner] * collapsed[p] / total;
             }
@@ -274,35 +291,38 @@ private:
             coarse.slot[node] = std::uint32_t(coarse.special.size());
             coarse.special.push_back({});
         });
+        Neighbours<D> around(fine_.nodes), coarse_around(coarse.nodes);
         fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
             std::array<std::uint32_t, power(2, D)> to{};
             const auto& own = out_.of(node, index);
+            coarse_around.move_to(out_.corner_index(index, 0));
             bool wanted = false;
             for (std::size_t corner = 0; corner < own.size(); ++corner) {
                 to[corner] = none;
                 if (own[corner] == 0) continue;
-                const auto n = coarse.nodes.find(out_.corner_index(index, corner));
+                const auto n = coarse_around.at(corner_place<D>(corner));
                 if (n != none) to[corner] = coarse.slot[n];
                 wanted = wanted || to[corner] != none;
             }
-            if (wanted) add_row(node, index, own, to);
+            if (!wanted) return;
+            around.move_to(index);
+            add_row(node, index, own, to, around);
         });
         for (auto& special : coarse.special) share_out_pull(special);
     }
     /// Coarse nodes with special interpolation within two fine nodes or a special equation within one.
     std::vector<bool> close_to_special() const {
         std::vector<bool> close(out_.coarse.nodes.count());
+        Neighbours<D> coarse_around(out_.coarse.nodes);
         fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
             if (fine_.slot[node] == none && out_.slot[node] == none) return;
+            coarse_around.move_to(out_.corner_index(index, 0));
             const std::int32_t reach = out_.slot[node] == none ? 1 : 2;
             for (std::size_t p = 0; p < P::count; ++p) {
-                Index at{};
                 bool near = true;
-                for (std::size_t k = 0; k < D; ++k) {
-                    at[k] = (index[k] >> 1) + P::offset(p)[k];
-                    near = near && std::abs(2 * at[k] - index[k]) <= reach;
-                }
-                const auto n = near ? out_.coarse.nodes.find(at) : none;
+                for (std::size_t k = 0; k < D; ++k)
+                    near = near && std::abs(2 * ((index[k] >> 1) + P::offset(p)[k]) - index[k]) <= reach;
+                const auto n = near ? coarse_around.at(p) : none;
                 if (n != none) close[n] = true;
             }
         });
@@ -310,17 +330,18 @@ private:
     }
     /// The row of A P of a fine node, given to the coarse nodes it interpolates from.
     void add_row(std::uint32_t node, const Index& index, const Interpolation<D>& own,
-                 const std::array<std::uint32_t, power(2, D)>& to) {
+                 const std::array<std::uint32_t, power(2, D)>& to, Neighbours<D>& around) {
         std::array<double, P::count> row{}; // places from the lower corner of the node's coarse cell
         const auto& a = fine_.stencil(node);
         for (std::size_t q = 0; q < P::count; ++q) {
             if (a[q] == 0) continue;
             const auto at = shifted<D>(index, P::offset(q));
-            const auto n = q == P::centre ? node : fine_.nodes.find(at);
+            const auto n = q == P::centre ? node : around.at(q);
             if (n == none) continue;
             const auto& from = out_.of(n, at);
             for (std::size_t corner = 0; corner < from.size(); ++corner) {
-                if (from[corner] != 0) row[place_from(index, out_.corner_index(at, corner))] += a[q] * from[corner];
+                if (from[corner] != 0)
+                    row[place_from(index, out_.corner_index(at, corner))] += a[q] * from[corner];
             }
         }
         for (std::size_t corner = 0; corner < to.size(); ++corner) {
@@ -410,10 +431,8 @@ struct Level {
     }
 };
 
-/// `sources` marks nodes that take a right-hand side of their own although their stencil is regular.
 template <std::size_t D>
-Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, const std::vector<bool>& sources,
-                    bool finest) {
+Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, bool finest) {
     using P = Places<D>;
     using Index = typename NodeRuns<D>::Index;
     constexpr auto none = NodeRuns<D>::none;
@@ -425,7 +444,11 @@ Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, cons
     std::size_t row = 0;
     const std::size_t rows = e.nodes.rows();
     const std::size_t slab_rows = D == 1 ? 1 : rows / std::size_t(e.nodes.size()[D - 1]);
+    Neighbours<D> around(e.nodes);
+    std::optional<Neighbours<D>> coarse_around;
+    if (coarsening != nullptr) coarse_around.emplace(coarsening->coarse.nodes);
     const auto start_stretch = [&](const Index& index, std::uint32_t node) {
+        around.move_to(index);
         Stretch<D> s;
         s.first = node;
         s.x = index[0];
@@ -436,7 +459,7 @@ Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, cons
         }
         s.odd_sum = (sum & 1) != 0;
         for (std::size_t r = 0; r < s.row.size(); ++r) {
-            const auto n = e.nodes.find(shifted<D>(index, P::offset(3 * r + 1)));
+            const auto n = around.at(3 * r + 1);
             s.row[r] = n == none ? 0 : std::int32_t(n - node);
         }
         if (coarsening != nullptr) {
@@ -461,9 +484,8 @@ Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, cons
             for (std::int32_t x = run->begin; x < run->end; ++x) {
                 const std::uint32_t node = run->first + std::uint32_t(x - run->begin);
                 index[0] = x;
-                const bool plain = e.slot[node] == none &&
-                                   (coarsening == nullptr || coarsening->slot[node] == none) &&
-                                   (sources.empty() || !sources[node]);
+                const bool plain =
+                    e.slot[node] == none && (coarsening == nullptr || coarsening->slot[node] == none);
                 if (plain) {
                     if (!open) start_stretch(index, node);
                     ++level.stretches.back().count;
@@ -471,12 +493,13 @@ Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, cons
                     continue;
                 }
                 open = false;
+                around.move_to(index);
                 const auto& a = e.stencil(node);
                 double pull = 0;
                 for (std::size_t p = 0; p < P::count; ++p) {
                     pull += a[p];
                     if (p == P::centre || a[p] == 0) continue;
-                    const auto n = e.nodes.find(shifted<D>(index, P::offset(p)));
+                    const auto n = around.at(p);
                     if (n != none) level.entries.push_back({n, -float(a[p])});
                 }
                 // Filled up with entries of no weight: to equal lengths on the finest level, else to even ones.
@@ -486,10 +509,11 @@ Level<D> make_level(const Equations<D>& e, const Coarsening<D>* coarsening, cons
                     level.entries.push_back({node, 0.0f});
                 if (coarsening != nullptr) {
                     const auto& from = coarsening->of(node, index);
+                    coarse_around->move_to(coarsening->corner_index(index, 0));
                     std::uint32_t n = 0;
                     for (std::size_t corner = 0; corner < from.size(); ++corner) {
                         if (from[corner] == 0) continue;
-                        n = coarsening->coarse.nodes.find(coarsening->corner_index(index, corner));
+                        n = coarse_around->at(corner_place<D>(corner));
                         level.from_coarse.push_back({n, float(from[corner])});
                     }
                     while (level.from_coarse.size() % 2 != 0) level.from_coarse.push_back({n, 0.0f});
