@@ -6,7 +6,7 @@
 // (1982); in 2D and 3D the same code here). The finest level is relaxed in red-black order, its residual and the
 // way to the coarse grid done in the same pass over memory; the way back likewise.
 //
-// Cycles work in float, a row of sixteen functions a cache line. From the second on, every third cycle begins by putting
+// Cycles work in float, a row of sixteen functions a cache line. Every second cycle begins by putting
 // the solution so far aside and computing its residual in double; the cycles go on with the rest (iterative refinement;
 // Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3), so that the sum is right to the digits of double.
 #pragma once
@@ -63,8 +63,8 @@ public:
             remainder; ///< the part of the solution put aside: together twice float's digits
         std::vector<Values> settled_part; ///< what of `source` it takes up
         std::vector<Row> odd_source;      ///< the rest
-        Row gain, estimate; ///< error per residual, as the cycles so far showed, and with caution
-        Row residual;       ///< largest, after the last cycle
+        Row gain;                         ///< error per residual, as the cycles so far showed
+        Row residual;                     ///< largest, after the last cycle
         std::size_t cycles = 0;
         bool refined = false; ///< the finest level has a right-hand side everywhere
         bool blank = true;    ///< the finest level's u is zero, whatever it holds
@@ -173,11 +173,9 @@ public:
         return finish(block, direct);
     }
 
-    /// To be told when `source` has been changed between cycles: by how much at most, per right-hand side. Returns the
-    /// estimate of the error that the solution has now.
-    static Values disturb(Block& block, const Values& change) noexcept {
+    /// To be told when `source` has been changed between cycles: by how much at most, per right-hand side.
+    static void disturb(Block& block, const Values& change) noexcept {
         for (std::size_t k = 0; k < width; ++k) block.residual[k] += float(change[k]);
-        return widened(Pack::load(block.estimate) * Pack::load(block.residual));
     }
 
     /// Bytes of the hierarchy, and of every block beside it.
@@ -186,9 +184,9 @@ public:
         for (const auto& level : levels_) n += level.bytes();
         return n;
     }
-    /// Of four cycles; further ones need a row for each unknown more.
+    /// At most; with three cycles a row for each unknown less.
     std::size_t block_bytes() const noexcept {
-        std::size_t rows = levels_.front().odd.size() + levels_.front().count;
+        std::size_t rows = levels_.front().odd.size() + 2 * std::size_t(levels_.front().count);
         for (const auto& level : levels_) rows += 2 * std::size_t(level.count);
         return rows * sizeof(Row) + 2 * source_count() * sizeof(Values);
     }
@@ -351,7 +349,6 @@ private:
         largest.store(block.residual);
         const Pack known = Pack::load(block.gain);
         const Pack gain = select<float>(Pack(0.0f) < known, max<float>(Pack(1.0f), known), Pack(4.0f));
-        (caution * gain).store(block.estimate);
         return {widened(caution * gain * largest), widened(Pack(float(reach_)) * now.inner + now.drawn)};
     }
 
@@ -723,7 +720,7 @@ private:
     }
 
     static constexpr std::size_t finest_sweeps = 7;
-    static constexpr std::size_t refine_every = 3; ///< cycles, from the second on
+    static constexpr std::size_t refine_every = 2; ///< cycles, from the second on: what float can do at once
     static constexpr std::size_t finest_entries = 2 * D;
     static constexpr std::size_t row_count = detail::power(3, D - 1);
     static constexpr std::size_t middle_row = row_count / 2;

@@ -281,8 +281,7 @@ private:
                     return true; // in vain: see on_grid
                 }
                 if (!settled) {
-                    const auto disturbance = grid.corners.replace(at_corners, fitted, block.source);
-                    error.estimate = Multigrid<D>::disturb(block, disturbance);
+                    Multigrid<D>::disturb(block, grid.corners.replace(at_corners, fitted, block.source));
                     change_before = change;
                 }
             }
@@ -293,7 +292,7 @@ private:
                 break;
             }
             if (!keep_going(double(report.cycles) / double(report.cycles + 4))) return false;
-            before = largest(error.estimate);
+            before = report.error_estimate + change; // the new coefficients move the solution as well
             error = grid.multigrid.cycle(block);
             ++report.cycles;
         }
