@@ -18,8 +18,16 @@ enum class CageFaultKind : std::uint8_t {
     edges_cross,          ///< the edges that start at vertices `a` and `b` cross or touch
     no_area,              ///< all vertices of loop `a` lie on one line
     degenerate_simplex,   ///< the simplex has no volume relative to its size
-    no_volume,            ///< a box has no extent along axis `a`
+    no_volume,            ///< a box has no extent along axis `a`; a mesh has no faces
+    face_without_vertex,  ///< face `a` of a mesh names a vertex that there is not
+    face_without_area,    ///< the corners of face `a` lie on one line
+    open_edge,            ///< only one face has the edge between vertices `a` and `b`
+    edge_not_manifold,    ///< more than two faces have the edge between vertices `a` and `b`
+    face_flipped,         ///< of the neighbouring faces `a` and `b` one is turned inside out
+    vertex_not_manifold,  ///< the faces about vertex `a` are not one closed fan
+    faces_cross,          ///< the faces `a` and `b` pass through each other
     collinear_vertex,     ///< warning: vertex `a` lies on the straight line between its neighbours
+    vertex_unused,        ///< warning: no face has vertex `a`; its weights are zero
     loop_turns_otherwise, ///< warning: loop `a` is clockwise, or a hole `a` counter-clockwise; handled
 };
 
@@ -42,7 +50,15 @@ constexpr Status status_of(CageFaultKind kind) noexcept {
     case CageFaultKind::no_area: return Status::cage_has_no_area;
     case CageFaultKind::degenerate_simplex: return Status::degenerate_simplex;
     case CageFaultKind::no_volume: return Status::cage_has_no_volume;
+    case CageFaultKind::face_without_vertex: return Status::face_without_vertex;
+    case CageFaultKind::face_without_area: return Status::face_without_area;
+    case CageFaultKind::open_edge: return Status::cage_not_closed;
+    case CageFaultKind::edge_not_manifold:
+    case CageFaultKind::vertex_not_manifold: return Status::cage_not_manifold;
+    case CageFaultKind::face_flipped: return Status::cage_faces_flipped;
+    case CageFaultKind::faces_cross: return Status::cage_faces_cross;
     case CageFaultKind::collinear_vertex:
+    case CageFaultKind::vertex_unused:
     case CageFaultKind::loop_turns_otherwise: return Status::ok;
     }
     return Status::ok;
@@ -58,7 +74,15 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     case CageFaultKind::edges_cross: return "edges cross or touch";
     case CageFaultKind::no_area: return "loop without area";
     case CageFaultKind::degenerate_simplex: return "simplex without volume";
-    case CageFaultKind::no_volume: return "box without volume";
+    case CageFaultKind::no_volume: return "no volume";
+    case CageFaultKind::face_without_vertex: return "face names a missing vertex";
+    case CageFaultKind::face_without_area: return "face without area";
+    case CageFaultKind::open_edge: return "open edge";
+    case CageFaultKind::edge_not_manifold: return "edge of more than two faces";
+    case CageFaultKind::face_flipped: return "neighbouring faces turn differently";
+    case CageFaultKind::vertex_not_manifold: return "faces about a vertex are no fan";
+    case CageFaultKind::faces_cross: return "faces cross";
+    case CageFaultKind::vertex_unused: return "unused vertex (warning)";
     case CageFaultKind::collinear_vertex: return "collinear vertex (warning)";
     case CageFaultKind::loop_turns_otherwise: return "loop turns the other way (warning)";
     }

@@ -10,16 +10,22 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Outcome of a call. A bad *input* is a Status; a broken *promise* of the caller is CAGEFORM_ASSERT.
 enum class [[nodiscard]] Status : std::uint8_t{
     ok,
-    cancelled,                ///< the progress callback asked to stop
-    too_few_vertices,         ///< a cage loop of fewer than three vertices
-    loops_do_not_match,       ///< the loop sizes do not add up to the number of vertices
-    vertex_not_finite,        ///< a cage vertex is NaN or infinite
-    duplicate_vertices,       ///< two consecutive cage vertices coincide
-    cage_self_crossing,       ///< two edges of the cage cross or touch
-    cage_has_no_area,         ///< all vertices of a loop lie on one line
-    cage_has_no_volume,       ///< a box has no extent along some axis
-    not_a_simplex,            ///< barycentric coordinates need exactly dimension + 1 vertices
-    degenerate_simplex,       ///< the simplex has no volume relative to its size
+    cancelled,           ///< the progress callback asked to stop
+    too_few_vertices,    ///< a cage loop of fewer than three vertices
+    loops_do_not_match,  ///< the loop sizes do not add up to the number of vertices
+    vertex_not_finite,   ///< a cage vertex is NaN or infinite
+    duplicate_vertices,  ///< two consecutive cage vertices coincide
+    cage_self_crossing,  ///< two edges of the cage cross or touch
+    cage_has_no_area,    ///< all vertices of a loop lie on one line
+    cage_has_no_volume,  ///< a box has no extent along some axis, a mesh no faces
+    face_without_vertex, ///< a face of a mesh names a vertex that there is not
+    face_without_area,   ///< the corners of a face lie on one line
+    cage_not_closed,     ///< an edge of a mesh belongs to one face only
+    cage_not_manifold,  ///< an edge belongs to more than two faces, or a vertex to more than one fan of faces
+    cage_faces_cross,   ///< two faces of a mesh pass through each other
+    cage_faces_flipped, ///< neighbouring faces of a mesh turn different ways
+    not_a_simplex,      ///< barycentric coordinates need exactly dimension + 1 vertices
+    degenerate_simplex, ///< the simplex has no volume relative to its size
     solver_not_supported,     ///< the solver asked for is not there for this cage
     resolution_not_supported, ///< the grid is too small to hold a cage, or too large to index
     tolerance_not_positive,   ///< a solver's tolerance is zero, negative or NaN
@@ -45,6 +51,12 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::cage_self_crossing: return "two edges of the cage cross or touch";
     case Status::cage_has_no_area: return "a cage loop encloses no area";
     case Status::cage_has_no_volume: return "the cage encloses no volume";
+    case Status::face_without_vertex: return "a face names a vertex that does not exist";
+    case Status::face_without_area: return "a face of the cage has no area";
+    case Status::cage_not_closed: return "the cage is not closed: an edge belongs to one face only";
+    case Status::cage_not_manifold: return "the cage is not a manifold at an edge or a vertex";
+    case Status::cage_faces_cross: return "two faces of the cage pass through each other";
+    case Status::cage_faces_flipped: return "neighbouring faces of the cage turn different ways";
     case Status::not_a_simplex: return "barycentric coordinates need a simplex: dimension + 1 vertices";
     case Status::degenerate_simplex: return "the simplex has no volume relative to its size";
     case Status::solver_not_supported: return "the solver is not there for this kind of cage";

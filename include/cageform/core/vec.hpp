@@ -51,6 +51,10 @@ template <class T>
 constexpr T cross(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
     return a.v[0] * b.v[1] - a.v[1] * b.v[0];
 }
+template <class T>
+constexpr Vec<T, 3> cross(const Vec<T, 3>& a, const Vec<T, 3>& b) noexcept {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 
 /// Componentwise conversion, float to double and back.
 template <class To, class T, std::size_t D>

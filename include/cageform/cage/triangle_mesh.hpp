@@ -1,0 +1,280 @@
+// The 3D cage: closed triangle meshes.
+#pragma once
+
+#include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/check.hpp>
+
+#include <array>
+#include <limits>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A cage in space: triangles over shared vertices, counter-clockwise seen from outside. Any genus, several components,
+/// cavities (shells that turn the other way).
+///
+/// Copies the vertices and faces (a cage is small). Construction never fails; `check` tells whether the mesh can serve
+/// as a cage, and every coordinate type asks it.
+template <Scalar T>
+class TriangleMesh {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = 3;
+    using Face = std::array<std::uint32_t, 3>;
+
+    TriangleMesh() = default;
+
+    /// `faces[f][k]`, k = 0, 1, 2, is the vertex at a corner of a face. Indices below 0 or from the number of vertices on are
+    /// remembered and reported by `check`.
+    template <PointRange R, class Faces>
+        requires(range_dimension<R> == 3)
+    TriangleMesh(const R& vertices, const Faces& faces) {
+        vertices_.reserve(std::size(vertices));
+        for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
+        faces_.reserve(std::size(faces));
+        for (std::size_t f = 0; f < std::size(faces); ++f) {
+            Face face;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto i = faces[f][k];
+                face[k] = i >= 0 && std::uint64_t(i) < vertices_.size() ? std::uint32_t(i) : no_vertex;
+            }
+            faces_.push_back(face);
+        }
+    }
+
+    static constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
+
+    std::size_t size() const noexcept { return vertices_.size(); }
+    std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
+    const Vec<T, 3>& operator[](std::size_t i) const noexcept { return vertices_[i]; }
+    std::span<const Face> faces() const noexcept { return faces_; }
+
+private:
+    std::vector<Vec<T, 3>> vertices_;
+    std::vector<Face> faces_;
+};
+
+namespace detail {
+
+inline double length(const Vec<double, 3>& v) noexcept {
+    return std::sqrt(dot(v, v));
+}
+
+/// The barycentric weights of the point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection (2005),
+/// sec. 5.1.5: the regions of vertices, edges and the face).
+inline std::array<double, 3> nearest_on_triangle(const Vec<double, 3>& p, const Vec<double, 3>& a,
+                                                 const Vec<double, 3>& b, const Vec<double, 3>& c) noexcept {
+    const auto on_edge = [](const Vec<double, 3>& q, const Vec<double, 3>& s, const Vec<double, 3>& t) {
+        const auto e = t - s;
+        const double length2 = dot(e, e);
+        return length2 > 0 ? std::clamp(dot(q - s, e) / length2, 0.0, 1.0) : 0.0;
+    };
+    const auto n = cross(b - a, c - a);
+    const double area2 = dot(n, n);
+    if (area2 > 0) {
+        const double u = dot(cross(c - b, p - b), n) / area2, v = dot(cross(a - c, p - c), n) / area2;
+        if (u >= 0 && v >= 0 && u + v <= 1) return {u, v, 1 - u - v};
+    }
+    std::array<double, 3> best{1, 0, 0};
+    double least = std::numeric_limits<double>::infinity();
+    const std::array<Vec<double, 3>, 3> corner{a, b, c};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3;
+        const double s = on_edge(p, corner[k], corner[l]);
+        const auto d = corner[k] + s * (corner[l] - corner[k]) - p;
+        if (dot(d, d) >= least) continue;
+        least = dot(d, d);
+        best = {0, 0, 0};
+        best[k] = 1 - s;
+        best[l] = s;
+    }
+    return best;
+}
+
+/// Whether the segment from `s` to `t` passes through a triangle, touching its rim included.
+inline bool pierces(const Vec<double, 3>& s, const Vec<double, 3>& t, const Vec<double, 3>& a,
+                    const Vec<double, 3>& b, const Vec<double, 3>& c) noexcept {
+    const auto n = cross(b - a, c - a);
+    const double from = dot(n, s - a), to = dot(n, t - a);
+    if (!((from > 0) != (to > 0)) || from == to) return false;
+    const auto p = s + (from / (from - to)) * (t - s);
+    return dot(n, cross(b - a, p - a)) >= 0 && dot(n, cross(c - b, p - b)) >= 0 &&
+           dot(n, cross(a - c, p - c)) >= 0;
+}
+
+} // namespace detail
+
+/// The boundary data at the boundary place nearest to a finite point, and that place: linear on the faces. O(#F).
+template <Scalar T>
+BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T, 3>& p,
+                                        Vec<T, 3>& place) noexcept {
+    const auto q = vec_cast<double>(p);
+    double least = std::numeric_limits<double>::infinity();
+    BoundaryValue<3> value;
+    for (const auto& face : mesh.faces()) {
+        std::array<Vec<double, 3>, 3> c;
+        for (std::size_t k = 0; k < 3; ++k) c[k] = vec_cast<double>(mesh[face[k]]);
+        const auto w = detail::nearest_on_triangle(q, c[0], c[1], c[2]);
+        const auto x = w[0] * c[0] + w[1] * c[1] + w[2] * c[2];
+        if (dot(x - q, x - q) >= least) continue;
+        least = dot(x - q, x - q);
+        place = vec_cast<T>(x);
+        value = {{face[0], face[1], face[2], face[0]}, {w[0], w[1], w[2], 0}};
+    }
+    return value;
+}
+
+/// The generalised winding number: how often the mesh encloses a point, between whole numbers where the mesh has gaps
+/// (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside segmentation using generalized winding numbers, SIGGRAPH 2013,
+/// sec. 4; solid angles by van Oosterom & Strackee 1983). O(#F).
+template <Scalar T>
+double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept {
+    const auto q = vec_cast<double>(p);
+    double sum = 0;
+    for (const auto& face : mesh.faces()) {
+        const auto a = vec_cast<double>(mesh[face[0]]) - q, b = vec_cast<double>(mesh[face[1]]) - q,
+                   c = vec_cast<double>(mesh[face[2]]) - q;
+        const double x = detail::length(a), y = detail::length(b), z = detail::length(c);
+        sum += std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+    }
+    return sum / (2 * std::numbers::pi);
+}
+
+/// Inside where the winding number rounds to an odd one (so a cavity is outside whichever way it turns); on the boundary
+/// when within `tolerance` of a face. O(#F).
+template <Scalar T>
+PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
+    if (!is_finite(p)) return PointState::not_finite;
+    Vec<T, 3> place;
+    (void)nearest_boundary_value(mesh, p, place);
+    if (detail::length(vec_cast<double>(place) - vec_cast<double>(p)) <= double(tolerance))
+        return PointState::on_boundary;
+    const double turns = std::round(winding_number(mesh, p));
+    return std::fmod(std::fabs(turns), 2.0) == 1 ? PointState::inside : PointState::outside;
+}
+
+/// Whether a mesh can serve as a cage: indices in range, finite vertices, no two at one place, faces with an area, every
+/// edge between two faces that walk it opposite ways, one fan of faces about every vertex, no two faces that pass
+/// through each other. What "at one place" means is coincidence_tolerance. Usually O(#F log #F), O(#F²) at worst.
+template <Scalar T>
+CageReport check(const TriangleMesh<T>& mesh) {
+    CageReport report;
+    const std::size_t count = mesh.size();
+    const auto faces = mesh.faces();
+    if (count < 4) report.add(CageFaultKind::too_few_vertices, 0, count);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!is_finite(mesh[i])) report.add(CageFaultKind::vertex_not_finite, i);
+    }
+    std::vector<bool> used(count);
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        for (const auto i : faces[f]) {
+            if (i == TriangleMesh<T>::no_vertex) {
+                report.add(CageFaultKind::face_without_vertex, f);
+                break;
+            }
+            used[i] = true;
+        }
+    }
+    if (faces.empty() && report.status == Status::ok) report.add(CageFaultKind::no_volume, 0);
+    if (report.status != Status::ok) return report;
+
+    const double tolerance = coincidence_tolerance(bounds_of(mesh.vertices()));
+    std::vector<Vec<double, 3>> at;
+    for (const auto& v : mesh.vertices()) at.push_back(vec_cast<double>(v));
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return at[i][0] < at[j][0]; });
+    for (std::size_t n = 0; n < count; ++n) {
+        for (std::size_t m = n + 1; m < count && at[order[m]][0] - at[order[n]][0] <= tolerance; ++m) {
+            if (detail::length(at[order[m]] - at[order[n]]) <= tolerance) {
+                report.add(CageFaultKind::duplicate_vertices, std::min(order[n], order[m]),
+                           std::max(order[n], order[m]));
+            }
+        }
+    }
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto a = at[faces[f][0]], b = at[faces[f][1]], c = at[faces[f][2]];
+        const double longest =
+            std::max({detail::length(b - a), detail::length(c - b), detail::length(a - c)});
+        if (detail::length(cross(b - a, c - a)) <= tolerance * longest)
+            report.add(CageFaultKind::face_without_area, f);
+    }
+
+    // Every way along an edge once, and so the other way.
+    struct Way {
+        std::uint32_t from, to, face;
+        auto key() const noexcept { return std::pair(std::min(from, to), std::max(from, to)); }
+    };
+    std::vector<Way> ways;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        for (std::size_t k = 0; k < 3; ++k)
+            ways.push_back({faces[f][k], faces[f][(k + 1) % 3], std::uint32_t(f)});
+    }
+    std::sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
+        return std::tuple(a.key(), a.from, a.face) < std::tuple(b.key(), b.from, b.face);
+    });
+    for (std::size_t begin = 0, end = 0; begin < ways.size(); begin = end) {
+        while (end < ways.size() && ways[end].key() == ways[begin].key()) ++end;
+        const auto [low, high] = ways[begin].key();
+        if (end - begin == 1) {
+            report.add(CageFaultKind::open_edge, low, high);
+        } else if (end - begin > 2) {
+            report.add(CageFaultKind::edge_not_manifold, low, high);
+        } else if (ways[begin].from == ways[begin + 1].from) {
+            report.add(CageFaultKind::face_flipped, ways[begin].face, ways[begin + 1].face);
+        }
+    }
+    if (report.status != Status::ok) return report;
+
+    // About a vertex: the edges opposite to it must make one closed way.
+    std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> opposite(count);
+    for (const auto& face : faces) {
+        for (std::size_t k = 0; k < 3; ++k)
+            opposite[face[k]].push_back({face[(k + 1) % 3], face[(k + 2) % 3]});
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        if (opposite[i].empty()) {
+            report.add(CageFaultKind::vertex_unused, i);
+            continue;
+        }
+        auto& links = opposite[i];
+        std::sort(links.begin(), links.end());
+        std::size_t steps = 0;
+        auto reached = links.front().first;
+        do {
+            reached =
+                std::lower_bound(links.begin(), links.end(), std::pair(reached, std::uint32_t{0}))->second;
+            ++steps;
+        } while (reached != links.front().first);
+        if (steps != links.size()) report.add(CageFaultKind::vertex_not_manifold, i);
+    }
+
+    // Faces that pass through each other, swept by x. Faces that share a vertex meet there rightly.
+    std::vector<std::array<double, 2>> extent(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto [low, high] = std::minmax({at[faces[f][0]][0], at[faces[f][1]][0], at[faces[f][2]][0]});
+        extent[f] = {low, high};
+    }
+    std::vector<std::size_t> sweep(faces.size());
+    std::iota(sweep.begin(), sweep.end(), std::size_t{0});
+    std::sort(sweep.begin(), sweep.end(),
+              [&](std::size_t f, std::size_t g) { return extent[f][0] < extent[g][0]; });
+    const auto passes = [&](std::size_t f, std::size_t g) { // an edge of f through g
+        const auto& tip = faces[g];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto i = faces[f][k], j = faces[f][(k + 1) % 3];
+            const auto in_g = [&](std::uint32_t v) { return v == tip[0] || v == tip[1] || v == tip[2]; };
+            if (!in_g(i) && !in_g(j) && detail::pierces(at[i], at[j], at[tip[0]], at[tip[1]], at[tip[2]]))
+                return true;
+        }
+        return false;
+    };
+    for (std::size_t n = 0; n < sweep.size(); ++n) {
+        for (std::size_t m = n + 1; m < sweep.size() && extent[sweep[m]][0] <= extent[sweep[n]][1]; ++m) {
+            const std::size_t f = std::min(sweep[n], sweep[m]), g = std::max(sweep[n], sweep[m]);
+            if (passes(f, g) || passes(g, f)) report.add(CageFaultKind::faces_cross, f, g);
+        }
+    }
+    return report;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

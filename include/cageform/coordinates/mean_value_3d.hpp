@@ -1,0 +1,355 @@
+// Mean value coordinates in space, for closed triangle meshes.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/core/detail/pack_angle.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Mean value coordinates in space, for closed triangle meshes of any shape.
+///
+/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec. 3: a face gives its
+/// corners the weights w_k with Σ w_k (C_k − p) = m, m the integral of the unit vectors from p over the face's shadow on the
+/// unit sphere; m = ½ Σ θ_e N_e over its edges, θ_e the angle an edge is seen under, N_e the unit normal of the plane through
+/// p and it. Here m is taken in the face's own frame. With H the height of the face's plane above p, ρ_k the distance of
+/// p's foot point to the edge opposite to corner k (positive inside), R_e the distance of p to the edge's line, g_e = θ_e/R_e,
+/// h_k the altitude of corner k and ν_k the outward normal of the edge opposite to it, in the plane:
+///
+///   S = ½ Σ g_k ρ_k / H,   w_k = (S ρ_k + ½ H Σ_l g_l ν_k·ν_l) / h_k
+///
+/// which needs g only once an edge, and holds no difference of nearly equal numbers but S next to the plane of a face that
+/// p does not face; there the sum is taken by the angles' differences (`beside_face`). On vertices, edges and faces the limits are
+/// taken: barycentric weights.
+///
+///   range     sum to 1; may be negative where the cage is not convex, and outside
+///   accuracy  1e-13 inside and near the cage (double), 1e-4 at worst for float; points farther than some diagonals are
+///             computed one precision higher, where the platform has one
+///   cost      O(#E + #F) a point: a square root and an angle an edge, a division a face, eight (sixteen) points together
+template <Scalar T>
+class MeanValueCoordinates<T, 3> {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = 3;
+    static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
+
+    explicit MeanValueCoordinates(TriangleMesh<T> cage)
+        : cage_(std::move(cage))
+        , report_(check(cage_)) {
+        if (report_.status != Status::ok) return;
+        const auto bounds = bounds_of(cage_.vertices());
+        tolerance_ = coincidence_tolerance(bounds);
+        // In units of a power of two about the diagonal, from the middle: scaling is exact, and nothing overflows.
+        int exponent = 0;
+        std::frexp(bounds.diagonal(), &exponent);
+        scale_ = std::ldexp(T(1), -exponent);
+        prepare();
+    }
+
+    const TriangleMesh<T>& cage() const noexcept { return cage_; }
+    std::span<const Vec<T, 3>> handles() const noexcept { return cage_.vertices(); }
+    const CageReport& cage_report() const noexcept { return report_; }
+
+    Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                        const EvaluateOptions& options = {}) const {
+        if (report_.status != Status::ok) return {report_.status, {}};
+        CAGEFORM_ASSERT(weights.rows == cage_.size() && states.size() == points.points, "one row per handle");
+        return {detail::for_each_block(points.blocks(), options,
+                                       [&](std::size_t begin, std::size_t end) {
+                                           std::vector<Lanes<T>> angles(2 * edges_.size());
+                                           for (std::size_t b = begin; b < end; ++b)
+                                               evaluate_block(b, points, weights, states, angles.data());
+                                       }),
+                {}};
+    }
+
+    Vec<T, 3> nearest_boundary(const Vec<T, 3>& p, std::span<T> row) const noexcept {
+        return nearest_boundary_weights(cage_, p, row);
+    }
+
+private:
+    using Pack = detail::Pack<T>;
+    using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
+    static constexpr std::size_t lanes = lane_count<T>;
+    static constexpr T far_away = 16; // diagonals
+
+    struct Edge {
+        Vec<T, 3> origin, direction; ///< scaled; a unit vector
+        T length;
+    };
+    struct Face {
+        std::array<std::uint32_t, 3> corner, edge; ///< edge k is opposite to corner k
+        Vec<T, 3> normal;                          ///< outward, of unit length
+        T offset;                                  ///< normal · corner
+        std::array<Vec<T, 3>, 3> across;           ///< ν_k: outward, in the plane
+        std::array<T, 3> across_offset;
+        std::array<T, 3> inverse_altitude;
+        std::array<T, 3> cosine; ///< ν_l·ν_m, l and m the edges other than k
+    };
+
+    void prepare() {
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> numbers;
+        std::vector<Vec<double, 3>> at;
+        for (const auto& v : cage_.vertices()) at.push_back(double(scale_) * vec_cast<double>(v));
+        const auto unit = [](const Vec<double, 3>& v) { return (1 / detail::length(v)) * v; };
+        for (const auto& corners : cage_.faces()) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto [i, j] = std::minmax(corners[(k + 1) % 3], corners[(k + 2) % 3]);
+                numbers.push_back({(std::uint64_t(i) << 32) | j, 0});
+            }
+        }
+        std::sort(numbers.begin(), numbers.end());
+        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+        for (auto& [key, number] : numbers) {
+            number = std::uint32_t(edges_.size());
+            const auto a = at[key >> 32], b = at[key & 0xFFFFFFFFu];
+            edges_.push_back(
+                {vec_cast<T>(a), vec_cast<T>(unit(b - a)), static_cast<T>(detail::length(b - a))});
+        }
+        for (const auto& corners : cage_.faces()) {
+            Face face;
+            face.corner = corners;
+            const std::array<Vec<double, 3>, 3> c{at[corners[0]], at[corners[1]], at[corners[2]]};
+            const auto normal = unit(cross(c[1] - c[0], c[2] - c[0]));
+            face.normal = vec_cast<T>(normal);
+            face.offset = static_cast<T>(dot(normal, c[0]));
+            std::array<Vec<double, 3>, 3> across;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+                const auto [i, j] = std::minmax(corners[l], corners[m]);
+                const auto number =
+                    std::lower_bound(numbers.begin(), numbers.end(),
+                                     std::pair((std::uint64_t(i) << 32) | j, std::uint32_t{0}));
+                face.edge[k] = number->second;
+                across[k] = unit(cross(c[m] - c[l], normal));
+                face.across[k] = vec_cast<T>(across[k]);
+                face.across_offset[k] = static_cast<T>(dot(across[k], c[l]));
+                face.inverse_altitude[k] = static_cast<T>(1 / dot(across[k], c[l] - c[k]));
+            }
+            for (std::size_t k = 0; k < 3; ++k)
+                face.cosine[k] = static_cast<T>(dot(across[(k + 1) % 3], across[(k + 2) % 3]));
+            faces_.push_back(face);
+        }
+    }
+
+    void evaluate_block(std::size_t b, BlockView<const T> points, BlockView<T> weights,
+                        std::span<PointState> states, Lanes<T>* angles) const {
+        const auto* const position = points.block(b);
+        auto* const row = weights.block(b);
+        const Pack zero(T(0)), one(T(1)), half(T(0.5));
+        const std::array<Pack, 3> p{Pack(scale_) * Pack::load(position[0]),
+                                    Pack(scale_) * Pack::load(position[1]),
+                                    Pack(scale_) * Pack::load(position[2])};
+        const auto dot_p = [&p](const Vec<T, 3>& v) {
+            return Pack(v[0]) * p[0] + (Pack(v[1]) * p[1] + Pack(v[2]) * p[2]);
+        };
+        const Pack least(std::numeric_limits<T>::min() * T(1e6));
+        Pack special = zero; // set to one in lanes that need the careful way
+        for (std::size_t e = 0; e < edges_.size(); ++e) {
+            const Edge& edge = edges_[e];
+            const Pack x = Pack(edge.origin[0]) - p[0], y = Pack(edge.origin[1]) - p[1],
+                       z = Pack(edge.origin[2]) - p[2];
+            const Pack tx(edge.direction[0]), ty(edge.direction[1]), tz(edge.direction[2]),
+                length(edge.length);
+            const Pack begin = x * tx + (y * ty + z * tz), end = begin + length;
+            const Pack cx = y * tz - z * ty, cy = z * tx - x * tz, cz = x * ty - y * tx;
+            const Pack rr = max<T>(cx * cx + (cy * cy + cz * cz), least);
+            const Pack r = sqrt(rr);
+            (detail::angle<T>(r * length, rr + begin * end) / r).store(angles[e]);
+            special = select<T>(Pack(far_away * far_away) < rr, one, special);
+        }
+        for (std::size_t i = 0; i < cage_.size(); ++i) zero.store(row[i]);
+        const Pack near{T(near_plane)}, on{scale_ * tolerance_}, opposite{T(0.5)};
+        for (const Face& face : faces_) {
+            const Pack height = Pack(face.offset) - dot_p(face.normal);
+            std::array<Pack, 3> g, rho;
+            Pack m = zero;
+            for (std::size_t k = 0; k < 3; ++k) {
+                g[k] = Pack::load(angles[face.edge[k]]);
+                rho[k] = Pack(face.across_offset[k]) - dot_p(face.across[k]);
+                m = m + g[k] * rho[k];
+            }
+            m = half * m;
+            const Pack distance = abs<T>(height);
+            const Pack inmost = min<T>(rho[0], min<T>(rho[1], rho[2]));
+            special = select<T>((distance <= on) & (zero - on <= inmost), one, special);
+            const auto beside = (distance < near) & (inmost < zero) & (m < opposite);
+            const Pack s = m / select<T>(distance <= least, least, height);
+            std::array<Pack, 3> w;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
+                const Pack bent = g[k] + (Pack(face.cosine[n]) * g[l] + Pack(face.cosine[l]) * g[n]);
+                w[k] = Pack(face.inverse_altitude[k]) * (s * rho[k] + half * (height * bent));
+            }
+            Lanes<T> flags;
+            select<T>(beside, one, zero).store(flags);
+            bool any = false;
+            for (const T flag : flags.v) any = any || flag != T(0);
+            if (any) correct_lanes(face, flags, height, rho, g, w);
+            for (std::size_t k = 0; k < 3; ++k)
+                (Pack::load(row[face.corner[k]]) + w[k]).store(row[face.corner[k]]);
+        }
+        Pack sum = zero;
+        for (std::size_t i = 0; i < cage_.size(); ++i) sum = sum + Pack::load(row[i]);
+        special = select<T>(abs<T>(sum) <= zero, one, special);
+        const Pack inverse = one / sum;
+        for (std::size_t i = 0; i < cage_.size(); ++i) (Pack::load(row[i]) * inverse).store(row[i]);
+
+        // The sum is positive inside and negative outside: of the faces behind each other the nearest counts most.
+        Lanes<T> sums, specials;
+        sum.store(sums);
+        special.store(specials);
+        const std::size_t first = b * lanes, used = std::min(lanes, points.points - first);
+        for (std::size_t lane = 0; lane < used; ++lane) {
+            PointState& state = states[first + lane];
+            if (state == PointState::not_finite) continue;
+            if (specials[lane] != T(0) || !is_finite(sums[lane])) {
+                state =
+                    evaluate_carefully({position[0][lane], position[1][lane], position[2][lane]}, row, lane);
+            } else {
+                state = sums[lane] > T(0) ? PointState::inside : PointState::outside;
+            }
+        }
+    }
+
+    /// Faces nearer to p's plane than this (in diagonals or half diagonals) and not faced by p lose too many digits.
+    static constexpr double near_plane = sizeof(T) == 8 ? 2e-3 : 1e-2;
+
+    /// The weights of a face in the lanes flagged.
+    void correct_lanes(const Face& face, const Lanes<T>& flags, const Pack& height,
+                       const std::array<Pack, 3>& rho, const std::array<Pack, 3>& g,
+                       std::array<Pack, 3>& w) const noexcept {
+        Lanes<T> heights;
+        height.store(heights);
+        std::array<Lanes<T>, 3> rhos, gs, ws;
+        for (std::size_t k = 0; k < 3; ++k) {
+            rho[k].store(rhos[k]);
+            g[k].store(gs[k]);
+            w[k].store(ws[k]);
+        }
+        std::array<double, 3> altitude, cosine;
+        for (std::size_t k = 0; k < 3; ++k) {
+            altitude[k] = 1 / double(face.inverse_altitude[k]);
+            cosine[k] = double(face.cosine[k]);
+        }
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (flags[lane] == T(0)) continue;
+            const auto weights = face_weights<double>(
+                double(heights[lane]), {double(rhos[0][lane]), double(rhos[1][lane]), double(rhos[2][lane])},
+                {double(gs[0][lane]), double(gs[1][lane]), double(gs[2][lane])}, altitude, cosine, true);
+            for (std::size_t k = 0; k < 3; ++k) ws[k][lane] = static_cast<T>(weights[k]);
+        }
+        for (std::size_t k = 0; k < 3; ++k) w[k] = Pack::load(ws[k]);
+    }
+
+    /// The formula of the class in another scalar. `beside`: p lies next to the face's plane and does not face it.
+    template <class U>
+    static std::array<U, 3> face_weights(U height, const std::array<U, 3>& rho, const std::array<U, 3>& g,
+                                         const std::array<U, 3>& altitude, const std::array<U, 3>& cosine,
+                                         bool beside) noexcept {
+        if (height == 0) return {}; // in the plane
+        U s = 0;
+        if (beside) {
+            for (std::size_t k = 0; k < 3; ++k) s += U(0.5) * height * beside_face<U>(height, rho, k, cosine);
+        } else {
+            s = U(0.5) * (g[0] * rho[0] + g[1] * rho[1] + g[2] * rho[2]) / height;
+        }
+        std::array<U, 3> w;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
+            w[k] =
+                (s * rho[k] + U(0.5) * height * (g[k] + cosine[n] * g[l] + cosine[l] * g[n])) / altitude[k];
+        }
+        return w;
+    }
+    /// (g ρ − φ)/H² of an edge, φ the signed angle it is seen under from the foot point: those angles sum to zero outside the
+    /// face, so the sum of g ρ is the sum of these differences, and they are had without any.
+    template <class U>
+    static U beside_face(U height, const std::array<U, 3>& rho, std::size_t k,
+                         const std::array<U, 3>& cosine) noexcept {
+        // Where the edge's ends lie along it, from the foot point: by the distances to the edges that meet there.
+        const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
+        const auto along = [&](std::size_t other, U c) { // of the corner that edges k and `other` share
+            const U sine = std::sqrt(std::fmax(U(0), (1 - c) * (1 + c)));
+            return (rho[other] - c * rho[k]) / sine;
+        };
+        const U end = along(l, cosine[n]), begin = -along(n, cosine[l]);
+        const U r = std::fabs(rho[k]), far = std::sqrt(r * r + height * height);
+        const auto part = [&](U t) { // (atan(t/R) − atan(t/r))/H²
+            const U d = r * far + t * t;
+            if (!(d > 0)) return U(0);
+            const U x = t * height * height / ((r + far) * d);
+            const U slope = x > U(1e-4) || x < U(-1e-4) ? std::atan(x) / x : 1 - x * x / 3;
+            return -t * slope / ((r + far) * d);
+        };
+        const U seen = std::atan2(r * (end - begin), r * r + begin * end); // from the foot point
+        const U sign = rho[k] < 0 ? U(-1) : U(1);
+        return (rho[k] / far) * (part(end) - part(begin)) - sign * seen / (far * (r + far));
+    }
+
+    /// One point the plain way: limits on the boundary, and one precision higher off it.
+    PointState evaluate_carefully(const Vec<T, 3>& point, Lanes<T>* row, std::size_t lane) const {
+        Vec<T, 3> place;
+        const auto value = nearest_boundary_value(cage_, point, place);
+        const auto q = vec_cast<double>(place) - vec_cast<double>(point);
+        const double distance = detail::length(q);
+        if (distance <= double(tolerance_)) {
+            for (std::size_t i = 0; i < cage_.size(); ++i) row[i][lane] = T(0);
+            for (std::size_t k = 0; k < 3; ++k) row[value.handle[k]][lane] = static_cast<T>(value.weight[k]);
+            return PointState::on_boundary;
+        }
+        // Lengths relative to the distance, so that nothing overflows.
+        const auto u_of = [&](std::size_t i) {
+            Vec<Wide, 3> u;
+            for (std::size_t k = 0; k < 3; ++k) u[k] = (Wide(cage_[i][k]) - Wide(point[k])) / Wide(distance);
+            return u;
+        };
+        const auto length = [](const Vec<Wide, 3>& v) { return std::sqrt(dot(v, v)); };
+        std::vector<Wide> w(cage_.size(), Wide(0));
+        for (const auto& corners : cage_.faces()) {
+            const std::array<Vec<Wide, 3>, 3> c{u_of(corners[0]), u_of(corners[1]), u_of(corners[2])};
+            auto normal = cross(c[1] - c[0], c[2] - c[0]);
+            const Wide area = length(normal);
+            normal = (1 / area) * normal;
+            std::array<Wide, 3> g, rho, altitude, cosine;
+            std::array<Vec<Wide, 3>, 3> across;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto &a = c[(k + 1) % 3], &b = c[(k + 2) % 3];
+                const auto along = b - a, over = cross(a, along);
+                const Wide size = length(along), doubled = length(over);
+                across[k] = (1 / size) * cross(along, normal);
+                rho[k] = dot(across[k], a);
+                altitude[k] = dot(across[k], a - c[k]);
+                g[k] = doubled > 0 ? std::atan2(doubled, dot(a, b)) * size / doubled : size / dot(a, b);
+            }
+            for (std::size_t k = 0; k < 3; ++k) cosine[k] = dot(across[(k + 1) % 3], across[(k + 2) % 3]);
+            const Wide height = dot(normal, c[0]);
+            const Wide m = Wide(0.5) * (g[0] * rho[0] + g[1] * rho[1] + g[2] * rho[2]);
+            const bool outside = std::min({rho[0], rho[1], rho[2]}) < 0;
+            const bool beside = outside && std::fabs(height) < Wide(1e-2) * std::sqrt(area) && m < Wide(0.5);
+            const auto weights = face_weights<Wide>(height, rho, g, altitude, cosine, beside);
+            for (std::size_t k = 0; k < 3; ++k) w[corners[k]] += weights[k];
+        }
+        Wide sum = 0;
+        for (const Wide x : w) sum += x;
+        if (!(std::fabs(sum) > 0)) return PointState::unreached;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            row[i][lane] = static_cast<T>(w[i] / sum);
+            if (!is_finite(row[i][lane])) return PointState::unreached;
+        }
+        return sum > 0 && double(scale_) * distance < 1 ? PointState::inside : PointState::outside;
+    }
+
+    TriangleMesh<T> cage_;
+    CageReport report_;
+    std::vector<Edge> edges_;
+    std::vector<Face> faces_;
+    T tolerance_ = 0;
+    T scale_ = 1;
+};
+
+using MeanValueCoordinates3f = MeanValueCoordinates<float, 3>;
+using MeanValueCoordinates3d = MeanValueCoordinates<double, 3>;
+
+} // namespace cageform::inline CAGEFORM_ABI

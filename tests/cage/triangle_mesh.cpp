@@ -1,0 +1,154 @@
+// Triangle meshes as cages: what is inside, what is nearest, and every fault by name.
+#include "../catch.hpp"
+#include "../support/meshes.hpp"
+
+using namespace cageform_tests;
+using cageform::CageFaultKind;
+using cageform::PointState;
+using cageform::Status;
+using cageform::TriangleMesh;
+
+namespace {
+
+bool has(const cageform::CageReport& report, CageFaultKind kind, std::size_t a, std::size_t b = 0) {
+    return std::any_of(report.faults.begin(), report.faults.end(),
+                       [&](const auto& fault) { return fault.kind == kind && fault.a == a && fault.b == b; });
+}
+cageform::CageReport report_of(const Points3<double>& vertices, const Faces& faces) {
+    return check(TriangleMesh<double>(vertices, faces));
+}
+
+} // namespace
+
+TEST_CASE("sound meshes have no faults", "[cage][mesh]") {
+    const int seed = GENERATE(seeds(24));
+    CAPTURE(seed);
+    const auto report = check(random_mesh(std::uint64_t(seed)).mesh<double>());
+    CHECK(report.status == Status::ok);
+    CHECK(report.faults.empty());
+}
+
+TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[cage][mesh]") {
+    const auto data = sphere(3);
+    const auto mesh = data.mesh<double>();
+    for (const auto& p : points_about(data, 500, 7)) {
+        const double r = std::sqrt(dot(p, p));
+        Vec<double, 3> place;
+        const auto value = nearest_boundary_value(mesh, p, place);
+        Vec<double, 3> sum{};
+        for (std::size_t n = 0; n < 4; ++n) sum = sum + value.weight[n] * mesh[value.handle[n]];
+        CHECK(std::sqrt(dot(sum - place, sum - place)) <= 1e-15);
+        CHECK(std::fabs(std::sqrt(dot(place - p, place - p)) - std::fabs(1 - r)) <= 0.02);
+        if (r < 0.98) CHECK(locate(mesh, p, 1e-14) == PointState::inside);
+        if (r > 1) CHECK(locate(mesh, p, 1e-14) == PointState::outside);
+        if (r < 0.98 || r > 1) CHECK(std::fabs(winding_number(mesh, p) - (r < 1 ? 1 : 0)) <= 1e-12);
+        CHECK(locate(mesh, place, 1e-14) == PointState::on_boundary);
+    }
+    // A cavity, whichever way it turns.
+    for (const bool turned : {false, true}) {
+        auto shells = sphere(1);
+        const auto inner = sphere(1);
+        const int first = int(shells.vertices.size());
+        for (const auto& v : inner.vertices) shells.vertices.push_back(0.5 * v);
+        for (const auto& [a, b, c] : inner.faces) {
+            if (turned) {
+                shells.faces.push_back({first + a, first + c, first + b});
+            } else {
+                shells.faces.push_back({first + a, first + b, first + c});
+            }
+        }
+        const auto hollow = shells.mesh<double>();
+        CHECK(check(hollow).status == Status::ok);
+        CHECK(locate(hollow, Vec<double, 3>{0, 0, 0.1}, 1e-14) == PointState::outside);
+        CHECK(locate(hollow, Vec<double, 3>{0, 0, 0.6}, 1e-14) == PointState::inside);
+        CHECK(locate(hollow, Vec<double, 3>{0, 0, 1.6}, 1e-14) == PointState::outside);
+    }
+}
+
+TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto good = sphere(1);
+    auto data = good;
+    CHECK(report_of({}, {}).status == Status::too_few_vertices);
+    CHECK(report_of(good.vertices, {}).status == Status::cage_has_no_volume);
+    data.vertices[3][1] = nan;
+    CHECK(has(report_of(data.vertices, data.faces), CageFaultKind::vertex_not_finite, 3));
+
+    for (const int missing : {-1, int(good.vertices.size())}) {
+        data = good;
+        data.faces[5][1] = missing;
+        const auto report = report_of(data.vertices, data.faces);
+        CHECK(report.status == Status::face_without_vertex);
+        CHECK(has(report, CageFaultKind::face_without_vertex, 5));
+    }
+    data = good;
+    data.vertices[7] = data.vertices[2];
+    CHECK(has(report_of(data.vertices, data.faces), CageFaultKind::duplicate_vertices, 2, 7));
+
+    data = good;
+    const auto dropped = data.faces[4];
+    data.faces.erase(data.faces.begin() + 4);
+    auto report = report_of(data.vertices, data.faces);
+    CHECK(report.status == Status::cage_not_closed);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto [a, b] = std::minmax(dropped[k], dropped[(k + 1) % 3]);
+        CHECK(has(report, CageFaultKind::open_edge, std::size_t(a), std::size_t(b)));
+    }
+    data = good;
+    std::swap(data.faces[6][0], data.faces[6][1]);
+    report = report_of(data.vertices, data.faces);
+    CHECK(report.status == Status::cage_faces_flipped);
+    CHECK(report.faults.size() == 3);
+    for (const auto& fault : report.faults) CHECK((fault.a == 6 || fault.b == 6));
+
+    data = good;
+    data.faces[6] = {data.faces[6][0], data.faces[6][0], data.faces[6][1]};
+    CHECK(has(report_of(data.vertices, data.faces), CageFaultKind::face_without_area, 6));
+
+    // Two tetrahedra that share an edge, or a vertex.
+    const Faces tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    Faces two = tetrahedron;
+    for (const auto& [a, b, c] : Faces{{0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {0, 5, 4}}) two.push_back({a, b, c});
+    const Points3<double> edge_points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}};
+    CHECK(has(report_of(edge_points, two), CageFaultKind::edge_not_manifold, 0, 1));
+    Faces at_vertex = tetrahedron;
+    for (const auto& [a, b, c] : Faces{{0, 5, 4}, {0, 4, 6}, {4, 5, 6}, {0, 6, 5}})
+        at_vertex.push_back({a, b, c});
+    const Points3<double> vertex_points{{0, 0, 0},  {1, 0, 0},  {0, 1, 0}, {0, 0, 1},
+                                        {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+    report = report_of(vertex_points, at_vertex);
+    CHECK(report.status == Status::cage_not_manifold);
+    CHECK(has(report, CageFaultKind::vertex_not_manifold, 0));
+
+    data = good;
+    data.vertices[0] = {-3, 0.1, 0.2}; // drawn through the other side
+    report = report_of(data.vertices, data.faces);
+    CHECK(report.status == Status::cage_faces_cross);
+    data = good;
+    data.vertices.push_back({0, 0, 0});
+    report = report_of(data.vertices, data.faces);
+    CHECK(report.status == Status::ok);
+    CHECK(has(report, CageFaultKind::vertex_unused, data.vertices.size() - 1));
+}
+
+TEST_CASE("broken meshes end in a status, never in a crash", "[cage][mesh][status]") {
+    Random random(11);
+    std::size_t refused = 0;
+    constexpr int meshes = 2000;
+    for (int n = 0; n < meshes; ++n) {
+        auto data = random_mesh(random.below(40));
+        const std::size_t f = random.below(data.faces.size()), v = random.below(data.vertices.size());
+        switch (random.below(6)) {
+        case 0: data.faces.erase(data.faces.begin() + std::ptrdiff_t(f)); break;
+        case 1: std::swap(data.faces[f][0], data.faces[f][1]); break;
+        case 2: data.faces.push_back(data.faces[f]); break;
+        case 3: data.faces[f][random.below(3)] = int(random.below(data.vertices.size() + 2)) - 1; break;
+        case 4: data.vertices[v][random.below(3)] = std::numeric_limits<double>::quiet_NaN(); break;
+        default: data.vertices[v] = data.vertices[random.below(data.vertices.size())]; break;
+        }
+        const auto report = check(data.mesh<double>());
+        refused += report.status != Status::ok ? 1 : 0;
+        CHECK((report.status == Status::ok || !report.faults.empty()));
+    }
+    CHECK(refused >= meshes * 95 / 100); // a corner may be replaced by itself
+}

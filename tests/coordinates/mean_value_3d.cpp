@@ -1,0 +1,128 @@
+// Mean value coordinates in space: the oracle, the laws on random meshes, and the places where formulas fail.
+#include "../catch.hpp"
+#include "../support/meshes.hpp"
+#include "../support/oracle.hpp"
+#include "../support/weights.hpp"
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+
+using namespace cageform_tests;
+using cageform::epsilon;
+
+namespace {
+
+template <class T>
+using Mean = cageform::MeanValueCoordinates<T, 3>;
+
+template <class T>
+Points3<T> converted(const Points3<double>& points) {
+    Points3<T> result;
+    for (const auto& p : points) result.push_back(vec_cast<T>(p));
+    return result;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("mean value weights in space are those of the oracle",
+                   "[coordinates][meanvalue][space][oracle]", float, double) {
+    using T = TestType;
+    for (const char* name : {"cube", "l_prism", "octahedron", "tetrahedron"}) {
+        const auto json = read_json(std::string("meanvalue3d_") + name);
+        MeshData data;
+        for (const auto& v : json["cage"]["vertices"]) data.vertices.push_back({v[0], v[1], v[2]});
+        for (const auto& f : json["cage"]["faces"]) data.faces.push_back({f[0], f[1], f[2]});
+        Points3<double> points;
+        for (const auto& p : json["points"]) points.push_back({p[0], p[1], p[2]});
+        REQUIRE(points.size() >= 12);
+        const auto weights = evaluate_all(Mean<T>(data.mesh<T>()), converted<T>(points));
+        REQUIRE(weights.status() == Status::ok);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::string tag = json["point_tags"][i];
+            CAPTURE(name, i, tag);
+            if (tag.starts_with("inside")) CHECK(weights.states[i] == PointState::inside);
+            if (tag.starts_with("outside")) CHECK(weights.states[i] == PointState::outside);
+            if (tag.starts_with("on_")) CHECK(weights.states[i] == PointState::on_boundary);
+            for (std::size_t k = 0; k < data.vertices.size(); ++k) {
+                CHECK(std::fabs(double(weights.rows[i][k]) - json["coordinates"][i][k].get<double>()) <=
+                      (sizeof(T) == 8 ? 1e-12 : 5e-5));
+            }
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("mean value weights in space sum to 1 and reproduce the point",
+                   "[coordinates][meanvalue][space][property]", float, double) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    const auto data = random_mesh(std::uint64_t(seed));
+    const auto mesh = data.mesh<T>();
+    const auto points = converted<T>(points_about(data, 300, std::uint64_t(seed)));
+    const auto weights = evaluate_all(Mean<T>(mesh), points);
+    REQUIRE(weights.status() == Status::ok);
+    const auto bounds = cageform::bounds_of(mesh.vertices());
+    const double size = double(bounds.diagonal());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CAPTURE(i);
+        const auto state = locate(mesh, points[i], cageform::coincidence_tolerance(bounds));
+        CHECK(weights.states[i] == state);
+        double largest = 1;
+        for (const T w : weights.rows[i]) largest = std::max(largest, std::fabs(double(w)));
+        // Rounding of the coordinates themselves, and of what is left of each face's sum next to its plane.
+        const double tolerance = largest * (sizeof(T) == 8 ? 2e-12 : 1e-3);
+        CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= tolerance);
+        CHECK(distance(combine(weights.rows[i], mesh.vertices()), points[i]) <=
+              tolerance * size + 16 * double(epsilon<T>) * double(bounds.magnitude()) * largest);
+    }
+}
+
+TEST_CASE("mean value weights are the same all the way to planes, faces, edges and vertices",
+          "[coordinates][meanvalue][space][limits]") {
+    const int seed = GENERATE(seeds(10));
+    CAPTURE(seed);
+    const auto data = random_mesh(std::uint64_t(seed));
+    const auto mesh = data.mesh<double>();
+    const Mean<double> coordinates(mesh);
+    const auto bounds = cageform::bounds_of(mesh.vertices());
+    const double size = bounds.diagonal();
+    Random random(std::uint64_t(seed) + 5);
+    for (int n = 0; n < 40; ++n) {
+        const auto& face = mesh.faces()[random.below(mesh.faces().size())];
+        const auto a = mesh[face[0]], b = mesh[face[1]], c = mesh[face[2]];
+        auto normal = cross(b - a, c - a);
+        normal = (1 / std::sqrt(dot(normal, normal))) * normal;
+        // On a face, an edge, a vertex; and in the plane beside.
+        const double u = n % 4 == 3 ? random.uniform(-1, 2) : random.uniform(0, 1);
+        const double v = n % 4 == 3 ? random.uniform(-1, 2) : n % 4 == 0 ? random.uniform(0, 1 - u) : 0.0;
+        const auto foot = n % 4 == 2 ? a : a + u * (b - a) + v * (c - a);
+        const auto at = [&](double height) { return Vec<double, 3>(foot + height * size * normal); };
+        for (const double height : {1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13}) {
+            const Points3<double> points{at(height), at(-height)};
+            const auto weights = evaluate_all(coordinates, points);
+            for (std::size_t i = 0; i < 2; ++i) {
+                CAPTURE(n, height, i);
+                double largest = 1;
+                for (const double w : weights.rows[i]) largest = std::max(largest, std::fabs(w));
+                CHECK(distance(combine(weights.rows[i], mesh.vertices()), points[i]) <=
+                      1e-11 * size * largest + 16 * epsilon<double> * bounds.magnitude() * largest);
+            }
+        }
+    }
+}
+
+TEST_CASE("mean value binds in space move with affine poses", "[coordinates][meanvalue][space][binding]") {
+    const auto data = random_mesh(5);
+    const auto [binding, report] =
+        cageform::bind(Mean<double>(data.mesh<double>()), points_about(data, 200, 5));
+    CHECK(report.status == Status::ok);
+    CHECK(report.weight_change.value <= 1e-11);
+}
+
+TEST_CASE("meshes that are no cages are refused by mean value coordinates",
+          "[coordinates][meanvalue][space][status]") {
+    auto data = sphere(1);
+    data.faces.pop_back();
+    CHECK(evaluate_all(Mean<double>(data.mesh<double>()), Points3<double>{{0, 0, 0}}).status() ==
+          Status::cage_not_closed);
+}
