@@ -151,7 +151,7 @@ void bind_harmonic_cube(benchmark::State& state) {
     }
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    run_bind(state, cageform::HarmonicCoordinates3d(cube, options), points);
+    run_bind(state, cageform::HarmonicCoordinates(cube, options), points);
 }
 
 void points_and_handles(benchmark::internal::Benchmark* benchmark) {

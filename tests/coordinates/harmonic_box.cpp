@@ -16,7 +16,7 @@ using cageform::HarmonicOptions;
 namespace {
 
 template <class T>
-using Harmonic = cageform::HarmonicCoordinates<T, 3>;
+using Harmonic = cageform::HarmonicCoordinates<T, 3, Box<T>>;
 template <class T>
 using Points3 = std::vector<Vec<T, 3>>;
 

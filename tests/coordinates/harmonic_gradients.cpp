@@ -23,9 +23,8 @@ struct Gradients {
     std::vector<std::vector<Vec<T, D>>> rows; ///< [point][handle]
 };
 
-template <class T, std::size_t D>
-Gradients<T, D> gradients_of(const HarmonicCoordinates<T, D>& coordinates,
-                             const std::vector<Vec<T, D>>& points,
+template <class T, std::size_t D, class Coordinates>
+Gradients<T, D> gradients_of(const Coordinates& coordinates, const std::vector<Vec<T, D>>& points,
                              const cageform::EvaluateOptions& options = {}) {
     const std::size_t handles = coordinates.handles().size(),
                       blocks = cageform::block_count<T>(points.size());
@@ -50,10 +49,9 @@ Gradients<T, D> gradients_of(const HarmonicCoordinates<T, D>& coordinates,
 }
 
 /// Σ ∇h_i = 0 and Σ C_i ∇h_i = identity: what linear precision says of gradients.
-template <class T, std::size_t D>
-void check_laws(const HarmonicCoordinates<T, D>& coordinates, const std::vector<Vec<T, D>>& points,
-                double tolerance) {
-    const auto gradients = gradients_of(coordinates, points);
+template <class T, std::size_t D, class Coordinates>
+void check_laws(const Coordinates& coordinates, const std::vector<Vec<T, D>>& points, double tolerance) {
+    const auto gradients = gradients_of<T, D>(coordinates, points);
     REQUIRE(gradients.evaluation.status == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i, points[i][0], points[i][1]);
@@ -95,7 +93,7 @@ TEMPLATE_TEST_CASE("gradients keep linear precision up to the boundary",
     for (std::size_t i = 0; i < star.size(); ++i) // vertices and places on edges
         in_plane.push_back(T(0.5) * (star[i] + star[i % 2 == 0 ? i : (i + 1) % star.size()]));
     const HarmonicOptions options{.resolution = 120, .multigrid = {.tolerance = 1e-8}};
-    check_laws(HarmonicCoordinates<T, 2>(star, options), in_plane, tolerance(star.size(), 120));
+    check_laws<T, 2>(HarmonicCoordinates<T, 2>(star, options), in_plane, tolerance(star.size(), 120));
 
     const Box<T> box({T(-1), T(2), T(0)}, {T(0.3), T(3), T(2)}, {1 + std::size_t(seed) % 3, 2, 3});
     std::vector<Vec<T, 3>> in_space;
@@ -106,15 +104,16 @@ TEMPLATE_TEST_CASE("gradients keep linear precision up to the boundary",
         if (n % 10 == 0) p[std::size_t(n) / 10 % 3] = box.upper()[std::size_t(n) / 10 % 3];
         in_space.push_back(p);
     }
-    check_laws(HarmonicCoordinates<T, 3>(box, {.resolution = 24, .multigrid = {.tolerance = 1e-8}}), in_space,
-               tolerance(box.size(), 24));
+    check_laws<T, 3>(HarmonicCoordinates(box, {.resolution = 24, .multigrid = {.tolerance = 1e-8}}), in_space,
+                     tolerance(box.size(), 24));
 }
 
 TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
     // Of the unit square the functions are bilinear; of the hexagon, differences of a much finer grid serve.
     const Polygon<double> square(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
     const std::vector<Vec<double, 2>> points{{0.3, 0.4}, {0.01, 0.7}, {0.99, 0.002}, {0.5, 0}, {0, 0}};
-    const auto of_square = gradients_of(HarmonicCoordinates<double, 2>(square, {.resolution = 50}), points);
+    const auto of_square =
+        gradients_of<double, 2>(HarmonicCoordinates<double, 2>(square, {.resolution = 50}), points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto [x, y] = std::pair(points[i][0], points[i][1]);
         // On the boundary they are taken half a cell inside, and these change by as much.
@@ -128,9 +127,10 @@ TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
     const double size = size_of(cage.vertices());
     for (int n = 0; n < 100; ++n) inside.push_back(random_inside(cage, random, 0.06 * size));
     const auto at = [&](std::size_t resolution) {
-        return gradients_of(HarmonicCoordinates<double, 2>(
-                                cage, {.resolution = resolution, .multigrid = {.tolerance = 1e-10}}),
-                            inside);
+        return gradients_of<double, 2>(
+            HarmonicCoordinates<double, 2>(cage,
+                                           {.resolution = resolution, .multigrid = {.tolerance = 1e-10}}),
+            inside);
     };
     const auto exact = at(1024);
     std::array<double, 2> error{};
@@ -150,21 +150,22 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<Vec<double, 2>> points{{1e9, 0}, {nan, 0}};
     HarmonicCoordinates<double, 2> coordinates(cage, {.resolution = 64});
-    const auto gradients = gradients_of(coordinates, points);
+    const auto gradients = gradients_of<double, 2>(coordinates, points);
     CHECK(gradients.evaluation.status == Status::ok);
     CHECK(gradients.states[0] == PointState::outside);
     CHECK(gradients.states[1] == PointState::not_finite);
     HarmonicOptions averaging;
     averaging.solver = cageform::HarmonicSolver::averaging_pyramid;
-    CHECK(gradients_of(HarmonicCoordinates<double, 2>(cage, averaging), points).evaluation.status ==
-          Status::solver_not_supported);
+    CHECK(
+        gradients_of<double, 2>(HarmonicCoordinates<double, 2>(cage, averaging), points).evaluation.status ==
+        Status::solver_not_supported);
     // Solved before, or on threads: the same bits.
     Random random(1);
     const std::vector<Vec<double, 2>> inside(20, random_inside(cage, random, 1e-3));
-    const auto expected = gradients_of(coordinates, inside);
+    const auto expected = gradients_of<double, 2>(coordinates, inside);
     cageform::EvaluateOptions threaded;
     threaded.parallel = cageform::ThreadedFor{2};
     REQUIRE(coordinates.solve(threaded).status == Status::ok);
-    const auto again = gradients_of(coordinates, inside, threaded);
+    const auto again = gradients_of<double, 2>(coordinates, inside, threaded);
     for (std::size_t h = 0; h < cage.size(); ++h) CHECK(again.rows[7][h] == expected.rows[7][h]);
 }

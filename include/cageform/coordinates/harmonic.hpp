@@ -9,7 +9,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the plane the cage is a
-/// Polygon, in space a Box.
+/// Polygon, in space a TriangleMesh or a Box.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are exact there.
@@ -17,7 +17,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// With the multigrid (the default), solved to the digits of double whatever `T`:
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
 ///   accuracy  of order h² in the open and around corners with ten cells of room (grid/corner_functions.hpp); next to
-///             an untreated corner of interior angle ω of order h^(π/ω)
+///             an untreated corner of interior angle ω, or edge in space, of order h^(π/ω)
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so before), and samples them.
 ///             EvaluateOptions::parallel shares the sixteens out; each thread needs `solver_memory().block` bytes,
 ///             every point about 80 bytes in the plane and 150 in space. The progress is asked after every cycle on
@@ -35,12 +35,12 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 /// Outside the cage they are not defined (no extension). With the averaging pyramid a point inside none of whose
 /// surrounding cells has a value is unreached; with the multigrid every point inside has one.
-template <Scalar T, std::size_t D>
+template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
     requires(D == 2 || D == 3)
 class HarmonicCoordinates {
 public:
     using scalar = T;
-    using Cage = std::conditional_t<D == 2, Polygon<T>, Box<T>>;
+    using Cage = C;
     static constexpr std::size_t dimension = D;
     static constexpr bool has_extension = false;
     static constexpr bool closed_form = false;
@@ -135,6 +135,14 @@ private:
     };
     std::conditional_t<D == 2, detail::HarmonicByAveraging<T>, NoAveraging> averaging_;
 };
+
+/// Deduced from the cage: `HarmonicCoordinates coordinates(box)`.
+template <Scalar T>
+HarmonicCoordinates(Box<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 3, Box<T>>;
+template <Scalar T>
+HarmonicCoordinates(TriangleMesh<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 3>;
+template <Scalar T>
+HarmonicCoordinates(Polygon<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 2>;
 
 using HarmonicCoordinates2f = HarmonicCoordinates<float, 2>;
 using HarmonicCoordinates2d = HarmonicCoordinates<double, 2>;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/box.hpp>
+#include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/lattice.hpp>
 

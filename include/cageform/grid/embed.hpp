@@ -41,34 +41,6 @@ struct EmbeddedProblem {
     std::vector<BoundaryValue<D>> values; ///< parallel to `cuts`
 };
 
-/// The value at a point as a mean of values at nodes and on the boundary; serves any number of fields.
-template <std::size_t D>
-struct CutStencil {
-    struct Node {
-        std::uint32_t node;
-        double share;
-    };
-    struct Place { ///< on the boundary
-        BoundaryValue<D> value;
-        double share;
-    };
-    static constexpr std::size_t most_nodes = std::size_t{1} << D;
-
-    std::array<Node, most_nodes> nodes;
-    std::array<Place, 2 * most_nodes> places;
-    std::uint32_t node_count = 0, place_count = 0;
-
-    void add(std::uint32_t node, double share) noexcept {
-        for (std::uint32_t n = 0; n < node_count; ++n) {
-            if (nodes[n].node != node) continue;
-            nodes[n].share += share;
-            return;
-        }
-        nodes[node_count++] = {node, share};
-    }
-    void add(const BoundaryValue<D>& value, double share) noexcept { places[place_count++] = {value, share}; }
-};
-
 namespace detail {
 
 /// The node at `x` on a line along `axis`. Lines along axis 0 are rows.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/cage/inside.hpp>
+#include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/lattice.hpp>
 
@@ -107,11 +108,16 @@ public:
         const auto x = std::int32_t(std::floor(p[0])), y = std::int32_t(std::floor(p[1]));
         const std::pair<std::uint64_t, std::uint32_t> key{cell(x, y), 0};
         const auto first = std::lower_bound(passes_.begin(), passes_.end(), key);
+        const auto cast_in_cell = [&](const Vec<double, 2>& from, std::size_t axis, double end,
+                                      double& position, BoundaryValue<2>& value) {
+            return cast(from, axis, end, key.first, first, position, value);
+        };
+        const auto nearest_to = [&](const Index& node) { return nearest(node); };
         if (first == passes_.end() || first->first != key.first) {
-            gather(stencil, p, {x, y}, {0, 1}, 0, 1.0, first, nodes);
+            gather_cut<2>(stencil, p, {x, y}, {0, 1}, 0, 1.0, nodes, cast_in_cell, nearest_to);
         } else {
-            gather(stencil, p, {x, y}, {0, 1}, 0, 0.5, first, nodes);
-            gather(stencil, p, {x, y}, {1, 0}, 0, 0.5, first, nodes);
+            gather_cut<2>(stencil, p, {x, y}, {0, 1}, 0, 0.5, nodes, cast_in_cell, nearest_to);
+            gather_cut<2>(stencil, p, {x, y}, {1, 0}, 0, 0.5, nodes, cast_in_cell, nearest_to);
         }
         return stencil;
     }
@@ -187,41 +193,6 @@ private:
             }
         }
         return found;
-    }
-
-    void gather(CutStencil<2>& stencil, Vec<double, 2> p, const std::array<std::int32_t, 2>& low,
-                const std::array<std::size_t, 2>& order, std::size_t step, double share, PassIterator first,
-                const NodeRuns<2>& nodes) const noexcept {
-        if (step == 2) {
-            const Index index{std::int32_t(p[0]), std::int32_t(p[1])};
-            const auto node = nodes.find(index);
-            if (node != NodeRuns<2>::none) {
-                stencil.add(node, share);
-            } else { // a node on the boundary
-                stencil.add(nearest(index), share);
-            }
-            return;
-        }
-        const std::size_t axis = order[step];
-        const std::uint64_t in = cell(low[0], low[1]);
-        double begin = low[axis], end = low[axis] + 1;
-        BoundaryValue<2> at_begin, at_end;
-        const bool cut_begin = cast(p, axis, begin, in, first, begin, at_begin);
-        const bool cut_end = cast(p, axis, end, in, first, end, at_end);
-        const double length = end - begin;
-        const double at = length > 0 ? (p[axis] - begin) / length : 0.0;
-        const auto take = [&](bool cut, double place, const BoundaryValue<2>& value, double part) {
-            if (!(part > 0)) return;
-            if (cut) {
-                stencil.add(value, part);
-                return;
-            }
-            auto q = p;
-            q[axis] = place;
-            gather(stencil, q, low, order, step + 1, part, first, nodes);
-        };
-        take(cut_begin, begin, at_begin, share * (1 - at));
-        take(cut_end, end, at_end, share * at);
     }
 
     Lattice<double, 2> lattice_;

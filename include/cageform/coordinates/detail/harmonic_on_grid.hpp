@@ -5,6 +5,7 @@
 #include <cageform/coordinates/harmonic_options.hpp>
 #include <cageform/grid/box_boundary.hpp>
 #include <cageform/grid/corner_functions.hpp>
+#include <cageform/grid/mesh_boundary.hpp>
 #include <cageform/grid/polygon_boundary.hpp>
 
 #include <atomic>
@@ -25,6 +26,10 @@ struct GridBoundary<Polygon<T>> {
 template <Scalar T>
 struct GridBoundary<Box<T>> {
     using type = BoxBoundary<T>;
+};
+template <Scalar T>
+struct GridBoundary<TriangleMesh<T>> {
+    using type = MeshBoundary<T>;
 };
 
 template <class Cage>
@@ -135,7 +140,7 @@ private:
         for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(lattice.cells[k]);
         return counts;
     }
-    /// Of polygons; the edges and corners of a box are convex and do well without.
+    /// Of polygons alone.
     static CornerFunctions corners_of([[maybe_unused]] const Cage& cage,
                                       [[maybe_unused]] const Lattice<double, D>& lattice,
                                       [[maybe_unused]] const EmbeddedProblem<D>& problem) {

@@ -1,0 +1,130 @@
+// Harmonic coordinates in triangle meshes: the laws to the solver's tolerance, the oracle, and robust crossings.
+#include "../catch.hpp"
+#include "../support/meshes.hpp"
+#include "../support/oracle.hpp"
+#include "../support/weights.hpp"
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/core/threads.hpp>
+
+using namespace cageform_tests;
+using cageform::epsilon;
+using cageform::HarmonicCoordinates;
+using cageform::HarmonicOptions;
+using cageform::MeshBoundary;
+
+namespace {
+
+/// Points inside: those about the mesh that are.
+template <class T>
+Points3<T> points_in(const cageform::TriangleMesh<T>& mesh, const MeshData& data, std::uint64_t seed) {
+    Points3<T> points;
+    const auto tolerance = cageform::coincidence_tolerance(cageform::bounds_of(mesh.vertices()));
+    for (const auto& p : points_about(data, 400, seed)) {
+        if (locate(mesh, vec_cast<T>(p), tolerance) == PointState::inside) points.push_back(vec_cast<T>(p));
+    }
+    for (std::size_t f = 0; f < mesh.faces().size(); f += 5) { // on faces, edges and vertices
+        const auto &a = mesh[mesh.faces()[f][0]], &b = mesh[mesh.faces()[f][1]],
+                   &c = mesh[mesh.faces()[f][2]];
+        points.push_back(f % 15 == 0 ? a : f % 15 == 5 ? T(0.5) * (a + b) : T(0.25) * (a + b) + T(0.5) * c);
+    }
+    return points;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in [0, 1] at every resolution",
+                   "[coordinates][harmonic][mesh][property]", float, double) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(12));
+    const std::size_t resolution = GENERATE(std::size_t{14}, std::size_t{33});
+    CAPTURE(seed, resolution);
+    const auto data = random_mesh(std::uint64_t(seed));
+    const auto mesh = data.mesh<T>();
+    const auto points = points_in(mesh, data, std::uint64_t(seed));
+    const HarmonicCoordinates<T, 3> coordinates(mesh, {.resolution = resolution});
+    const auto weights = evaluate_all(coordinates, points);
+    if (weights.status() == Status::grid_too_coarse) { // a thin part
+        CHECK(weights.evaluation.solver.unseen_handle < mesh.size());
+        CHECK(weights.evaluation.solver.sufficient_resolution > resolution);
+        return;
+    }
+    REQUIRE(weights.status() == Status::ok);
+    CHECK(weights.evaluation.solver.convergence_factor <= 0.2);
+    const auto bounds = cageform::bounds_of(mesh.vertices());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CAPTURE(i);
+        CHECK(weights.states[i] != PointState::outside);
+        double size = 0, total = 0; // what functions that are off by the tolerance each come to
+        for (std::size_t k = 0; k < mesh.size(); ++k) {
+            total += 1e-6 + double(epsilon<T>);
+            size = std::max(size, distance(mesh[k], points[i]));
+        }
+        CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= total);
+        CHECK(distance(combine(weights.rows[i], mesh.vertices()), points[i]) <=
+              total * size + 64 * double(epsilon<T>) * double(bounds.magnitude()));
+        for (const T w : weights.rows[i]) CHECK((w >= T(0) && w <= T(1)));
+    }
+    cageform::EvaluateOptions threaded;
+    threaded.parallel = cageform::ThreadedFor{2};
+    CHECK((evaluate_all(coordinates, points, threaded).rows == weights.rows));
+}
+
+TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][mesh][oracle]") {
+    // Linear data has a crease at every edge, on flat faces as well, and next to a crease or a reflex edge the grid
+    // is only of order h: the nearest points are within half a cell. A tetrahedron's weights are linear.
+    struct Case {
+        const char* name;
+        double allowed;
+    };
+    for (const auto& c :
+         {Case{"tetrahedron", 2e-6}, Case{"cube_triangulated", 1e-3},
+          Case{"box_mixed_diagonals_triangulated", 2e-3}, Case{"l_prism_triangulated", 3e-3}}) {
+        const auto json = read_json(std::string("harmonic3d_") + c.name);
+        MeshData data;
+        for (const auto& v : json["cage"]["vertices"]) data.vertices.push_back({v[0], v[1], v[2]});
+        for (const auto& f : json["cage"]["faces"]) data.faces.push_back({f[0], f[1], f[2]});
+        Points3<double> points;
+        for (const auto& p : json["points"]) points.push_back({p[0], p[1], p[2]});
+        CAPTURE(c.name);
+        const auto weights =
+            evaluate_all(HarmonicCoordinates(data.mesh<double>(), {.resolution = 64}), points);
+        REQUIRE(weights.status() == Status::ok);
+        double error = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            for (std::size_t k = 0; k < data.vertices.size(); ++k)
+                error =
+                    std::max(error, std::fabs(weights.rows[i][k] - json["coordinates"][i][k].get<double>()));
+        }
+        CHECK(error <= c.allowed);
+    }
+}
+
+TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[grid][mesh][property]") {
+    const int seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    // Vertices on lattice points, half way between and anywhere: lines through vertices, edges and faces are common.
+    auto data = random_mesh(std::uint64_t(seed));
+    const auto bounds = cageform::bounds_of(std::span<const Vec<double, 3>>(data.vertices));
+    Random random{std::uint64_t(seed)};
+    const double cells = 6 + double(random.below(20));
+    cageform::Lattice<double, 3> lattice;
+    lattice.cells.fill(std::size_t(cells) + 3);
+    for (auto& v : data.vertices) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            v[k] = 1 + cells * (v[k] - bounds.lower[k]) / (bounds.upper[k] - bounds.lower[k]);
+            if (seed % 3 != 0) v[k] = std::round((seed % 3) * v[k]) / (seed % 3);
+        }
+    }
+    const auto crossings = MeshBoundary<double>(data.mesh<double>(), lattice).crossings();
+    for (const auto& along : crossings) {
+        REQUIRE(!along.empty());
+        std::size_t odd = 0;
+        for (std::size_t begin = 0, end = 0; begin < along.size(); begin = end) {
+            while (end < along.size() && along[end].line == along[begin].line) ++end;
+            odd += (end - begin) % 2;
+        }
+        CHECK(odd == 0);
+    }
+}
