@@ -157,3 +157,40 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     CHECK(solve().status == Status::ok);
     CHECK(values[7] == 2);
 }
+
+TEST_CASE("a long line is as right as its ends", "[grid][dirichlet]") {
+    for (const std::size_t n : {3, 170, 1001, 100001}) {
+        CAPTURE(n);
+        const CellBox<1> cells{{n}};
+        std::vector<std::uint8_t> given(n, 0);
+        given.front() = given.back() = 1;
+        std::vector<double> values(n);
+        values.front() = 0.3;
+        values.back() = 0.7;
+        REQUIRE(cageform::solve_dirichlet<1, double>(cells, given, values).status == Status::ok);
+        double error = 0;
+        for (std::size_t i = 0; i < n; ++i)
+            error = std::max(error, std::fabs(values[i] - (0.3 + 0.4 * double(i) / double(n - 1))));
+        CHECK(error <= 1e-9);
+    }
+}
+
+TEST_CASE("the Dirichlet solver asks its progress after every cycle", "[grid][dirichlet][progress]") {
+    const auto problem = random_problem<2>(4);
+    std::vector<double> values(3 * problem.cells.size(), 1.0);
+    for (std::size_t i = 0; i < values.size(); i += 3) values[i] = 2;
+    const auto before = values;
+    int asked = 0;
+    double last = 0;
+    cageform::EvaluateOptions running;
+    running.progress = [&](double done) {
+        CHECK(done >= last);
+        last = done;
+        return ++asked < 2;
+    };
+    CHECK(cageform::solve_dirichlet<2, double>(problem.cells, problem.given, values, {.tolerance = 1e-9},
+                                               running)
+              .status == Status::cancelled);
+    CHECK(asked == 2);
+    CHECK((values == before));
+}

@@ -10,13 +10,13 @@ namespace cageform::inline CAGEFORM_ABI {
 /// axis fastest: two divisions along each axis make 26 vertices. Between the vertices of a rectangle boundary data is
 /// bilinear.
 ///
-/// Construction never fails; `check` tells whether the box can serve as a cage.
+/// `check` tells whether the box can serve as a cage. Takes memory for every place of the lattice of divisions.
 template <Scalar T>
 class Box {
 public:
     using scalar = T;
     static constexpr std::size_t dimension = 3;
-    using Divisions = std::array<std::size_t, 3>; ///< along each axis, at least 1
+    using Divisions = std::array<std::size_t, 3>; ///< along each axis; `check` refuses 0
 
     Box() = default;
     Box(const Vec<T, 3>& lower, const Vec<T, 3>& upper, const Divisions& divisions = {1, 1, 1})
@@ -30,7 +30,6 @@ public:
                     bool surface = false;
                     Vec<T, 3> p;
                     for (std::size_t k = 0; k < 3; ++k) {
-                        CAGEFORM_ASSERT(divisions[k] > 0, "a box has at least one division along each axis");
                         surface = surface || index[k] == 0 || index[k] == divisions[k];
                         const double t = double(index[k]) / double(divisions[k]);
                         p[k] = static_cast<T>((1 - t) * double(lower[k]) + t * double(upper[k]));

@@ -20,8 +20,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///             an untreated corner of interior angle ω, or edge in space, of order h^(π/ω)
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so before), and samples them.
 ///             EvaluateOptions::parallel shares the sixteens out; each thread needs `solver_memory().block` bytes,
-///             every point about 80 bytes in the plane and 150 in space. The progress is asked after every cycle on
-///             the calling thread
+///             every point about 80 bytes in the plane and 150 in space, and next to treated corners #V scalars. The
+///             progress is asked after every cycle on the calling thread, which has to take part in the work
 ///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse; not_converged;
 ///             cancelled; out_of_memory
 ///
@@ -100,8 +100,8 @@ public:
         return nearest_boundary_weights(cage(), p, row);
     }
 
-    /// What the multigrid will need, in bytes; all zero where the cage or the grid is refused. The cost is that of
-    /// setting the solver up, some hundredths of solving.
+    /// What the multigrid will need, in bytes; all zero where the cage or the grid is refused, or the hierarchy itself finds
+    /// no room. The cost is that of setting the solver up: a tenth of solving, and the hierarchy's memory.
     struct SolverMemory {
         std::size_t hierarchy = 0; ///< once
         std::size_t block =

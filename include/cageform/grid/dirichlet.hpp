@@ -8,6 +8,7 @@
 #include <cageform/grid/multigrid.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <thread>
 
@@ -25,9 +26,11 @@ struct DirichletOptions {
 ///   given    #cells; 0 where the value is unknown. Every unknown cell must have all its 2·D neighbours in the grid
 ///   values   fields of #cells each, one after the other; values given are read, unknown ones are written when the
 ///            status is ok, and not before
-///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once, block_bytes() a thread
+///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once, block_bytes() a thread, the
+///            unknown values once more, and 8 bytes an unknown cell. The progress is asked after every cycle on the
+///            calling thread, which has to take part in the work
 ///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the place in `values`);
-///            tolerance_not_positive; not_converged; cancelled; out_of_memory
+///            tolerance_not_positive; not_converged; cancelled; out_of_memory (also for 2³¹ cells and more)
 template <std::size_t D, Scalar T>
 Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t> given, std::span<T> values,
                            const DirichletOptions& options = {}, const EvaluateOptions& running = {}) {
@@ -45,6 +48,9 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (given[i % size] != 0 && !std::isfinite(values[i])) return fail(Status::value_not_finite, i);
         }
+        constexpr auto most = std::size_t(std::numeric_limits<std::int32_t>::max());
+        if (size > most || cells.cells[0] > most) return Status::out_of_memory;
+        const auto start = std::chrono::steady_clock::now();
         typename NodeRuns<D>::Index counts;
         for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(cells.cells[k]);
         NodeRuns<D> nodes(counts);
@@ -87,6 +93,8 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
         const auto caller = std::this_thread::get_id();
         std::mutex access;
         std::atomic<bool> cancelled{false};
+        std::atomic<std::size_t> done{0}; // groups
+        double told = 0;
         const auto solve_group = [&](std::size_t first, typename Multigrid<D>::Block& block) {
             const std::size_t count = std::min(width, fields - first);
             std::array<double, width> middle{},
@@ -114,10 +122,18 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
                     met = met && error.estimate[k] <= 2 * options.tolerance;
                 return met;
             };
+            const auto tell = [&](double of_group) {
+                if (std::this_thread::get_id() != caller || !running.progress || cancelled) return;
+                told = std::max(told, (double(done) + of_group) / double(groups));
+                if (!running.progress(told)) cancelled = true;
+            };
             while (!is_met() && cycles < options.max_cycles && !cancelled) {
                 error = multigrid.cycle(block);
                 ++cycles;
+                tell(double(cycles) / double(cycles + 4));
             }
+            ++done;
+            tell(0);
             for (std::uint32_t node = 0; node < unknown.size(); ++node) {
                 const auto value = block.value(node);
                 for (std::size_t k = 0; k < count; ++k)
@@ -132,15 +148,13 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
                 report.error_estimate = std::max(report.error_estimate, 0.5 * error.estimate[k]);
                 report.error_bound = std::max(report.error_bound, 0.5 * error.bound[k]);
             }
-            if (std::this_thread::get_id() == caller && running.progress &&
-                !running.progress(double(report.solves) / double(fields)))
-                cancelled = true;
         };
         detail::in_parallel(running, groups, 1, [&](std::size_t begin, std::size_t end) {
             auto block = multigrid.make_block();
             for (std::size_t group = begin; group < end && !cancelled; ++group)
                 solve_group(group * width, block);
         });
+        report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         if (cancelled) return Status::cancelled;
         if (report.unconverged > 0) return Status::not_converged;
         for (std::size_t f = 0; f < fields; ++f) {

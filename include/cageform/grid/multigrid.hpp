@@ -34,6 +34,7 @@ public:
 
         /// The solution at a node.
         Values value(std::uint32_t node) const noexcept {
+            if constexpr (D == 1) return exact[node];
             Values v;
             for (std::size_t k = 0; k < width; ++k) v[k] = double(fields[0].u[node][k]);
             if (settled.empty()) return v;
@@ -42,7 +43,7 @@ public:
             for (std::size_t k = 0; k < width; ++k) v[k] += double(remainder[node][k]);
             return v;
         }
-        bool empty() const noexcept { return fields.empty(); }
+        bool empty() const noexcept { return fields.empty() && exact.empty(); }
 
         /// Whether the error is known in double: until then, the second cycle, the bound is one only up to what float
         /// rounds.
@@ -50,7 +51,8 @@ public:
         std::size_t bytes() const noexcept {
             std::size_t rows = settled.capacity() + remainder.capacity() + odd_source.capacity();
             for (const auto& level : fields) rows += level.u.capacity() + level.b.capacity();
-            return rows * sizeof(Row) + (source.capacity() + settled_part.capacity()) * sizeof(Values);
+            return rows * sizeof(Row) +
+                   (source.capacity() + settled_part.capacity() + exact.capacity()) * sizeof(Values);
         }
 
     private:
@@ -58,6 +60,7 @@ public:
         struct Fields {
             std::vector<Row> u, b;
         };
+        std::vector<Values> exact;  ///< in one dimension all there is
         std::vector<Fields> fields; ///< a level each
         std::vector<Row> settled,
             remainder; ///< the part of the solution put aside: together twice float's digits
@@ -74,11 +77,17 @@ public:
     /// sources  further nodes that take a right-hand side of their own
     Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts,
               std::span<const std::uint32_t> sources) {
-        // ∇²(−|x|²/2D) = −1: over a ball of radius R about the nodes the error is at most R²/2D residuals.
+        // ∇²(−|x|²/2D) = −1: over a ball of radius R about the data the error is at most R²/2D residuals.
         double squares = 0;
-        for (const auto n : nodes.size()) squares += 0.25 * double(n) * double(n);
+        for (const auto n : nodes.size()) squares += 0.25 * (double(n) + 1) * (double(n) + 1);
         reach_ = squares / (2.0 * double(D));
         auto equations = detail::finest_equations<D>(nodes, cuts);
+        if constexpr (D == 1) { // no hierarchy: the equations are tridiagonal
+            levels_.push_back(detail::make_level<D>(equations, nullptr, true));
+            eliminate(equations);
+            find_inner_sources(nodes, sources);
+            return;
+        }
         for (;;) {
             constexpr std::uint32_t direct = 160; // unknowns solved at once at the bottom
             const std::uint32_t count = equations.nodes.count();
@@ -108,6 +117,11 @@ public:
 
     Block make_block() const {
         Block block;
+        if constexpr (D == 1) {
+            block.source.resize(source_count());
+            block.exact.resize(unknowns());
+            return block;
+        }
         block.fields.resize(levels_.size());
         for (std::size_t l = 0; l < levels_.size(); ++l) {
             block.fields[l].u.resize(levels_[l].count);
@@ -122,13 +136,15 @@ public:
     /// What is known of the error of a block's solution, per right-hand side.
     struct Error {
         Values
-            estimate; ///< from the residual, by what the corrections were for the residuals before them; twofold and more
+            estimate; ///< from the residual, by what the corrections were for the residuals before them, twofold;
+                      ///< not a bound: next to one, rarely a little too small
         Values
-            bound; ///< from the residual alone, by the maximum principle: never less than the error (see is_refined)
+            bound; ///< from the residual alone, by the maximum principle: never less than the error, up to rounding (see is_refined)
     };
 
     /// A first guess of a block whose `source` is set, from the coarse grids up.
     Error start(Block& block) const {
+        if constexpr (D == 1) return solve_lines(block);
         const std::size_t bottom_level = levels_.size() - 1;
         Pack(0.0f).store(block.gain);
         Pack(0.0f).store(block.residual);
@@ -163,6 +179,7 @@ public:
 
     /// One cycle more.
     Error cycle(Block& block) const {
+        if constexpr (D == 1) return solve_lines(block);
         const bool direct = levels_.size() == 1;
         take_sources(block);
         if (direct || block.cycles++ % refine_every == 1) refine(block);
@@ -180,12 +197,14 @@ public:
 
     /// Bytes of the hierarchy, and of every block beside it.
     std::size_t bytes() const noexcept {
-        std::size_t n = factor_.size() * sizeof(float) + inner_sources_.size() * sizeof(InnerSource);
+        std::size_t n = factor_.size() * sizeof(float) + inner_sources_.size() * sizeof(InnerSource) +
+                        lines_.size() * sizeof(Line);
         for (const auto& level : levels_) n += level.bytes();
         return n;
     }
     /// At most; with three cycles a row for each unknown less.
     std::size_t block_bytes() const noexcept {
+        if constexpr (D == 1) return (unknowns() + source_count()) * sizeof(Values);
         std::size_t rows = levels_.front().odd.size() + 2 * std::size_t(levels_.front().count);
         for (const auto& level : levels_) rows += 2 * std::size_t(level.count);
         return rows * sizeof(Row) + 2 * source_count() * sizeof(Values);
@@ -208,6 +227,42 @@ private:
             }
         }
     };
+
+    /// A node in one dimension: the reciprocal of its pivot and what the elimination leaves of the link to the next node.
+    struct Line {
+        double inverse_pivot, to_next;
+        bool from_last; ///< linked to the node before
+    };
+    void eliminate(const detail::Equations<D>& equations) {
+        double to_here = 0;
+        for (std::uint32_t node = 0; node < equations.nodes.count(); ++node) {
+            const auto& a = equations.stencil(node);
+            const bool linked = node > 0 &&
+                                equations.nodes.index(node)[0] == equations.nodes.index(node - 1)[0] + 1 &&
+                                a[0] != 0 && equations.stencil(node - 1)[2] != 0;
+            const double inverse = 1 / (a[1] - (linked ? to_here : 0.0));
+            to_here = inverse * -a[2];
+            lines_.push_back({inverse, to_here, linked});
+        }
+        for (std::size_t n = 0; n + 1 < lines_.size(); ++n)
+            lines_[n].to_next *= lines_[n + 1].from_last ? 1.0 : 0.0;
+    }
+    /// Both ways along the line, in double; right up to rounding.
+    Error solve_lines(Block& block) const {
+        auto& x = block.exact;
+        for (auto& values : x) values.fill(0.0);
+        for (std::size_t j = 0; j < source_count(); ++j) x[source_node(j)] = block.source[j];
+        for (std::size_t n = 0; n < x.size(); ++n) {
+            for (std::size_t k = 0; k < width; ++k)
+                x[n][k] = ((lines_[n].from_last ? x[n - 1][k] : 0.0) + x[n][k]) * lines_[n].inverse_pivot;
+        }
+        for (std::size_t n = x.size(); n-- > 1;) {
+            for (std::size_t k = 0; k < width && lines_[n].from_last; ++k)
+                x[n - 1][k] += lines_[n - 1].to_next * x[n][k];
+        }
+        block.refined = true;
+        return {Values{}, Values{}};
+    }
 
     static Values widened(const Pack& p) noexcept {
         Row row;
@@ -330,6 +385,17 @@ private:
             now = {Pack(0.0f), Pack(0.0f)};
             for (std::size_t j = 0; j < levels_[0].odd.size(); ++j)
                 now.add_odd(levels_[0].odd[j], odd_residual(block, 0, j));
+            const auto& [u, b] = block.fields[0];
+            const auto add = [&now](std::uint32_t, const Pack& r) { now.add(r); };
+            for (const auto& s : levels_[0].stretches) {
+                for (const std::uint32_t begin : {0u, 1u}) {
+                    if (block.refined || !inner_sources_.empty()) {
+                        walk_finest<true, true>(u.data() + s.first, b.data() + s.first, s, begin, add);
+                    } else {
+                        walk_finest<true, false>(u.data() + s.first, b.data() + s.first, s, begin, add);
+                    }
+                }
+            }
         } else {
             // The correction just found is the error of the solution before, up to what relaxation takes away.
             Pack correction(0.0f);
@@ -732,7 +798,8 @@ private:
 
     std::vector<detail::Level<D>> levels_;
     std::vector<InnerSource> inner_sources_;
-    double reach_ = 1; ///< error per inner residual at most
+    std::vector<Line> lines_; ///< in one dimension
+    double reach_ = 1;        ///< error per inner residual at most
     std::vector<float>
         factor_; ///< Cholesky's of the bottom level, as `bottom` reads it; empty where that is large
 };

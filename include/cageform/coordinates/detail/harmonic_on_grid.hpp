@@ -62,6 +62,7 @@ public:
                                      const CornerFunctions::Coefficients& at_corners) {
                                      auto& kept = grid->kept[group];
                                      kept.at_corners = at_corners;
+                                     kept.values.reserve(grid->multigrid.unknowns());
                                      for (std::uint32_t n = 0; n < grid->multigrid.unknowns(); ++n)
                                          kept.values.push_back(block.value(n));
                                  });
@@ -91,7 +92,9 @@ public:
     std::pair<std::size_t, std::size_t> memory() const {
         std::shared_ptr<const Grid> grid;
         SolverReport report;
-        if (make_grid(grid, report, options_.multigrid.corner_functions) != Status::ok) return {};
+        const Status status =
+            guard_memory([&] { return make_grid(grid, report, options_.multigrid.corner_functions); });
+        if (status != Status::ok) return {};
         return {grid->multigrid.bytes(), grid->multigrid.block_bytes()};
     }
 
@@ -175,6 +178,9 @@ private:
         if (options_.resolution < 8 || options_.resolution > most) return Status::resolution_not_supported;
         if (!(options_.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
         const auto lattice = lattice_of(options_.resolution);
+        const double rounding = double(epsilon<T>) * double(bounds_of(cage_.vertices()).magnitude());
+        if (!(lattice.spacing > 4 * rounding) || lattice.spacing < 1e-290)
+            return Status::resolution_not_supported;
         Boundary boundary(cage_, lattice);
         const auto crossings = boundary.crossings();
         const auto seen = seen_handles<D>(crossings, cage_.size());
@@ -364,6 +370,7 @@ private:
         }
     };
     static constexpr std::size_t points_together = 1024; ///< whose stencils are kept in one place
+    static constexpr std::size_t pieces_together = 64;   ///< of those, between two questions to the progress
 
     /// The weights of points from a grid's functions, kept or solved now.
     Status sample(const Grid& grid, BlockView<const T> points, BlockView<T> weights,
@@ -378,21 +385,31 @@ private:
                 stencils[n].added.resize(stencils[n].corrected.size() * cage_.size());
             }
         });
-        const auto sample_all = [&](std::size_t group, const auto& solution,
-                                    const CornerFunctions::Coefficients& at_corners) {
-            for (std::size_t n = 0; n < stencils.size(); ++n)
-                sample_group(stencils[n], n * points_together, solution, at_corners,
-                             group * Multigrid<D>::width, weights);
+        const auto sample_piece = [&](std::size_t n, std::size_t group, const auto& solution,
+                                      const CornerFunctions::Coefficients& at_corners) {
+            sample_group(stencils[n], n * points_together, solution, at_corners, group * Multigrid<D>::width,
+                         weights);
         };
-        if (stencils.empty()) return Status::ok;
         Status status = Status::ok;
         if (!grid.kept.empty()) {
-            status = for_each_block(grid.groups, options, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t group = begin; group < end; ++group)
-                    sample_all(group, grid.kept[group], grid.kept[group].at_corners);
-            });
-        } else {
-            status = solve_groups(grid, report, options, sample_all);
+            for (std::size_t begin = 0; begin < stencils.size(); begin += pieces_together) {
+                const std::size_t count = std::min(pieces_together, stencils.size() - begin);
+                in_parallel(options, count, 1, [&](std::size_t first, std::size_t last) {
+                    for (std::size_t n = begin + first; n < begin + last; ++n) {
+                        for (std::size_t group = 0; group < grid.groups; ++group)
+                            sample_piece(n, group, grid.kept[group], grid.kept[group].at_corners);
+                    }
+                });
+                if (options.progress && !options.progress(double(begin + count) / double(stencils.size())))
+                    return Status::cancelled;
+            }
+        } else if (!stencils.empty()) {
+            status = solve_groups(grid, report, options,
+                                  [&](std::size_t group, const typename Multigrid<D>::Block& block,
+                                      const CornerFunctions::Coefficients& at_corners) {
+                                      for (std::size_t n = 0; n < stencils.size(); ++n)
+                                          sample_piece(n, group, block, at_corners);
+                                  });
         }
         if (status != Status::ok) return status;
         for (const Stencils& some : stencils) {
@@ -509,6 +526,10 @@ private:
                     at.push_back(q);
                 }
                 const auto [down, up] = way;
+                if (!(down + up > 0)) { // no way along this axis
+                    states[i] = PointState::unreached;
+                    break;
+                }
                 Difference d{i, axis, {at.size() - 2, middle, at.size() - 1}, {}};
                 if (down < 0.1 * up) {
                     d.factor = {0, -1 / up, 1 / up};
