@@ -7,5 +7,6 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/grid/dirichlet.hpp>
 #include <cageform/version.hpp>

@@ -159,14 +159,14 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
 }
 
 TEST_CASE("a long line is as right as its ends", "[grid][dirichlet]") {
-    for (const std::size_t n : {3, 170, 1001, 100001}) {
+    for (const std::size_t n : {std::size_t{3}, std::size_t{170}, std::size_t{1001}, std::size_t{100001}}) {
         CAPTURE(n);
         const CellBox<1> cells{{n}};
         std::vector<std::uint8_t> given(n, 0);
-        given.front() = given.back() = 1;
+        given[0] = given[n - 1] = 1;
         std::vector<double> values(n);
-        values.front() = 0.3;
-        values.back() = 0.7;
+        values[0] = 0.3;
+        values[n - 1] = 0.7;
         REQUIRE(cageform::solve_dirichlet<1, double>(cells, given, values).status == Status::ok);
         double error = 0;
         for (std::size_t i = 0; i < n; ++i)

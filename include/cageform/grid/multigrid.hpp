@@ -30,29 +30,27 @@ public:
 
     /// What one block of right-hand sides needs. `source` is the caller's to write, between cycles too.
     struct Block {
-        std::vector<Values> source; ///< right-hand sides of the nodes that may have one (`source_slot`)
-
         /// The solution at a node.
         Values value(std::uint32_t node) const noexcept {
-            if constexpr (D == 1) return exact[node];
+            if constexpr (D == 1) return exact_[node];
             Values v;
-            for (std::size_t k = 0; k < width; ++k) v[k] = double(fields[0].u[node][k]);
-            if (settled.empty()) return v;
-            for (std::size_t k = 0; k < width; ++k) v[k] += double(settled[node][k]);
-            if (remainder.empty()) return v;
-            for (std::size_t k = 0; k < width; ++k) v[k] += double(remainder[node][k]);
+            for (std::size_t k = 0; k < width; ++k) v[k] = double(fields_[0].u[node][k]);
+            if (settled_.empty()) return v;
+            for (std::size_t k = 0; k < width; ++k) v[k] += double(settled_[node][k]);
+            if (remainder_.empty()) return v;
+            for (std::size_t k = 0; k < width; ++k) v[k] += double(remainder_[node][k]);
             return v;
         }
-        bool empty() const noexcept { return fields.empty() && exact.empty(); }
+        bool empty() const noexcept { return fields_.empty() && exact_.empty(); }
 
         /// Whether the error is known in double: until then, the second cycle, the bound is one only up to what float
         /// rounds.
-        bool is_refined() const noexcept { return refined; }
+        bool is_refined() const noexcept { return refined_; }
         std::size_t bytes() const noexcept {
-            std::size_t rows = settled.capacity() + remainder.capacity() + odd_source.capacity();
-            for (const auto& level : fields) rows += level.u.capacity() + level.b.capacity();
+            std::size_t rows = settled_.capacity() + remainder_.capacity() + odd_source_.capacity();
+            for (const auto& level : fields_) rows += level.u.capacity() + level.b.capacity();
             return rows * sizeof(Row) +
-                   (source.capacity() + settled_part.capacity() + exact.capacity()) * sizeof(Values);
+                   (source.capacity() + settled_part_.capacity() + exact_.capacity()) * sizeof(Values);
         }
 
     private:
@@ -60,17 +58,21 @@ public:
         struct Fields {
             std::vector<Row> u, b;
         };
-        std::vector<Values> exact;  ///< in one dimension all there is
-        std::vector<Fields> fields; ///< a level each
-        std::vector<Row> settled,
-            remainder; ///< the part of the solution put aside: together twice float's digits
-        std::vector<Values> settled_part; ///< what of `source` it takes up
-        std::vector<Row> odd_source;      ///< the rest
-        Row gain;                         ///< error per residual, as the cycles so far showed
-        Row residual;                     ///< largest, after the last cycle
-        std::size_t cycles = 0;
-        bool refined = false; ///< the finest level has a right-hand side everywhere
-        bool blank = true;    ///< the finest level's u is zero, whatever it holds
+        Row gain_;                             ///< error per residual, as the cycles so far showed
+        Row residual_;                         ///< largest, after the last cycle
+        std::vector<Values> exact_;            ///< in one dimension all there is
+        std::vector<Fields> fields_;           ///< a level each
+        std::vector<Row> settled_, remainder_; ///< the part put aside: together twice float's digits
+        std::vector<Values> settled_part_;     ///< what of `source` it takes up
+        std::vector<Row> odd_source_;          ///< the rest
+        std::size_t cycles_ = 0;
+
+    public:
+        std::vector<Values> source; ///< right-hand sides of the nodes that may have one (`source_node`)
+
+    private:
+        bool refined_ = false; ///< the finest level has a right-hand side everywhere
+        bool blank_ = true;    ///< the finest level's u is zero, whatever it holds
     };
 
     /// cuts     every link of an unknown that does not end on an unknown
@@ -119,17 +121,17 @@ public:
         Block block;
         if constexpr (D == 1) {
             block.source.resize(source_count());
-            block.exact.resize(unknowns());
+            block.exact_.resize(unknowns());
             return block;
         }
-        block.fields.resize(levels_.size());
+        block.fields_.resize(levels_.size());
         for (std::size_t l = 0; l < levels_.size(); ++l) {
-            block.fields[l].u.resize(levels_[l].count);
-            block.fields[l].b.resize(levels_[l].count);
+            block.fields_[l].u.resize(levels_[l].count);
+            block.fields_[l].b.resize(levels_[l].count);
         }
         block.source.resize(source_count());
-        block.settled_part.resize(source_count());
-        block.odd_source.resize(levels_[0].odd.size());
+        block.settled_part_.resize(source_count());
+        block.odd_source_.resize(levels_[0].odd.size());
         return block;
     }
 
@@ -146,26 +148,26 @@ public:
     Error start(Block& block) const {
         if constexpr (D == 1) return solve_lines(block);
         const std::size_t bottom_level = levels_.size() - 1;
-        Pack(0.0f).store(block.gain);
-        Pack(0.0f).store(block.residual);
-        block.settled.clear();
-        block.remainder.clear();
-        block.refined = false;
-        for (auto& part : block.settled_part) part.fill(0.0);
-        if (bottom_level == 0 || !inner_sources_.empty()) clear(block.fields[0].b);
+        Pack(0.0f).store(block.gain_);
+        Pack(0.0f).store(block.residual_);
+        block.settled_.clear();
+        block.remainder_.clear();
+        block.refined_ = false;
+        for (auto& part : block.settled_part_) part.fill(0.0);
+        if (bottom_level == 0 || !inner_sources_.empty()) clear(block.fields_[0].b);
         take_sources(block);
-        block.cycles = 0;
-        block.blank = true;
+        block.cycles_ = 0;
+        block.blank_ = true;
         if (bottom_level > 0 && inner_sources_.empty()) {
-            clear(block.fields[1].b);
-            for (std::size_t j = 0; j < block.odd_source.size(); ++j)
-                give_to_coarse(block, 0, j, Pack::load(block.odd_source[j]));
+            clear(block.fields_[1].b);
+            for (std::size_t j = 0; j < block.odd_source_.size(); ++j)
+                give_to_coarse(block, 0, j, Pack::load(block.odd_source_[j]));
         } else if (bottom_level > 0) {
-            clear(block.fields[0].u);
+            clear(block.fields_[0].u);
             pass(block, 0, false, 1, true);
         }
         for (std::size_t l = 1; l < bottom_level; ++l) {
-            clear(block.fields[l].u);
+            clear(block.fields_[l].u);
             pass(block, l, false, 1, true);
         }
         bottom(block);
@@ -182,7 +184,7 @@ public:
         if constexpr (D == 1) return solve_lines(block);
         const bool direct = levels_.size() == 1;
         take_sources(block);
-        if (direct || block.cycles++ % refine_every == 1) refine(block);
+        if (direct || block.cycles_++ % refine_every == 1) refine(block);
         if (direct)
             bottom(block);
         else
@@ -192,7 +194,7 @@ public:
 
     /// To be told when `source` has been changed between cycles: by how much at most, per right-hand side.
     static void disturb(Block& block, const Values& change) noexcept {
-        for (std::size_t k = 0; k < width; ++k) block.residual[k] += float(change[k]);
+        for (std::size_t k = 0; k < width; ++k) block.residual_[k] += float(change[k]);
     }
 
     /// Bytes of the hierarchy, and of every block beside it.
@@ -249,7 +251,7 @@ private:
     }
     /// Both ways along the line, in double; right up to rounding.
     Error solve_lines(Block& block) const {
-        auto& x = block.exact;
+        auto& x = block.exact_;
         for (auto& values : x) values.fill(0.0);
         for (std::size_t j = 0; j < source_count(); ++j) x[source_node(j)] = block.source[j];
         for (std::size_t n = 0; n < x.size(); ++n) {
@@ -260,7 +262,7 @@ private:
             for (std::size_t k = 0; k < width && lines_[n].from_last; ++k)
                 x[n - 1][k] += lines_[n - 1].to_next * x[n][k];
         }
-        block.refined = true;
+        block.refined_ = true;
         return {Values{}, Values{}};
     }
 
@@ -297,43 +299,43 @@ private:
 
     /// The right-hand sides that are left when what is put aside has taken its part.
     void take_sources(Block& block) const noexcept {
-        const std::size_t odd = block.odd_source.size();
+        const std::size_t odd = block.odd_source_.size();
         for (std::size_t j = 0; j < block.source.size(); ++j) {
-            Row& rest = j < odd ? block.odd_source[j] : block.fields[0].b[inner_sources_[j - odd].node];
+            Row& rest = j < odd ? block.odd_source_[j] : block.fields_[0].b[inner_sources_[j - odd].node];
             for (std::size_t k = 0; k < width; ++k)
-                rest[k] = float(block.source[j][k] - block.settled_part[j][k]);
+                rest[k] = float(block.source[j][k] - block.settled_part_[j][k]);
         }
     }
 
     /// Puts the solution so far aside and makes its residual, in double, the right-hand side.
     void refine(Block& block) const {
-        auto& [u, b] = block.fields[0];
-        if (!block.refined) {
-            std::swap(u, block.settled);
+        auto& [u, b] = block.fields_[0];
+        if (!block.refined_) {
+            std::swap(u, block.settled_);
             u.resize(levels_[0].count);
         } else {
-            if (block.remainder.empty()) {
-                block.remainder.resize(levels_[0].count);
-                clear(block.remainder);
+            if (block.remainder_.empty()) {
+                block.remainder_.resize(levels_[0].count);
+                clear(block.remainder_);
             }
             for (std::size_t i = 0; i < u.size(); ++i) {
                 for (std::size_t k = 0; k < width; ++k) {
-                    const double low = double(block.remainder[i][k]) + double(u[i][k]);
-                    const double sum = double(block.settled[i][k]) + low;
-                    block.settled[i][k] = float(sum);
-                    block.remainder[i][k] = float(sum - double(block.settled[i][k]));
+                    const double low = double(block.remainder_[i][k]) + double(u[i][k]);
+                    const double sum = double(block.settled_[i][k]) + low;
+                    block.settled_[i][k] = float(sum);
+                    block.remainder_[i][k] = float(sum - double(block.settled_[i][k]));
                 }
             }
         }
-        block.blank = true;
-        block.refined = true;
+        block.blank_ = true;
+        block.refined_ = true;
         const auto& level = levels_[0];
-        const Row* const remainder = block.remainder.empty() ? nullptr : block.remainder.data();
+        const Row* const remainder = block.remainder_.empty() ? nullptr : block.remainder_.data();
         for (std::size_t q = 0; q < level.slabs.size(); ++q) {
             for (std::size_t t = first_stretch(0, q); t < level.slabs[q].stretches_end; ++t)
-                residual_in_double(block.settled.data(), remainder, level.stretches[t], b.data());
+                residual_in_double(block.settled_.data(), remainder, level.stretches[t], b.data());
             for (std::size_t j = first_odd(0, q); j < level.slabs[q].odd_end; ++j) {
-                auto& part = block.settled_part[j];
+                auto& part = block.settled_part_[j];
                 part.fill(0.0);
                 add_settled(block, level.odd[j].node, level.odd[j].diagonal, part);
                 const auto* const entries = level.entries.data() + j * finest_entries;
@@ -342,7 +344,7 @@ private:
             }
         }
         for (std::size_t n = 0; n < inner_sources_.size(); ++n) {
-            auto& part = block.settled_part[level.odd.size() + n];
+            auto& part = block.settled_part_[level.odd.size() + n];
             part.fill(0.0);
             add_settled(block, inner_sources_[n].node, 2.0 * double(D), part);
             for (const auto neighbour : inner_sources_[n].neighbours)
@@ -351,9 +353,9 @@ private:
         take_sources(block);
     }
     static void add_settled(const Block& block, std::uint32_t node, double factor, Values& sum) noexcept {
-        for (std::size_t k = 0; k < width; ++k) sum[k] += factor * double(block.settled[node][k]);
-        if (block.remainder.empty()) return;
-        for (std::size_t k = 0; k < width; ++k) sum[k] += factor * double(block.remainder[node][k]);
+        for (std::size_t k = 0; k < width; ++k) sum[k] += factor * double(block.settled_[node][k]);
+        if (block.remainder_.empty()) return;
+        for (std::size_t k = 0; k < width; ++k) sum[k] += factor * double(block.remainder_[node][k]);
     }
     /// −A applied to a stretch of a solution and, where there is one, its remainder.
     static void residual_in_double(const Row* u, const Row* remainder, const Stretch& s, Row* b) noexcept {
@@ -385,11 +387,11 @@ private:
             now = {Pack(0.0f), Pack(0.0f)};
             for (std::size_t j = 0; j < levels_[0].odd.size(); ++j)
                 now.add_odd(levels_[0].odd[j], odd_residual(block, 0, j));
-            const auto& [u, b] = block.fields[0];
+            const auto& [u, b] = block.fields_[0];
             const auto add = [&now](std::uint32_t, const Pack& r) { now.add(r); };
             for (const auto& s : levels_[0].stretches) {
                 for (const std::uint32_t begin : {0u, 1u}) {
-                    if (block.refined || !inner_sources_.empty()) {
+                    if (block.refined_ || !inner_sources_.empty()) {
                         walk_finest<true, true>(u.data() + s.first, b.data() + s.first, s, begin, add);
                     } else {
                         walk_finest<true, false>(u.data() + s.first, b.data() + s.first, s, begin, add);
@@ -399,21 +401,21 @@ private:
         } else {
             // The correction just found is the error of the solution before, up to what relaxation takes away.
             Pack correction(0.0f);
-            for (const Row& row : block.fields[1].u)
+            for (const Row& row : block.fields_[1].u)
                 correction = max<float>(correction, abs<float>(Pack::load(row)));
-            const Pack before = Pack::load(block.residual);
+            const Pack before = Pack::load(block.residual_);
             const Pack gain = correction / max<float>(before, Pack(std::numeric_limits<float>::min()));
             const Pack known = select<float>(Pack(0.0f) < before, gain, Pack(0.0f));
             // Residuals get smoother and tell of more error: as the gain has grown it may grow again.
-            const Pack last = Pack::load(block.gain), largest = max<float>(last, known);
+            const Pack last = Pack::load(block.gain_), largest = max<float>(last, known);
             const Pack growth = largest / max<float>(last, Pack(std::numeric_limits<float>::min()));
             caution = caution * select<float>(Pack(0.0f) < last, min<float>(growth, Pack(2.0f)), Pack(2.0f));
-            largest.store(block.gain);
+            largest.store(block.gain_);
             now = pass(block, 0, true, finest_sweeps, true);
         }
         const Pack largest = max<float>(now.inner, now.drawn);
-        largest.store(block.residual);
-        const Pack known = Pack::load(block.gain);
+        largest.store(block.residual_);
+        const Pack known = Pack::load(block.gain_);
         const Pack gain = select<float>(Pack(0.0f) < known, max<float>(Pack(1.0f), known), Pack(4.0f));
         return {widened(caution * gain * largest), widened(Pack(float(reach_)) * now.inner + now.drawn)};
     }
@@ -446,7 +448,7 @@ private:
 
     void bottom(Block& block) const noexcept {
         const std::size_t l = levels_.size() - 1, n = levels_[l].count;
-        auto& [u, b] = block.fields[l];
+        auto& [u, b] = block.fields_[l];
         if (factor_.empty()) {
             // Too thin for coarser grids, hence close to the data everywhere: relaxation is quick.
             clear(u);
@@ -455,7 +457,7 @@ private:
         }
         if (l == 0) {
             for (std::size_t j = 0; j < levels_[0].odd.size(); ++j)
-                b[levels_[0].odd[j].node] = block.odd_source[j];
+                b[levels_[0].odd[j].node] = block.odd_source_[j];
         }
         const float* factor = factor_.data();
         const auto eliminate = [&](const Row& right, std::size_t begin, std::size_t end) {
@@ -475,16 +477,16 @@ private:
 
     Pack odd_neighbours(const Block& block, std::size_t l, std::size_t j) const noexcept {
         const auto& level = levels_[l];
-        const Row* const u = block.fields[l].u.data();
+        const Row* const u = block.fields_[l].u.data();
         const auto* entry = level.entries.data();
         if (l == 0) {
-            Pack sum = Pack::load(block.odd_source[j]);
+            Pack sum = Pack::load(block.odd_source_[j]);
             entry += j * finest_entries;
             for (std::size_t n = 0; n < finest_entries; ++n)
                 sum = sum + Pack(entry[n].weight) * Pack::load(u[entry[n].node]);
             return sum;
         }
-        Pack sum = Pack::load(block.fields[l].b[level.odd[j].node]);
+        Pack sum = Pack::load(block.fields_[l].b[level.odd[j].node]);
         const auto* const end = entry + level.odd[j].stencil_end;
         Pack other(0.0f);
         for (entry += j == 0 ? 0 : level.odd[j - 1].stencil_end; entry != end; entry += 2) {
@@ -496,7 +498,7 @@ private:
     Pack odd_residual(const Block& block, std::size_t l, std::size_t j) const noexcept {
         const auto& node = levels_[l].odd[j];
         return odd_neighbours(block, l, j) -
-               Pack(float(node.diagonal)) * Pack::load(block.fields[l].u[node.node]);
+               Pack(float(node.diagonal)) * Pack::load(block.fields_[l].u[node.node]);
     }
 
     // ---- one stretch ------------------------------------------------------------------------------
@@ -587,13 +589,13 @@ private:
     void relax_odd(Block& block, std::size_t l, std::size_t q) const noexcept {
         for (std::size_t j = first_odd(l, q); j < levels_[l].slabs[q].odd_end; ++j) {
             const auto& node = levels_[l].odd[j];
-            (odd_neighbours(block, l, j) * Pack(node.inverse)).store(block.fields[l].u[node.node]);
+            (odd_neighbours(block, l, j) * Pack(node.inverse)).store(block.fields_[l].u[node.node]);
         }
     }
     /// Every second node of the finest level's stretches, those of one colour.
     template <bool WithSource>
     void relax_finest(Block& block, std::size_t q, std::uint32_t colour) const noexcept {
-        auto& [u, b] = block.fields[0];
+        auto& [u, b] = block.fields_[0];
         for (std::size_t t = first_stretch(0, q); t < levels_[0].slabs[q].stretches_end; ++t) {
             const auto& s = levels_[0].stretches[t];
             Row* const at = u.data() + s.first;
@@ -603,7 +605,7 @@ private:
     }
     /// A sweep along the rows of a coarser level.
     void relax_coarse(Block& block, std::size_t l, std::size_t q) const noexcept {
-        auto& [u, b] = block.fields[l];
+        auto& [u, b] = block.fields_[l];
         for (std::size_t t = first_stretch(l, q); t < levels_[l].slabs[q].stretches_end; ++t) {
             const auto& s = levels_[l].stretches[t];
             walk_coarse<false>(levels_[l], u.data() + s.first, b.data() + s.first, s, nullptr);
@@ -614,8 +616,8 @@ private:
     template <bool WithSource>
     void restrict_slab(Block& block, std::size_t l, std::size_t q, Residual& largest) const noexcept {
         const auto& level = levels_[l];
-        auto& [u, b] = block.fields[l];
-        Row* const coarse = block.fields[l + 1].b.data();
+        auto& [u, b] = block.fields_[l];
+        Row* const coarse = block.fields_[l + 1].b.data();
         const Pack half(0.5f);
         for (std::size_t t = first_stretch(l, q); t < level.slabs[q].stretches_end; ++t) {
             const auto& s = level.stretches[t];
@@ -669,7 +671,7 @@ private:
     }
     void give_to_coarse(Block& block, std::size_t l, std::size_t j, const Pack& r) const noexcept {
         const auto& level = levels_[l];
-        Row* const coarse = block.fields[l + 1].b.data();
+        Row* const coarse = block.fields_[l + 1].b.data();
         for (std::uint32_t n = j == 0 ? 0 : level.odd[j - 1].coarse_end; n < level.odd[j].coarse_end; ++n) {
             Row& row = coarse[level.from_coarse[n].node];
             (Pack::load(row) + Pack(level.from_coarse[n].weight) * r).store(row);
@@ -686,8 +688,8 @@ private:
             }
         };
         const auto& level = levels_[l];
-        Row* const u = block.fields[l].u.data();
-        const Row* const coarse = block.fields[l + 1].u.data();
+        Row* const u = block.fields_[l].u.data();
+        const Row* const coarse = block.fields_[l + 1].u.data();
         for (std::size_t t = first_stretch(l, q); t < level.slabs[q].stretches_end; ++t) {
             const auto& s = level.stretches[t];
             const std::uint32_t rows = s.coarse_rows;
@@ -728,7 +730,7 @@ private:
     /// the coarse level (when `to_coarse`), each a few slabs behind the one before. Returns that residual's size.
     Residual pass(Block& block, std::size_t l, bool from_coarse, std::size_t sweeps,
                   bool to_coarse) const noexcept {
-        return l == 0 && (block.refined || !inner_sources_.empty())
+        return l == 0 && (block.refined_ || !inner_sources_.empty())
                    ? pass<true>(block, l, from_coarse, sweeps, to_coarse)
                    : pass<false>(block, l, from_coarse, sweeps, to_coarse);
     }
@@ -743,9 +745,9 @@ private:
             return step >= behind && step - behind < slabs ? step - behind : slabs;
         };
         Residual largest{Pack(0.0f), Pack(0.0f)};
-        const bool blank = l == 0 && block.blank;
-        block.blank = block.blank && l > 0;
-        if (to_coarse) clear(block.fields[l + 1].b);
+        const bool blank = l == 0 && block.blank_;
+        block.blank_ = block.blank_ && l > 0;
+        if (to_coarse) clear(block.fields_[l + 1].b);
         for (std::size_t step = 0; step < steps; ++step) {
             if (from_coarse && step < slabs) {
                 if (blank) {
@@ -777,7 +779,7 @@ private:
     void correct(Block& block, std::size_t l) const noexcept {
         const std::size_t below = l + 1;
         if (below + 1 == levels_.size()) return bottom(block);
-        clear(block.fields[below].u);
+        clear(block.fields_[below].u);
         pass(block, below, false, 1, true);
         correct(block, below);
         pass(block, below, true, 2, true); // a W-cycle: these levels are small, and thin parts need them well
