@@ -124,6 +124,14 @@ T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
     return 8 * epsilon<T> * std::fmax(bounds.diagonal(), bounds.magnitude());
 }
 
+/// A power of two that makes the diagonal at most 1: scaling by it is exact.
+template <Scalar T, std::size_t D>
+T unit_scale(const Bounds<T, D>& bounds) noexcept {
+    int exponent = 0;
+    std::frexp(bounds.diagonal(), &exponent);
+    return std::ldexp(T(1), -exponent);
+}
+
 /// The signed area of a loop, positive when counter-clockwise (y up).
 template <Scalar T>
 double signed_area(const Polygon<T>& polygon, typename Polygon<T>::Loop loop) noexcept {

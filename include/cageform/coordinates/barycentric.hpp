@@ -50,15 +50,11 @@ public:
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                         const EvaluateOptions& options = {}) const {
-        if (report_.status != Status::ok) return {report_.status, {}};
-        CAGEFORM_ASSERT(weights.rows == D + 1 && states.size() == points.points, "one row per handle");
-        return {detail::for_each_block(points.blocks(), options,
+        return detail::evaluate_blocks(report_, D + 1, points, weights, states, options,
                                        [&](std::size_t begin, std::size_t end) {
-                                           for (std::size_t b = begin; b < end; ++b) {
+                                           for (std::size_t b = begin; b < end; ++b)
                                                evaluate_block(b, points, weights, states);
-                                           }
-                                       }),
-                {}};
+                                       });
     }
 
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {

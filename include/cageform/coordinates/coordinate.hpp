@@ -58,6 +58,20 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
     return place;
 }
 
+namespace detail {
+
+/// What `evaluate` is for closed forms: body(first, last) for pieces of the blocks, when the cage is sound.
+template <class T, class Body>
+Evaluation evaluate_blocks(const CageReport& cage, std::size_t handles, BlockView<const T> points,
+                           BlockView<T> weights, std::span<PointState> states, const EvaluateOptions& options,
+                           const Body& body) {
+    if (cage.status != Status::ok) return {cage.status, {}};
+    CAGEFORM_ASSERT(weights.rows == handles && states.size() == points.points, "one row per handle");
+    return {for_each_block(points.blocks(), options, body), {}};
+}
+
+} // namespace detail
+
 /// Weights of a single point, a convenience on top of `evaluate`.
 ///
 ///   weights  out, #handles

@@ -36,10 +36,7 @@ public:
         if (report_.status != Status::ok) return;
         const auto bounds = bounds_of(cage_.vertices());
         tolerance_ = coincidence_tolerance(bounds);
-        // A power of two: scaling by it is exact, and products of three lengths stay in range.
-        int exponent = 0;
-        std::frexp(bounds.diagonal(), &exponent);
-        scale_ = std::ldexp(T(1), -exponent);
+        scale_ = unit_scale(bounds); // products of three lengths stay in range
 
         corners_.resize(cage_.size());
         for (std::size_t k = 0; k < cage_.loops().size(); ++k) {
@@ -67,15 +64,11 @@ public:
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                         const EvaluateOptions& options = {}) const {
-        if (report_.status != Status::ok) return {report_.status, {}};
-        CAGEFORM_ASSERT(weights.rows == cage_.size() && states.size() == points.points, "one row per handle");
-        return {detail::for_each_block(points.blocks(), options,
+        return detail::evaluate_blocks(report_, cage_.size(), points, weights, states, options,
                                        [&](std::size_t begin, std::size_t end) {
-                                           for (std::size_t b = begin; b < end; ++b) {
+                                           for (std::size_t b = begin; b < end; ++b)
                                                evaluate_block(b, points, weights, states);
-                                           }
-                                       }),
-                {}};
+                                       });
     }
 
     Vec<T, 2> nearest_boundary(const Vec<T, 2>& p, std::span<T> row) const noexcept {

@@ -40,10 +40,8 @@ public:
         if (report_.status != Status::ok) return;
         const auto bounds = bounds_of(cage_.vertices());
         tolerance_ = coincidence_tolerance(bounds);
-        // In units of a power of two about the diagonal, from the middle: scaling is exact, and nothing overflows.
-        int exponent = 0;
-        std::frexp(bounds.diagonal(), &exponent);
-        scale_ = std::ldexp(T(1), -exponent);
+        scale_ = unit_scale(bounds);
+        origin_ = cage_[0];
         prepare();
     }
 
@@ -53,15 +51,12 @@ public:
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                         const EvaluateOptions& options = {}) const {
-        if (report_.status != Status::ok) return {report_.status, {}};
-        CAGEFORM_ASSERT(weights.rows == cage_.size() && states.size() == points.points, "one row per handle");
-        return {detail::for_each_block(points.blocks(), options,
+        return detail::evaluate_blocks(report_, cage_.size(), points, weights, states, options,
                                        [&](std::size_t begin, std::size_t end) {
-                                           std::vector<Lanes<T>> angles(2 * edges_.size());
+                                           std::vector<Lanes<T>> angles(edges_.size());
                                            for (std::size_t b = begin; b < end; ++b)
                                                evaluate_block(b, points, weights, states, angles.data());
-                                       }),
-                {}};
+                                       });
     }
 
     Vec<T, 3> nearest_boundary(const Vec<T, 3>& p, std::span<T> row) const noexcept {
@@ -91,7 +86,8 @@ private:
     void prepare() {
         std::vector<std::pair<std::uint64_t, std::uint32_t>> numbers;
         std::vector<Vec<double, 3>> at;
-        for (const auto& v : cage_.vertices()) at.push_back(double(scale_) * vec_cast<double>(v));
+        for (const auto& v : cage_.vertices())
+            at.push_back(double(scale_) * (vec_cast<double>(v) - vec_cast<double>(origin_)));
         const auto unit = [](const Vec<double, 3>& v) { return (1 / detail::length(v)) * v; };
         for (const auto& corners : cage_.faces()) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -138,9 +134,9 @@ private:
         const auto* const position = points.block(b);
         auto* const row = weights.block(b);
         const Pack zero(T(0)), one(T(1)), half(T(0.5));
-        const std::array<Pack, 3> p{Pack(scale_) * Pack::load(position[0]),
-                                    Pack(scale_) * Pack::load(position[1]),
-                                    Pack(scale_) * Pack::load(position[2])};
+        std::array<Pack, 3> p; // from the first vertex, in units about the diagonal
+        for (std::size_t k = 0; k < 3; ++k)
+            p[k] = Pack(scale_) * (Pack::load(position[k]) - Pack(origin_[k]));
         const auto dot_p = [&p](const Vec<T, 3>& v) {
             return Pack(v[0]) * p[0] + (Pack(v[1]) * p[1] + Pack(v[2]) * p[2]);
         };
@@ -347,6 +343,7 @@ private:
     std::vector<Face> faces_;
     T tolerance_ = 0;
     T scale_ = 1;
+    Vec<T, 3> origin_{};
 };
 
 using MeanValueCoordinates3f = MeanValueCoordinates<float, 3>;
