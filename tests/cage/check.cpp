@@ -183,8 +183,9 @@ TEST_CASE("every fault has a name and leads to a status", "[cage][check]") {
         CHECK(!name.empty());
         CHECK(name != "unknown fault");
         CHECK(names.insert(name).second);
-        const bool warning =
-            kind == CageFaultKind::collinear_vertex || kind == CageFaultKind::loop_turns_otherwise;
+        const bool warning = kind == CageFaultKind::collinear_vertex ||
+                             kind == CageFaultKind::vertex_unused ||
+                             kind == CageFaultKind::loop_turns_otherwise;
         CHECK((status_of(kind) == Status::ok) == warning);
     }
     CHECK(to_string(CageFaultKind(unsigned(CageFaultKind::loop_turns_otherwise) + 1)) ==
