@@ -210,7 +210,7 @@ private:
     }
 
     /// Faces nearer to p's plane than this (in diagonals or half diagonals) and not faced by p lose too many digits.
-    static constexpr double near_plane = sizeof(T) == 8 ? 2e-3 : 1e-2;
+    static constexpr double near_plane = sizeof(T) == 8 ? 5e-4 : 1e-3;
 
     /// The weights of a face in the lanes flagged.
     void correct_lanes(const Face& face, const Lanes<T>& flags, const Pack& height,
