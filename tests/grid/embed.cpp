@@ -156,3 +156,33 @@ TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[gri
     CHECK(unseen(4) > 0);
     CHECK(unseen(256) == 0);
 }
+
+TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to", "[grid][embed]") {
+    const Polygon<double> cage(random_star<double>(6));
+    const auto lattice = lattice_over(cage, 40, 0.37);
+    const PolygonBoundary<double> boundary(cage, lattice);
+    const auto crossings = boundary.crossings();
+    const auto nearest = [&](const Index& node) { return boundary.nearest(node); };
+    const auto plain = cageform::embed<2>(size_of(lattice), crossings, nearest);
+    Random random(2);
+    std::vector<cageform::FixedNode<2>> fixed;
+    plain.nodes.for_each([&](const Index& index, std::uint32_t) {
+        if (random.below(9) == 0) fixed.push_back({index, {{7, 9}, {0.25, 0.75}}});
+    });
+    REQUIRE(fixed.size() > 20);
+    std::reverse(fixed.begin(), fixed.end()); // in any order
+    const auto problem = cageform::embed<2>(size_of(lattice), crossings, nearest, fixed);
+    CHECK(problem.nodes.count() + fixed.size() == plain.nodes.count());
+    for (const auto& node : fixed) CHECK(problem.nodes.find(node.index) == NodeRuns<2>::none);
+    std::size_t links = 0;
+    for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
+        auto there = problem.nodes.index(problem.cuts[c].node);
+        there[problem.cuts[c].direction / 2] += (problem.cuts[c].direction & 1) != 0 ? 1 : -1;
+        const bool to_fixed = plain.nodes.find(there) != NodeRuns<2>::none && problem.cuts[c].weight == 1;
+        if (!to_fixed) continue;
+        ++links;
+        CHECK(problem.values[c].handle == fixed[0].value.handle);
+        CHECK(problem.values[c].weight == fixed[0].value.weight);
+    }
+    CHECK(links > fixed.size());
+}
