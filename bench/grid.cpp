@@ -118,9 +118,7 @@ void multigrid(benchmark::State& state) {
     std::atomic<std::size_t> cycles{0};
     for (auto _ : state) {
         const Multigrid<D> solver(problem.nodes, problem.cuts, {});
-        std::vector<std::uint32_t> slot(solver.unknowns());
-        for (std::size_t s = 0; s < solver.source_count(); ++s)
-            slot[solver.source_node(s)] = std::uint32_t(s);
+        const auto slot = solver.source_slots();
         cycles = 0;
         const auto solve_groups = [&](std::size_t begin, std::size_t end) {
             auto block = solver.make_block();

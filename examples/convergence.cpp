@@ -52,9 +52,7 @@ Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resoluti
         cageform::embed<2>({std::int32_t(lattice.cells[0]), std::int32_t(lattice.cells[1])},
                            boundary.crossings(), [&](const auto& node) { return boundary.nearest(node); });
     const Multigrid<2> multigrid(problem.nodes, problem.cuts, {});
-    std::vector<std::uint32_t> slot(multigrid.unknowns());
-    for (std::size_t s = 0; s < multigrid.source_count(); ++s)
-        slot[multigrid.source_node(s)] = std::uint32_t(s);
+    const auto slot = multigrid.source_slots();
 
     Curve curve;
     auto block = multigrid.make_block();

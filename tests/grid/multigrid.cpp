@@ -104,8 +104,7 @@ Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool walls, const
 template <std::size_t D, class Value>
 void set_data(const Multigrid<D>& multigrid, const Domain<D>& domain, typename Multigrid<D>::Block& block,
               const Value& value) {
-    std::vector<std::size_t> slot(multigrid.unknowns());
-    for (std::size_t s = 0; s < multigrid.source_count(); ++s) slot[multigrid.source_node(s)] = s;
+    const auto slot = multigrid.source_slots();
     for (auto& values : block.source) values.fill(0.0);
     for (std::size_t c = 0; c < domain.cuts.size(); ++c) {
         for (std::size_t k = 0; k < width; ++k)

@@ -17,4 +17,11 @@ struct BoundaryValue {
     std::array<double, most> weight{};
 };
 
+namespace detail {
+
+/// The two axes across an axis of space, in order.
+inline constexpr std::array<std::array<std::size_t, 2>, 3> other_axes{{{1, 2}, {0, 2}, {0, 1}}};
+
+} // namespace detail
+
 } // namespace cageform::inline CAGEFORM_ABI

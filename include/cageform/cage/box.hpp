@@ -61,7 +61,7 @@ public:
             low[k] = std::min(std::size_t(t), divisions_[k] - 1);
             beyond[k] = t - double(low[k]);
         }
-        const std::size_t a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
+        const auto [a, b] = detail::other_axes[axis];
         BoundaryValue<3> value;
         for (std::size_t n = 0; n < 4; ++n) {
             auto index = low;

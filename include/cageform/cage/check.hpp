@@ -106,10 +106,7 @@ namespace detail {
 inline bool segments_touch(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c,
                            const Vec<double, 2>& d, double tolerance) noexcept {
     const auto distance = [](const Vec<double, 2>& p, const Vec<double, 2>& s, const Vec<double, 2>& t) {
-        const auto e = t - s;
-        const double length2 = dot(e, e);
-        const double u = length2 > 0 ? std::clamp(dot(p - s, e) / length2, 0.0, 1.0) : 0.0;
-        const auto r = s + u * e - p;
+        const auto r = s + part_of_segment(p, s, t) * (t - s) - p;
         return std::sqrt(dot(r, r));
     };
     const auto side = [](const Vec<double, 2>& s, const Vec<double, 2>& t, const Vec<double, 2>& p) {

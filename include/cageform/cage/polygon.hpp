@@ -124,6 +124,18 @@ T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
     return 8 * epsilon<T> * std::fmax(bounds.diagonal(), bounds.magnitude());
 }
 
+namespace detail {
+
+/// Where on the segment from `a` to `b` the place nearest to `p` lies: 0 at a, 1 at b; 0 where both are one.
+template <std::size_t D>
+double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
+    const auto e = b - a;
+    const double length2 = dot(e, e);
+    return length2 > 0 ? std::fmin(std::fmax(dot(p - a, e) / length2, 0.0), 1.0) : 0.0;
+}
+
+} // namespace detail
+
 /// A power of two that makes the diagonal at most 1: scaling by it is exact.
 template <Scalar T, std::size_t D>
 T unit_scale(const Bounds<T, D>& bounds) noexcept {

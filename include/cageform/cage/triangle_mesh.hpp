@@ -63,11 +63,6 @@ inline double length(const Vec<double, 3>& v) noexcept {
 /// sec. 5.1.5: the regions of vertices, edges and the face).
 inline std::array<double, 3> nearest_on_triangle(const Vec<double, 3>& p, const Vec<double, 3>& a,
                                                  const Vec<double, 3>& b, const Vec<double, 3>& c) noexcept {
-    const auto on_edge = [](const Vec<double, 3>& q, const Vec<double, 3>& s, const Vec<double, 3>& t) {
-        const auto e = t - s;
-        const double length2 = dot(e, e);
-        return length2 > 0 ? std::clamp(dot(q - s, e) / length2, 0.0, 1.0) : 0.0;
-    };
     const auto n = cross(b - a, c - a);
     const double area2 = dot(n, n);
     if (area2 > 0) {
@@ -79,7 +74,7 @@ inline std::array<double, 3> nearest_on_triangle(const Vec<double, 3>& p, const 
     const std::array<Vec<double, 3>, 3> corner{a, b, c};
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t l = (k + 1) % 3;
-        const double s = on_edge(p, corner[k], corner[l]);
+        const double s = part_of_segment(p, corner[k], corner[l]);
         const auto d = corner[k] + s * (corner[l] - corner[k]) - p;
         if (dot(d, d) >= least) continue;
         least = dot(d, d);

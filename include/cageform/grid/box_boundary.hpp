@@ -24,7 +24,7 @@ public:
     Crossings<3> crossings() const {
         Crossings<3> all;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::size_t a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
+            const auto [a, b] = detail::other_axes[axis];
             Vec<double, 3> p{};
             const auto [begin_a, end_a] = inside(a);
             const auto [begin_b, end_b] = inside(b);

@@ -129,9 +129,8 @@ public:
                         radius = std::min(radius, std::sqrt(dot(e, e)));
                         return;
                     }
-                    const auto e = at[k] - at[j];
-                    const double s = std::clamp(dot(at[i] - at[j], e) / dot(e, e), 0.0, 1.0);
-                    const auto d = at[j] + s * e - at[i];
+                    const double s = detail::part_of_segment(at[i], at[j], at[k]);
+                    const auto d = at[j] + s * (at[k] - at[j]) - at[i];
                     radius = std::min(radius, std::sqrt(dot(d, d)));
                 });
                 if (radius < least_radius) continue;

@@ -3,14 +3,12 @@
 // a few known pixels, heat that has come to rest, crosswords of numbers.
 #pragma once
 
-#include <cageform/grid/evaluation.hpp>
+#include <cageform/grid/detail/group_progress.hpp>
 #include <cageform/grid/lattice.hpp>
 #include <cageform/grid/multigrid.hpp>
 
-#include <atomic>
 #include <chrono>
 #include <mutex>
-#include <thread>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -84,17 +82,12 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
 
         const Multigrid<D> multigrid(nodes, cuts, {});
         report.bytes = multigrid.bytes() + multigrid.block_bytes();
-        std::vector<std::uint32_t> slot(unknown.size());
-        for (std::size_t j = 0; j < multigrid.source_count(); ++j)
-            slot[multigrid.source_node(j)] = std::uint32_t(j);
+        const auto slot = multigrid.source_slots();
         constexpr std::size_t width = Multigrid<D>::width;
         const std::size_t fields = values.size() / size, groups = (fields + width - 1) / width;
         std::vector<T> solved(fields * unknown.size());
-        const auto caller = std::this_thread::get_id();
         std::mutex access;
-        std::atomic<bool> cancelled{false};
-        std::atomic<std::size_t> done{0}; // groups
-        double told = 0;
+        detail::GroupProgress progress(running.progress, groups);
         const auto solve_group = [&](std::size_t first, typename Multigrid<D>::Block& block) {
             const std::size_t count = std::min(width, fields - first);
             std::array<double, width> middle{},
@@ -122,18 +115,12 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
                     met = met && error.estimate[k] <= 2 * options.tolerance;
                 return met;
             };
-            const auto tell = [&](double of_group) {
-                if (std::this_thread::get_id() != caller || !running.progress || cancelled) return;
-                told = std::max(told, (double(done) + of_group) / double(groups));
-                if (!running.progress(told)) cancelled = true;
-            };
-            while (!is_met() && cycles < options.max_cycles && !cancelled) {
+            while (!is_met() && cycles < options.max_cycles && !progress.cancelled()) {
                 error = multigrid.cycle(block);
                 ++cycles;
-                tell(double(cycles) / double(cycles + 4));
+                (void)progress.keep_going(double(cycles) / double(cycles + 4));
             }
-            ++done;
-            tell(0);
+            progress.end_group();
             for (std::uint32_t node = 0; node < unknown.size(); ++node) {
                 const auto value = block.value(node);
                 for (std::size_t k = 0; k < count; ++k)
@@ -151,11 +138,11 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
         };
         detail::in_parallel(running, groups, 1, [&](std::size_t begin, std::size_t end) {
             auto block = multigrid.make_block();
-            for (std::size_t group = begin; group < end && !cancelled; ++group)
+            for (std::size_t group = begin; group < end && !progress.cancelled(); ++group)
                 solve_group(group * width, block);
         });
         report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (cancelled) return Status::cancelled;
+        if (progress.cancelled()) return Status::cancelled;
         if (report.unconverged > 0) return Status::not_converged;
         for (std::size_t f = 0; f < fields; ++f) {
             for (std::size_t node = 0; node < unknown.size(); ++node)

@@ -27,9 +27,7 @@ public:
         Crossings<3> all;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             for (const auto& face : faces_) add_crossings(all[axis], face, axis);
-            std::sort(all[axis].begin(), all[axis].end(), [](const Crossing<3>& a, const Crossing<3>& b) {
-                return a.line != b.line ? a.line < b.line : a.position < b.position;
-            });
+            sort_along_lines<3>(all[axis]);
         }
         return all;
     }
@@ -145,7 +143,7 @@ private:
     }
 
     void add_crossings(std::vector<Crossing<3>>& out, const Face& face, std::size_t axis) const {
-        const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+        const std::size_t u = detail::other_axes[axis][0], v = detail::other_axes[axis][1];
         using Whole = std::array<std::int64_t, 2>;
         constexpr std::int64_t one = std::int64_t{1} << 20;
         std::array<Whole, 3> corner;
@@ -200,7 +198,7 @@ private:
     bool meet(std::uint32_t f, const Vec<double, 3>& p, std::size_t axis, double sign, double& limit,
               double& position, BoundaryValue<3>& value) const noexcept {
         constexpr double rim = 1e-9; // no point may slip between two faces
-        const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+        const std::size_t u = detail::other_axes[axis][0], v = detail::other_axes[axis][1];
         std::array<double, 3> w{};
         if (!weights_at(faces_[f], u, v, p[u], p[v], w)) return false;
         if (w[0] < -rim || w[1] < -rim || w[2] < -rim) return false;

@@ -117,6 +117,13 @@ public:
         return slot < odd.size() ? odd[slot].node : inner_sources_[slot - odd.size()].node;
     }
 
+    /// The other way round: the slot in `Block::source` of every node that may have a right-hand side, else 0.
+    std::vector<std::uint32_t> source_slots() const {
+        std::vector<std::uint32_t> slots(unknowns());
+        for (std::size_t s = 0; s < source_count(); ++s) slots[source_node(s)] = std::uint32_t(s);
+        return slots;
+    }
+
     Block make_block() const {
         Block block;
         if constexpr (D == 1) {

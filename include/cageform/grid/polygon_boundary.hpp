@@ -33,9 +33,7 @@ public:
         Crossings<2> all;
         for (std::size_t axis = 0; axis < 2; ++axis) {
             for (const Edge& edge : edges_) add_crossings(all[axis], edge, axis);
-            std::sort(all[axis].begin(), all[axis].end(), [](const Crossing<2>& a, const Crossing<2>& b) {
-                return a.line != b.line ? a.line < b.line : a.position < b.position;
-            });
+            sort_along_lines<2>(all[axis]);
         }
         return all;
     }
@@ -45,9 +43,8 @@ public:
         double least = std::numeric_limits<double>::max();
         BoundaryValue<2> value;
         for (const Edge& edge : edges_) {
-            const auto e = edge.b - edge.a;
-            const double s = std::clamp(dot(p - edge.a, e) / dot(e, e), 0.0, 1.0);
-            const auto d = edge.a + s * e - p;
+            const double s = detail::part_of_segment(p, edge.a, edge.b);
+            const auto d = edge.a + s * (edge.b - edge.a) - p;
             if (dot(d, d) >= least) continue;
             least = dot(d, d);
             value = edge.at(s);

@@ -5,14 +5,13 @@
 #include <cageform/coordinates/harmonic_options.hpp>
 #include <cageform/grid/box_boundary.hpp>
 #include <cageform/grid/corner_functions.hpp>
+#include <cageform/grid/detail/group_progress.hpp>
 #include <cageform/grid/mesh_boundary.hpp>
 #include <cageform/grid/polygon_boundary.hpp>
 
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -121,10 +120,7 @@ private:
             , multigrid(problem.nodes, problem.cuts, corners.sources())
             , groups((from.size() + Multigrid<D>::width - 1) / Multigrid<D>::width) {
             boundary.index_cells();
-            std::size_t slot = 0;
-            std::vector<std::uint32_t> slots(problem.nodes.count());
-            for (; slot < multigrid.source_count(); ++slot)
-                slots[multigrid.source_node(slot)] = std::uint32_t(slot);
+            const auto slots = multigrid.source_slots();
             for (const CutLink& cut : problem.cuts) cut_slots.push_back(slots[cut.node]);
             corners.set_slots(slots);
         }
@@ -207,10 +203,7 @@ private:
     Status solve_groups(const Grid& grid, SolverReport& report, const EvaluateOptions& options,
                         const Take& take) const {
         const auto start = std::chrono::steady_clock::now();
-        const auto caller = std::this_thread::get_id();
-        std::atomic<std::size_t> done{0};
-        std::atomic<bool> cancelled{false};
-        double told = 0;
+        GroupProgress progress(options.progress, grid.groups);
         std::mutex report_access;
         std::vector<typename Multigrid<D>::Block> spare; // as many as threads at work together
         in_parallel(options, grid.groups, 1, [&](std::size_t begin, std::size_t end) {
@@ -223,20 +216,12 @@ private:
                 }
             }
             if (block.empty()) block = grid.multigrid.make_block();
-            for (std::size_t group = begin; group < end && !cancelled; ++group) {
-                const auto keep_going = [&](double fraction) {
-                    if (std::this_thread::get_id() == caller && options.progress) {
-                        told = std::max(told, (double(done) + fraction) / double(grid.groups));
-                        if (!options.progress(told)) cancelled = true;
-                    }
-                    return !cancelled;
-                };
+            for (std::size_t group = begin; group < end && !progress.cancelled(); ++group) {
                 SolverReport part;
                 CornerFunctions::Coefficients at_corners;
-                if (!solve_group(grid, group, block, at_corners, part, keep_going)) return;
+                if (!solve_group(grid, group, block, at_corners, part, progress)) return;
                 if (part.unsettled == 0) take(group, block, at_corners);
-                ++done;
-                keep_going(0);
+                progress.end_group();
                 const std::lock_guard lock(report_access);
                 report.solves += part.solves;
                 report.unconverged += part.unconverged;
@@ -250,14 +235,14 @@ private:
             spare.push_back(std::move(block));
         });
         report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        return cancelled ? Status::cancelled : report.unconverged > 0 ? Status::not_converged : Status::ok;
+        if (progress.cancelled()) return Status::cancelled;
+        return report.unconverged > 0 ? Status::not_converged : Status::ok;
     }
 
     /// Functions 16·group …; false when cancelled.
-    template <class KeepGoing>
     bool solve_group(const Grid& grid, std::size_t group, typename Multigrid<D>::Block& block,
                      CornerFunctions::Coefficients& at_corners, SolverReport& report,
-                     const KeepGoing& keep_going) const {
+                     GroupProgress& progress) const {
         constexpr std::size_t width = Multigrid<D>::width;
         const std::size_t first = group * width, count = std::min(width, cage_.size() - first);
         for (auto& values : block.source) values.fill(0.0);
@@ -302,7 +287,7 @@ private:
                 report.unconverged = count;
                 break;
             }
-            if (!keep_going(double(report.cycles) / double(report.cycles + 4))) return false;
+            if (!progress.keep_going(double(report.cycles) / double(report.cycles + 4))) return false;
             before = report.error_estimate + change; // the new coefficients move the solution as well
             error = grid.multigrid.cycle(block);
             ++report.cycles;
@@ -515,11 +500,11 @@ private:
             if (states[i] == PointState::outside || states[i] == PointState::unreached) continue;
             const std::size_t middle = at.size();
             at.push_back(p);
+            const auto cells_of_p = grid.lattice.in_cells(vec_cast<double>(p));
             for (std::size_t axis = 0; axis < D; ++axis) {
                 std::array<double, 2> way{};
                 for (const bool up : {false, true}) {
-                    const double cells =
-                        grid.boundary.free_way(grid.lattice.in_cells(vec_cast<double>(p)), axis, up, 1.0);
+                    const double cells = grid.boundary.free_way(cells_of_p, axis, up, 1.0);
                     auto q = p;
                     q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * grid.lattice.spacing);
                     way[up ? 1 : 0] = std::fabs(double(q[axis]) - double(p[axis])); // as rounded
@@ -573,10 +558,10 @@ private:
             for (std::size_t k = 0; k < D; ++k)
                 q[k] = static_cast<T>(double(p[k]) + (((direction >> k) & 1u) != 0 ? step : -step));
             if (locate(cage_, q, tolerance_) != PointState::inside) continue;
+            const auto cells_of_q = grid.lattice.in_cells(vec_cast<double>(q));
             double least = 1;
             for (std::size_t k = 0; k < D; ++k) {
-                for (const bool up : {false, true})
-                    least = grid.boundary.free_way(grid.lattice.in_cells(vec_cast<double>(q)), k, up, least);
+                for (const bool up : {false, true}) least = grid.boundary.free_way(cells_of_q, k, up, least);
             }
             if (least <= most) continue;
             most = least;
