@@ -10,24 +10,28 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
-    too_few_vertices,     ///< loop `a` has `b` vertices, less than three
-    not_a_simplex,        ///< `a` vertices where a simplex has `b`
-    loops_do_not_match,   ///< the loop sizes add up to `a`, the vertices to `b`
-    vertex_not_finite,    ///< vertex `a`
-    duplicate_vertices,   ///< `a` and its successor `b` coincide within rounding
-    edges_cross,          ///< the edges that start at vertices `a` and `b` cross or touch
-    no_area,              ///< all vertices of loop `a` lie on one line
-    degenerate_simplex,   ///< the simplex has no volume relative to its size
-    no_volume,            ///< a box has no extent along axis `a`; a mesh has no faces
-    face_without_vertex,  ///< face `a` of a mesh names a vertex that there is not
-    face_without_area,    ///< the corners of face `a` lie on one line
-    open_edge,            ///< only one face has the edge between vertices `a` and `b`
-    edge_not_manifold,    ///< more than two faces have the edge between vertices `a` and `b`
-    face_flipped,         ///< of the neighbouring faces `a` and `b` one is turned inside out
-    vertex_not_manifold,  ///< the faces about vertex `a` are not one closed fan
-    faces_cross,          ///< the faces `a` and `b` pass through each other
-    collinear_vertex,     ///< warning: vertex `a` lies on the straight line between its neighbours
-    vertex_unused,        ///< warning: no face has vertex `a`; its weights are zero
+    too_few_vertices,      ///< loop `a` has `b` vertices, less than three
+    not_a_simplex,         ///< `a` vertices where a simplex has `b`
+    loops_do_not_match,    ///< the loop sizes add up to `a`, the vertices to `b`
+    vertex_not_finite,     ///< vertex `a`
+    duplicate_vertices,    ///< `a` and its successor `b` coincide within rounding
+    edges_cross,           ///< the edges that start at vertices `a` and `b` cross or touch
+    no_area,               ///< all vertices of loop `a` lie on one line
+    degenerate_simplex,    ///< the simplex has no volume relative to its size
+    no_volume,             ///< a box has no extent along axis `a`; a mesh has no faces
+    face_without_vertex,   ///< face `a` of a mesh names a vertex that there is not
+    face_without_area,     ///< the corners of face `a` lie on one line
+    open_edge,             ///< only one face has the edge between vertices `a` and `b`
+    edge_not_manifold,     ///< more than two faces have the edge between vertices `a` and `b`
+    face_flipped,          ///< of the neighbouring faces `a` and `b` one is turned inside out
+    vertex_not_manifold,   ///< the faces about vertex `a` are not one closed fan
+    faces_cross,           ///< the faces `a` and `b` pass through each other
+    radius_not_positive,   ///< of the interior cell at handle `a`
+    interior_cell_outside, ///< the interior cell at handle `a`
+    interior_cells_touch, ///< the interior cell at handle `a` and the cell or wall at handle `b`, elsewhere than in a vertex
+    interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
+    collinear_vertex,             ///< warning: vertex `a` lies on the straight line between its neighbours
+    vertex_unused,                ///< warning: no face has vertex `a`; its weights are zero
     loop_turns_otherwise, ///< warning: loop `a` is clockwise, or a hole `a` counter-clockwise; handled
 };
 
@@ -57,6 +61,10 @@ constexpr Status status_of(CageFaultKind kind) noexcept {
     case CageFaultKind::vertex_not_manifold: return Status::cage_not_manifold;
     case CageFaultKind::face_flipped: return Status::cage_faces_flipped;
     case CageFaultKind::faces_cross: return Status::cage_faces_cross;
+    case CageFaultKind::radius_not_positive: return Status::radius_not_positive;
+    case CageFaultKind::interior_cell_outside: return Status::interior_cell_outside;
+    case CageFaultKind::interior_cells_touch: return Status::interior_cells_touch;
+    case CageFaultKind::interior_cells_not_supported: return Status::interior_cells_not_supported;
     case CageFaultKind::collinear_vertex:
     case CageFaultKind::vertex_unused:
     case CageFaultKind::loop_turns_otherwise: return Status::ok;
@@ -82,6 +90,10 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     case CageFaultKind::face_flipped: return "neighbouring faces turn differently";
     case CageFaultKind::vertex_not_manifold: return "faces about a vertex are no fan";
     case CageFaultKind::faces_cross: return "faces cross";
+    case CageFaultKind::radius_not_positive: return "radius not positive";
+    case CageFaultKind::interior_cell_outside: return "interior cell outside";
+    case CageFaultKind::interior_cells_touch: return "interior cells touch";
+    case CageFaultKind::interior_cells_not_supported: return "interior cells not supported";
     case CageFaultKind::vertex_unused: return "unused vertex (warning)";
     case CageFaultKind::collinear_vertex: return "collinear vertex (warning)";
     case CageFaultKind::loop_turns_otherwise: return "loop turns the other way (warning)";

@@ -126,6 +126,11 @@ T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
 
 namespace detail {
 
+template <std::size_t D>
+double length(const Vec<double, D>& v) noexcept {
+    return std::sqrt(dot(v, v));
+}
+
 /// Where on the segment from `a` to `b` the place nearest to `p` lies: 0 at a, 1 at b; 0 where both are one.
 template <std::size_t D>
 double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {

@@ -55,10 +55,6 @@ private:
 
 namespace detail {
 
-inline double length(const Vec<double, 3>& v) noexcept {
-    return std::sqrt(dot(v, v));
-}
-
 /// The barycentric weights of the point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection (2005),
 /// sec. 5.1.5: the regions of vertices, edges and the face).
 inline std::array<double, 3> nearest_on_triangle(const Vec<double, 3>& p, const Vec<double, 3>& a,

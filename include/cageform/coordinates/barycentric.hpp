@@ -45,6 +45,11 @@ public:
         }
     }
 
+    explicit BarycentricCoordinates(const CellComplex<T, D>& cage) requires(D == 2 || D == 3)
+        : BarycentricCoordinates(cage.boundary().vertices()) {
+        refuse_interior_cells(cage, report_);
+    }
+
     std::span<const Vec<T, D>> handles() const noexcept { return vertices_; }
     const CageReport& cage_report() const noexcept { return report_; }
 

@@ -1,7 +1,7 @@
 // The one concept that every coordinate type models.
 #pragma once
 
-#include <cageform/cage/check.hpp>
+#include <cageform/cage/cell_complex.hpp>
 #include <cageform/core/blocks.hpp>
 #include <cageform/grid/evaluation.hpp>
 

@@ -9,7 +9,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the plane the cage is a
-/// Polygon, in space a TriangleMesh or a Box.
+/// Polygon, in space a TriangleMesh or a Box, in both a CellComplex.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are exact there.
@@ -133,7 +133,8 @@ private:
             return Status::solver_not_supported;
         }
     };
-    std::conditional_t<D == 2, detail::HarmonicByAveraging<T>, NoAveraging> averaging_;
+    std::conditional_t<std::is_same_v<Cage, Polygon<T>>, detail::HarmonicByAveraging<T>, NoAveraging>
+        averaging_;
 };
 
 /// Deduced from the cage: `HarmonicCoordinates coordinates(box)`.
@@ -143,6 +144,9 @@ template <Scalar T>
 HarmonicCoordinates(TriangleMesh<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 3>;
 template <Scalar T>
 HarmonicCoordinates(Polygon<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 2>;
+template <Scalar T, std::size_t D>
+HarmonicCoordinates(CellComplex<T, D>, const HarmonicOptions& = {})
+    -> HarmonicCoordinates<T, D, CellComplex<T, D>>;
 
 using HarmonicCoordinates2f = HarmonicCoordinates<float, 2>;
 using HarmonicCoordinates2d = HarmonicCoordinates<double, 2>;

@@ -58,6 +58,12 @@ public:
     explicit MeanValueCoordinates(const R& vertices)
         : MeanValueCoordinates(Polygon<T>(vertices)) {}
 
+    /// Loops alone: interior_cells_not_supported where there are cells inside.
+    explicit MeanValueCoordinates(const CellComplex<T, 2>& cage)
+        : MeanValueCoordinates(cage.boundary()) {
+        refuse_interior_cells(cage, report_);
+    }
+
     const Polygon<T>& cage() const noexcept { return cage_; }
     std::span<const Vec<T, 2>> handles() const noexcept { return cage_.vertices(); }
     const CageReport& cage_report() const noexcept { return report_; }

@@ -45,6 +45,12 @@ public:
         prepare();
     }
 
+    /// Shells alone: interior_cells_not_supported where there are cells inside.
+    explicit MeanValueCoordinates(const CellComplex<T, 3>& cage)
+        : MeanValueCoordinates(cage.boundary()) {
+        refuse_interior_cells(cage, report_);
+    }
+
     const TriangleMesh<T>& cage() const noexcept { return cage_; }
     std::span<const Vec<T, 3>> handles() const noexcept { return cage_.vertices(); }
     const CageReport& cage_report() const noexcept { return report_; }

@@ -24,11 +24,15 @@ enum class [[nodiscard]] Status : std::uint8_t{
     cage_not_manifold,  ///< an edge belongs to more than two faces, or a vertex to more than one fan of faces
     cage_faces_cross,   ///< two faces of a mesh pass through each other
     cage_faces_flipped, ///< neighbouring faces of a mesh turn different ways
-    not_a_simplex,      ///< barycentric coordinates need exactly dimension + 1 vertices
-    degenerate_simplex, ///< the simplex has no volume relative to its size
-    solver_not_supported,     ///< the solver asked for is not there for this cage
-    resolution_not_supported, ///< the grid is too small to hold a cage, or too large to index
-    tolerance_not_positive,   ///< a solver's tolerance is zero, negative or NaN
+    radius_not_positive,          ///< the radius of an interior cell is zero, negative, NaN or infinite
+    interior_cell_outside,        ///< an interior cell lies outside the cage
+    interior_cells_touch,         ///< an interior cell comes too near to another or to the boundary
+    interior_cells_not_supported, ///< the coordinate type knows no interior cells
+    not_a_simplex,                ///< barycentric coordinates need exactly dimension + 1 vertices
+    degenerate_simplex,           ///< the simplex has no volume relative to its size
+    solver_not_supported,         ///< the solver asked for is not there for this cage
+    resolution_not_supported,     ///< the grid is too small to hold a cage, or too large to index
+    tolerance_not_positive,       ///< a solver's tolerance is zero, negative or NaN
     grid_too_coarse,   ///< no node of the grid feels some handle; SolverReport names it and a resolution
     rim_not_given,     ///< an unknown cell has no neighbour on some side (SolverReport::culprit)
     value_not_finite,  ///< a given value is NaN or infinite (SolverReport::culprit)
@@ -57,6 +61,10 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::cage_not_manifold: return "the cage is not a manifold at an edge or a vertex";
     case Status::cage_faces_cross: return "two faces of the cage pass through each other";
     case Status::cage_faces_flipped: return "neighbouring faces of the cage turn different ways";
+    case Status::radius_not_positive: return "the radius of an interior cell is not a positive number";
+    case Status::interior_cell_outside: return "an interior cell lies outside the cage";
+    case Status::interior_cells_touch: return "an interior cell touches another one or the boundary";
+    case Status::interior_cells_not_supported: return "this coordinate type cannot honour interior cells";
     case Status::not_a_simplex: return "barycentric coordinates need a simplex: dimension + 1 vertices";
     case Status::degenerate_simplex: return "the simplex has no volume relative to its size";
     case Status::solver_not_supported: return "the solver is not there for this kind of cage";

@@ -41,6 +41,8 @@ public:
         return all;
     }
 
+    std::vector<FixedNode<3>> fixed_nodes() const { return {}; } // a box has no interior cells
+
     BoundaryValue<3> nearest(const Index& node) const noexcept {
         const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};
         std::size_t axis = 0;

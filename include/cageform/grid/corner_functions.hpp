@@ -26,17 +26,17 @@ public:
     static constexpr std::size_t most = 8;          ///< functions s_k kept
     static constexpr double smooth_exponent = 2.25; ///< π/ω from which differences do well without help
 
-    /// The corner at `vertex` between the edges to `before` and `after`; the inside is to the left of the way from
-    /// `before` over `vertex` to `after` when `inside_left`.
+    /// The corner at `vertex` between the edges to `after` and `before`, counter-clockwise from the one to the other; all
+    /// about it where they are one.
     Corner(const Vec<double, 2>& vertex, const Vec<double, 2>& before, const Vec<double, 2>& after,
-           bool inside_left, double radius)
+           double radius)
         : vertex_(vertex)
         , radius_(radius) {
         const auto forth = after - vertex, back = before - vertex;
         length_after_ = std::sqrt(dot(forth, forth));
         length_before_ = std::sqrt(dot(back, back));
         x_ = (1 / length_after_) * forth;
-        y_ = inside_left ? Vec<double, 2>{-x_[1], x_[0]} : Vec<double, 2>{x_[1], -x_[0]};
+        y_ = {-x_[1], x_[0]};
         angle_ = std::atan2(dot(back, y_), dot(back, x_));
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
         exponent_ = std::numbers::pi / angle_;
@@ -49,6 +49,14 @@ public:
     double radius() const noexcept { return radius_; }
     double distance(const Vec<double, 2>& p) const noexcept {
         return std::sqrt(dot(p - vertex_, p - vertex_));
+    }
+    /// Whether a place is between the edges, or on one of them up to rounding.
+    bool holds(const Vec<double, 2>& p) const noexcept {
+        constexpr double rounding = 1e-9;
+        const auto d = p - vertex_;
+        double theta = std::atan2(dot(d, y_), dot(d, x_));
+        if (theta < -rounding) theta += 2 * std::numbers::pi;
+        return theta < angle_ + rounding;
     }
     double along(const Vec<double, 2>& p) const noexcept { return dot(p - vertex_, x_); }
     double cosine() const noexcept { return std::cos(angle_); }
@@ -108,33 +116,64 @@ public:
 
     CornerFunctions() = default;
 
-    /// Which corners are treated, and within which nodes. Corners without room for a fit are left as they are: the
-    /// grid is too coarse for them anyway.
-    template <Scalar T>
-    CornerFunctions(const Polygon<T>& polygon, const Lattice<double, 2>& lattice,
-                    const EmbeddedProblem<2>& problem) {
-        std::vector<Vec<double, 2>> at;
-        for (const auto& c : polygon.vertices()) at.push_back(lattice.in_cells(vec_cast<double>(c)));
-        vertices_ = at;
+    /// Of a Polygon or a CellComplex. Which corners are treated, and within which nodes. Corners without room for a fit
+    /// are left as they are: the grid is too coarse for them anyway.
+    template <class Cage>
+    CornerFunctions(const Cage& cage, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem) {
+        for (const auto& c : cage.vertices()) vertices_.push_back(lattice.in_cells(vec_cast<double>(c)));
+        const auto& polygon = boundary_of(cage);
+        const auto& cells = interior_cells(cage);
+        // Edges out of every vertex: first and last those that bound its inside, counter-clockwise; none of a vertex inside.
+        std::vector<std::vector<std::size_t>> edges(vertices_.size());
         for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
             const auto& loop = polygon.loops()[n];
             const bool inside_left = (signed_area(polygon, loop) > 0) == (loop_depth(polygon, n) % 2 == 0);
             for (std::size_t i = loop.begin; i < loop.end; ++i) {
                 const std::size_t before = i > loop.begin ? i - 1 : loop.end - 1;
                 const std::size_t after = i + 1 < loop.end ? i + 1 : loop.begin;
-                double radius = most_radius;
-                polygon.for_each_edge([&](std::size_t j, std::size_t k) {
-                    if (j == i || k == i) {
-                        const auto e = at[j] - at[k];
-                        radius = std::min(radius, std::sqrt(dot(e, e)));
-                        return;
-                    }
-                    const double s = detail::part_of_segment(at[i], at[j], at[k]);
-                    const auto d = at[j] + s * (at[k] - at[j]) - at[i];
-                    radius = std::min(radius, std::sqrt(dot(d, d)));
-                });
-                if (radius < least_radius) continue;
-                const Corner corner(at[i], at[before], at[after], inside_left, radius);
+                edges[i] = inside_left ? std::vector<std::size_t>{after, before}
+                                       : std::vector<std::size_t>{before, after};
+            }
+        }
+        const auto turn = [&](std::size_t i, std::size_t from,
+                              std::size_t to) { // counter-clockwise, in (0, 2π]
+            const auto a = vertices_[from] - vertices_[i], b = vertices_[to] - vertices_[i];
+            const double angle = std::atan2(cross(a, b), dot(a, b));
+            return from == to || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
+        };
+        for (const auto& wall : cells.walls) {
+            for (const auto& [i, j] : {std::pair(wall[0], wall[1]), std::pair(wall[1], wall[0])}) {
+                auto& of_i = edges[i];
+                if (of_i.empty()) { // the end of a chain, so far: from this edge all about to itself
+                    of_i = {j, j};
+                    continue;
+                }
+                const auto later =
+                    std::find_if(of_i.begin() + 1, of_i.end(), [&, i = i, j = j](std::size_t k) {
+                        return turn(i, of_i.front(), k) > turn(i, of_i.front(), j);
+                    });
+                of_i.insert(later, j);
+            }
+        }
+        for (std::size_t i = 0; i < vertices_.size(); ++i) {
+            if (edges[i].empty()) continue;
+            double radius = most_radius;
+            const auto keep_off = [&](std::size_t j, std::size_t k, double margin) {
+                if (j == i || k == i) {
+                    radius = std::min(radius, detail::length(vertices_[j] - vertices_[k]));
+                    return;
+                }
+                const double s = detail::part_of_segment(vertices_[i], vertices_[j], vertices_[k]);
+                const auto d = vertices_[j] + s * (vertices_[k] - vertices_[j]) - vertices_[i];
+                radius = std::min(radius, detail::length(d) - margin);
+            };
+            polygon.for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });
+            for (const auto& wall : cells.walls) keep_off(wall[0], wall[1], 0);
+            for (const auto& cell : cells.thick) keep_off(cell.i, cell.j, cell.radius / lattice.spacing);
+            if (radius < least_radius) continue;
+            for (std::size_t n = 0; n + 1 < edges[i].size(); ++n) {
+                const std::size_t after = edges[i][n], before = edges[i][n + 1];
+                const Corner corner(vertices_[i], vertices_[before], vertices_[after], radius);
                 if (!corner.is_smooth()) add(corner, i, before, after, problem);
             }
         }
@@ -243,7 +282,8 @@ public:
         double nearest = std::numeric_limits<double>::max();
         for (std::size_t n = 0; n < corners_.size(); ++n) {
             const double d = corners_[n].corner.distance(p);
-            if (d + 1.5 > corners_[n].corner.radius() || d >= nearest) continue;
+            if (d + 1.5 > corners_[n].corner.radius() || d >= nearest || !corners_[n].corner.holds(p))
+                continue;
             nearest = d;
             result.corner = std::uint32_t(n);
         }
@@ -325,6 +365,7 @@ private:
                 const auto node = problem.nodes.find(index);
                 if (node == NodeRuns<2>::none) continue;
                 const Vec<double, 2> p{double(index[0]), double(index[1])};
+                if (!corner.holds(p)) continue;
                 const double r = corner.distance(p);
                 if (r + 1 < radius) t.defects.push_back(defect_of(corner, node, p, problem));
                 if (r > 0.3 * radius && r < 0.8 * radius)

@@ -34,7 +34,6 @@ struct SolverReport {
         0; ///< error after a multigrid cycle over that before, the worst met above the tolerance
     double error_estimate = 0; ///< of the discrete solution: what the multigrid stops on (grid/multigrid.hpp)
     double error_bound = 0;    ///< the same by the maximum principle alone, far above it
-    std::size_t unsettled = 0; ///< functions whose corners could not be fitted, so that no corner was treated
     std::size_t bytes = 0;     ///< of the hierarchy and one block of functions
     std::size_t unseen_handle = none;      ///< with Status::grid_too_coarse: the first that no node feels,
     std::size_t sufficient_resolution = 0; ///< and a resolution at which all are felt; 0: none is offered

@@ -1,10 +1,11 @@
-// A triangle mesh as the boundary of a problem on a lattice; what polygon_boundary.hpp is for polygons.
+// A triangle mesh, and cells inside it, as the boundary of a problem on a lattice; what polygon_boundary.hpp is for polygons.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/lattice.hpp>
+#include <cageform/grid/thick_cells.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -14,10 +15,16 @@ class MeshBoundary {
 public:
     using Index = NodeRuns<3>::Index;
 
-    MeshBoundary(const TriangleMesh<T>& mesh, const Lattice<double, 3>& lattice)
-        : lattice_(lattice) {
-        for (const auto& v : mesh.vertices()) vertices_.push_back(lattice.in_cells(vec_cast<double>(v)));
-        faces_.assign(mesh.faces().begin(), mesh.faces().end());
+    /// Of a TriangleMesh or a CellComplex.
+    template <class Cage>
+    MeshBoundary(const Cage& cage, const Lattice<double, 3>& lattice)
+        : lattice_(lattice)
+        , vertices_(in_cells(cage.vertices(), lattice))
+        , thick_(interior_cells(cage).thick, vertices_, lattice) {
+        const auto faces = boundary_of(cage).faces();
+        faces_.assign(faces.begin(), faces.end());
+        outer_ = faces_.size();
+        for (const auto& wall : interior_cells(cage).walls) faces_.push_back(wall);
     }
 
     /// Which lines meet which face is decided in whole numbers (vertices rounded to 2⁻²⁰ of a cell) and, where a line
@@ -26,11 +33,14 @@ public:
     Crossings<3> crossings() const {
         Crossings<3> all;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            for (const auto& face : faces_) add_crossings(all[axis], face, axis);
-            sort_along_lines<3>(all[axis]);
+            for (std::size_t f = 0; f < faces_.size(); ++f)
+                add_crossings(all[axis], faces_[f], f < outer_, axis);
         }
+        thick_.add_crossings(all);
+        for (auto& along : all) sort_along_lines<3>(along);
         return all;
     }
+    std::vector<FixedNode<3>> fixed_nodes() const { return thick_.nodes(); } ///< within interior cells
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {
         const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};
@@ -44,6 +54,8 @@ public:
             least = dot(d, d);
             value = data(face, w);
         }
+        double distance = std::sqrt(least);
+        (void)thick_.nearest(p, distance, value);
         return value;
     }
 
@@ -51,12 +63,12 @@ public:
     double free_way(const Vec<double, 3>& p, std::size_t axis, bool up, double limit) const noexcept {
         double position = 0;
         BoundaryValue<3> value;
-        for (std::uint32_t f = 0; f < faces_.size(); ++f)
-            meet(f, p, axis, up ? 1.0 : -1.0, limit, position, value);
+        for (std::uint32_t n = 0; n < faces_.size() + thick_.size(); ++n)
+            (void)meet(n, p, axis, up ? 1.0 : -1.0, limit, position, value);
         return limit;
     }
 
-    /// Prepares `sample`: which faces pass which cell.
+    /// Prepares `sample`: which faces (and, numbered after them, thick cells) pass which cell.
     void index_cells() {
         passes_.clear();
         constexpr double slack = 1e-6;
@@ -80,6 +92,11 @@ public:
                     }
                 }
             }
+        }
+        for (std::uint32_t n = 0; n < thick_.size(); ++n) {
+            thick_.for_each_cell_about(n, [&](const Index& low) {
+                passes_.push_back({cell(low[0], low[1], low[2]), std::uint32_t(faces_.size()) + n});
+            });
         }
         std::sort(passes_.begin(), passes_.end());
     }
@@ -117,6 +134,12 @@ private:
     using Face = typename TriangleMesh<T>::Face;
     using Pass = std::pair<std::uint64_t, std::uint32_t>;
 
+    static std::vector<Vec<double, 3>> in_cells(std::span<const Vec<T, 3>> vertices,
+                                                const Lattice<double, 3>& lattice) {
+        std::vector<Vec<double, 3>> all;
+        for (const auto& v : vertices) all.push_back(lattice.in_cells(vec_cast<double>(v)));
+        return all;
+    }
     static std::uint64_t cell(std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
         const auto part = [](std::int32_t i) { return std::uint64_t(std::uint32_t(i) & 0x1FFFFFu); };
         return (part(z) << 42) | (part(y) << 21) | part(x);
@@ -142,7 +165,7 @@ private:
         return w;
     }
 
-    void add_crossings(std::vector<Crossing<3>>& out, const Face& face, std::size_t axis) const {
+    void add_crossings(std::vector<Crossing<3>>& out, const Face& face, bool turns, std::size_t axis) const {
         const std::size_t u = detail::other_axes[axis][0], v = detail::other_axes[axis][1];
         using Whole = std::array<std::int64_t, 2>;
         constexpr std::int64_t one = std::int64_t{1} << 20;
@@ -188,15 +211,16 @@ private:
                 if (!weights_at(face, u, v, double(x), double(y), w)) continue;
                 double position = 0;
                 for (std::size_t k = 0; k < 3; ++k) position += w[k] * vertices_[face[k]][axis];
-                out.push_back({std::uint32_t(x) + std::uint32_t(lattice_.cells[u]) * std::uint32_t(y), true,
+                out.push_back({std::uint32_t(x) + std::uint32_t(lattice_.cells[u]) * std::uint32_t(y), turns,
                                std::clamp(position, low, high), data(face, clamped(w))});
             }
         }
     }
 
-    /// Whether a face lies on the way from `p` along an axis within `limit`, which becomes the distance to it.
+    /// Whether a face (or thick cell) lies on the way from `p` along an axis within `limit`, which becomes the distance to it.
     bool meet(std::uint32_t f, const Vec<double, 3>& p, std::size_t axis, double sign, double& limit,
               double& position, BoundaryValue<3>& value) const noexcept {
+        if (f >= faces_.size()) return thick_.meet(f - faces_.size(), p, axis, sign, limit, position, value);
         constexpr double rim = 1e-9; // no point may slip between two faces
         const std::size_t u = detail::other_axes[axis][0], v = detail::other_axes[axis][1];
         std::array<double, 3> w{};
@@ -215,7 +239,9 @@ private:
 
     Lattice<double, 3> lattice_;
     std::vector<Vec<double, 3>> vertices_;
-    std::vector<Face> faces_;
+    ThickCells<3> thick_;
+    std::vector<Face> faces_;  ///< the boundary's, then the walls inside
+    std::size_t outer_ = 0;    ///< of the boundary
     std::vector<Pass> passes_; ///< cell and face, sorted
 };
 

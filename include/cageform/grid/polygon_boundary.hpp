@@ -1,11 +1,12 @@
-// A polygon as the boundary of a problem on a lattice: its crossings with the lattice lines, and values between the
-// nodes that are right up to it.
+// A polygon, and cells inside it, as the boundary of a problem on a lattice: crossings with the lattice lines, and values
+// between the nodes that are right up to it.
 #pragma once
 
 #include <cageform/cage/inside.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/lattice.hpp>
+#include <cageform/grid/thick_cells.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -15,17 +16,17 @@ class PolygonBoundary {
 public:
     using Index = NodeRuns<2>::Index;
 
-    /// `lattice.cells` are the nodes along each axis, the first at `origin`.
-    PolygonBoundary(const Polygon<T>& polygon, const Lattice<double, 2>& lattice)
-        : lattice_(lattice) {
-        polygon.for_each_edge([&](std::size_t i, std::size_t j) {
-            Edge edge;
-            edge.i = std::uint32_t(i);
-            edge.j = std::uint32_t(j);
-            edge.a = lattice.in_cells(vec_cast<double>(polygon[i]));
-            edge.b = lattice.in_cells(vec_cast<double>(polygon[j]));
-            edges_.push_back(edge);
-        });
+    /// Of a Polygon or a CellComplex. `lattice.cells` are the nodes along each axis, the first at `origin`.
+    template <class Cage>
+    PolygonBoundary(const Cage& cage, const Lattice<double, 2>& lattice)
+        : lattice_(lattice)
+        , thick_(interior_cells(cage).thick, in_cells(cage.vertices(), lattice), lattice) {
+        const auto vertices = in_cells(cage.vertices(), lattice);
+        const auto add = [&](std::size_t i, std::size_t j, bool turns) {
+            edges_.push_back({std::uint32_t(i), std::uint32_t(j), vertices[i], vertices[j], turns});
+        };
+        boundary_of(cage).for_each_edge([&](std::size_t i, std::size_t j) { add(i, j, true); });
+        for (const auto& wall : interior_cells(cage).walls) add(wall[0], wall[1], false);
     }
 
     /// O(edges + lattice lines they cross, and the logarithm of that).
@@ -33,10 +34,12 @@ public:
         Crossings<2> all;
         for (std::size_t axis = 0; axis < 2; ++axis) {
             for (const Edge& edge : edges_) add_crossings(all[axis], edge, axis);
-            sort_along_lines<2>(all[axis]);
         }
+        thick_.add_crossings(all);
+        for (auto& along : all) sort_along_lines<2>(along);
         return all;
     }
+    std::vector<FixedNode<2>> fixed_nodes() const { return thick_.nodes(); } ///< within interior cells
 
     BoundaryValue<2> nearest(const Index& node) const noexcept {
         const Vec<double, 2> p{double(node[0]), double(node[1])};
@@ -49,6 +52,8 @@ public:
             least = dot(d, d);
             value = edge.at(s);
         }
+        double distance = std::sqrt(least);
+        (void)thick_.nearest(p, distance, value);
         return value;
     }
 
@@ -70,10 +75,14 @@ public:
                 meet(1);
             }
         }
+        double position = 0;
+        BoundaryValue<2> value;
+        for (std::size_t n = 0; n < thick_.size(); ++n)
+            (void)thick_.meet(n, p, axis, up ? 1.0 : -1.0, limit, position, value);
         return limit;
     }
 
-    /// Prepares `sample`: which edges pass which cell.
+    /// Prepares `sample`: which edges (and, numbered after them, thick cells) pass which cell.
     void index_cells() {
         passes_.clear();
         for (std::uint32_t n = 0; n < edges_.size(); ++n) {
@@ -91,6 +100,11 @@ public:
                 for (double y = std::floor(low - slack); y <= std::floor(high + slack); ++y)
                     passes_.push_back({cell(std::int32_t(x), std::int32_t(y)), n});
             }
+        }
+        for (std::uint32_t n = 0; n < thick_.size(); ++n) {
+            thick_.for_each_cell_about(n, [&](const Index& low) {
+                passes_.push_back({cell(low[0], low[1]), std::uint32_t(edges_.size()) + n});
+            });
         }
         std::sort(passes_.begin(), passes_.end());
     }
@@ -123,6 +137,7 @@ private:
     struct Edge {
         std::uint32_t i, j; ///< the vertices at a and b
         Vec<double, 2> a, b;
+        bool turns; ///< inside and outside change at it
 
         BoundaryValue<2> at(double s) const noexcept { return {{i, j}, {1 - s, s}}; }
         double height(double x) const noexcept {
@@ -132,6 +147,12 @@ private:
     using Pass = std::pair<std::uint64_t, std::uint32_t>;
     using PassIterator = typename std::vector<Pass>::const_iterator;
 
+    static std::vector<Vec<double, 2>> in_cells(std::span<const Vec<T, 2>> vertices,
+                                                const Lattice<double, 2>& lattice) {
+        std::vector<Vec<double, 2>> all;
+        for (const auto& v : vertices) all.push_back(lattice.in_cells(vec_cast<double>(v)));
+        return all;
+    }
     static std::uint64_t cell(std::int32_t x, std::int32_t y) noexcept {
         return (std::uint64_t(std::uint32_t(y)) << 32) | std::uint32_t(x);
     }
@@ -157,7 +178,7 @@ private:
             const double s = (line - from) / (to - from);
             const double position = edge.a[axis] + s * (edge.b[axis] - edge.a[axis]);
             // An edge owns its lower end: where two edges meet on a line, one, two or none of them turn as they must.
-            out.push_back({std::uint32_t(line), line < high, position, edge.at(s)});
+            out.push_back({std::uint32_t(line), edge.turns && line < high, position, edge.at(s)});
         }
     }
 
@@ -170,6 +191,11 @@ private:
         double nearest = std::fabs(end - p[axis]);
         bool found = false;
         for (auto pass = first; pass != passes_.end() && pass->first == in; ++pass) {
+            if (pass->second >= edges_.size()) {
+                found = thick_.meet(pass->second - edges_.size(), p, axis, sign, nearest, position, value) ||
+                        found;
+                continue;
+            }
             const Edge& edge = edges_[pass->second];
             const double from = edge.a[across], to = edge.b[across];
             if (p[across] < std::min(from, to) || p[across] > std::max(from, to)) continue;
@@ -193,6 +219,7 @@ private:
     }
 
     Lattice<double, 2> lattice_;
+    ThickCells<2> thick_;
     std::vector<Edge> edges_;
     std::vector<Pass> passes_; ///< cell and edge, sorted
 };

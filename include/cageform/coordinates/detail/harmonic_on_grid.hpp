@@ -31,6 +31,11 @@ struct GridBoundary<TriangleMesh<T>> {
     using type = MeshBoundary<T>;
 };
 
+template <Scalar T>
+struct GridBoundary<CellComplex<T, 2>> : GridBoundary<Polygon<T>> {};
+template <Scalar T>
+struct GridBoundary<CellComplex<T, 3>> : GridBoundary<TriangleMesh<T>> {};
+
 template <class Cage>
 class HarmonicOnGrid {
 public:
@@ -52,38 +57,36 @@ public:
 
     /// Solves all functions and keeps them.
     Status solve(const EvaluateOptions& options, SolverReport& report) {
-        const Status status =
-            on_grid(report, options, [&](const std::shared_ptr<Grid>& grid, const EvaluateOptions& rising) {
-                grid->kept.resize(grid->groups);
-                const Status solved =
-                    solve_groups(*grid, report, rising,
-                                 [&](std::size_t group, const typename Multigrid<D>::Block& block,
-                                     const CornerFunctions::Coefficients& at_corners) {
-                                     auto& kept = grid->kept[group];
-                                     kept.at_corners = at_corners;
-                                     kept.values.reserve(grid->multigrid.unknowns());
-                                     for (std::uint32_t n = 0; n < grid->multigrid.unknowns(); ++n)
-                                         kept.values.push_back(block.value(n));
-                                 });
-                if (solved == Status::ok && report.unsettled == 0) kept_grid_ = grid;
-                return solved;
-            });
-        if (status == Status::ok) kept_report_ = report;
-        return status;
+        std::shared_ptr<Grid> grid;
+        Status status = make_grid(grid, report);
+        if (status != Status::ok) return status;
+        grid->kept.resize(grid->groups);
+        status = solve_groups(*grid, report, options,
+                              [&](std::size_t group, const typename Multigrid<D>::Block& block,
+                                  const CornerFunctions::Coefficients& at_corners) {
+                                  auto& kept = grid->kept[group];
+                                  kept.at_corners = at_corners;
+                                  kept.values.reserve(grid->multigrid.unknowns());
+                                  for (std::uint32_t n = 0; n < grid->multigrid.unknowns(); ++n)
+                                      kept.values.push_back(block.value(n));
+                              });
+        if (status != Status::ok) return status;
+        kept_grid_ = grid;
+        kept_report_ = report;
+        return Status::ok;
     }
 
     Status evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                     const EvaluateOptions& options, SolverReport& report) const {
-        return with_grid(options, report, [&](const Grid& grid, const EvaluateOptions& rising) {
-            return sample(grid, points, weights, states, rising, report);
-        });
+        return with_grid(
+            report, [&](const Grid& grid) { return sample(grid, points, weights, states, options, report); });
     }
 
     /// Row axis · #handles + handle gets the derivative of the handle's function along the axis.
     Status gradients(BlockView<const T> points, BlockView<T> gradients, std::span<PointState> states,
                      const EvaluateOptions& options, SolverReport& report) const {
-        return with_grid(options, report, [&](const Grid& grid, const EvaluateOptions& rising) {
-            return sample_gradients(grid, points, gradients, states, rising, report);
+        return with_grid(report, [&](const Grid& grid) {
+            return sample_gradients(grid, points, gradients, states, options, report);
         });
     }
 
@@ -91,8 +94,7 @@ public:
     std::pair<std::size_t, std::size_t> memory() const {
         std::shared_ptr<const Grid> grid;
         SolverReport report;
-        const Status status =
-            guard_memory([&] { return make_grid(grid, report, options_.multigrid.corner_functions); });
+        const Status status = guard_memory([&] { return make_grid(grid, report); });
         if (status != Status::ok) return {};
         return {grid->multigrid.bytes(), grid->multigrid.block_bytes()};
     }
@@ -114,8 +116,10 @@ private:
              Boundary with, bool with_corners)
             : lattice(with_lattice)
             , boundary(std::move(with))
-            , problem(embed<D>(node_counts(lattice), crossings,
-                               [this](const auto& node) { return boundary.nearest(node); }))
+            , problem(embed<D>(
+                  node_counts(lattice), crossings,
+                  [this](const auto& node) { return boundary.nearest(node); },
+                  std::span<const FixedNode<D>>(boundary.fixed_nodes())))
             , corners(with_corners ? corners_of(from, lattice, problem) : CornerFunctions())
             , multigrid(problem.nodes, problem.cuts, corners.sources())
             , groups((from.size() + Multigrid<D>::width - 1) / Multigrid<D>::width) {
@@ -168,7 +172,7 @@ private:
     }
 
     template <class GridPointer>
-    Status make_grid(GridPointer& grid, SolverReport& report, bool with_corners) const {
+    Status make_grid(GridPointer& grid, SolverReport& report) const {
         constexpr std::size_t most = most_resolution;
         if (report_.status != Status::ok) return report_.status;
         if (options_.resolution < 8 || options_.resolution > most) return Status::resolution_not_supported;
@@ -192,7 +196,8 @@ private:
             }
             return Status::grid_too_coarse;
         }
-        grid = std::make_shared<Grid>(cage_, lattice, crossings, std::move(boundary), with_corners);
+        grid = std::make_shared<Grid>(cage_, lattice, crossings, std::move(boundary),
+                                      options_.multigrid.corner_functions);
         report.cells = grid->multigrid.unknowns();
         report.bytes = grid->multigrid.bytes() + grid->multigrid.block_bytes();
         return Status::ok;
@@ -220,12 +225,11 @@ private:
                 SolverReport part;
                 CornerFunctions::Coefficients at_corners;
                 if (!solve_group(grid, group, block, at_corners, part, progress)) return;
-                if (part.unsettled == 0) take(group, block, at_corners);
+                take(group, block, at_corners);
                 progress.end_group();
                 const std::lock_guard lock(report_access);
                 report.solves += part.solves;
                 report.unconverged += part.unconverged;
-                report.unsettled += part.unsettled;
                 report.cycles = std::max(report.cycles, part.cycles);
                 report.convergence_factor = std::max(report.convergence_factor, part.convergence_factor);
                 report.error_estimate = std::max(report.error_estimate, part.error_estimate);
@@ -259,28 +263,16 @@ private:
         };
         at_corners = grid.corners.start(first, block.source);
         auto error = grid.multigrid.start(block);
-        double before = 0, change_before = 0;
-        bool settled = false;
+        double before = 0;
         for (;;) {
             report.error_estimate = largest(error.estimate);
             if (report.cycles > 1 && before > options_.multigrid.tolerance)
                 report.convergence_factor =
                     std::max(report.convergence_factor, report.error_estimate / before);
-            // The corners' coefficients follow the solution and the solution them, a few times each.
-            double change = 0;
-            if (!settled) {
-                auto fitted = grid.corners.fit(first, block, at_corners);
-                change = grid.corners.difference(fitted, at_corners);
-                settled = report.cycles > 1 && change > 0.7 * change_before;
-                if (settled && change > options_.multigrid.tolerance) {
-                    report.unsettled = count;
-                    return true; // in vain: see on_grid
-                }
-                if (!settled) {
-                    Multigrid<D>::disturb(block, grid.corners.replace(at_corners, fitted, block.source));
-                    change_before = change;
-                }
-            }
+            // The corners' coefficients follow the solution and the solution them.
+            const auto fitted = grid.corners.fit(first, block, at_corners);
+            const double change = grid.corners.difference(fitted, at_corners);
+            Multigrid<D>::disturb(block, grid.corners.replace(at_corners, fitted, block.source));
             if (block.is_refined() && std::max(report.error_estimate, change) <= options_.multigrid.tolerance)
                 break;
             if (report.cycles == options_.multigrid.max_cycles) {
@@ -297,43 +289,16 @@ private:
         return true;
     }
 
-    /// Runs use(grid, options); where corners do not settle, once more without treating any: all functions have to be treated
-    /// alike to sum to 1.
+    /// use(grid) with the functions kept, or to be solved now.
     template <class Use>
-    Status on_grid(SolverReport& report, const EvaluateOptions& options, const Use& use) const {
-        EvaluateOptions rising = options;
-        double highest = 0;
-        if (options.progress) {
-            rising.progress = [&](double done) {
-                highest = std::max(highest, done);
-                return options.progress(highest);
-            };
-        }
-        for (const bool with_corners : {options_.multigrid.corner_functions, false}) {
-            std::shared_ptr<Grid> grid;
-            const std::size_t unsettled = report.unsettled;
-            report = {};
-            Status status = make_grid(grid, report, with_corners);
-            if (status == Status::ok) status = use(grid, rising);
-            if (status != Status::ok || !with_corners || report.unsettled == 0) {
-                report.unsettled += unsettled;
-                return status;
-            }
-        }
-        return Status::ok;
-    }
-
-    /// use(grid, options) with the functions kept, or to be solved now.
-    template <class Use>
-    Status with_grid(const EvaluateOptions& options, SolverReport& report, const Use& use) const {
+    Status with_grid(SolverReport& report, const Use& use) const {
         if (kept_grid_) {
             report = kept_report_;
-            return use(*kept_grid_, options);
+            return use(*kept_grid_);
         }
-        return on_grid(report, options,
-                       [&](const std::shared_ptr<Grid>& grid, const EvaluateOptions& rising) {
-                           return use(*grid, rising);
-                       });
+        std::shared_ptr<Grid> grid;
+        const Status status = make_grid(grid, report);
+        return status == Status::ok ? use(*grid) : status;
     }
 
     /// What the weights of some points are made of, one point's after the other's.
