@@ -2,10 +2,10 @@
 # Usage: sh examples/run.sh [--build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
 # pictures: the cat at rest and in every pose by mean value and harmonic coordinates, the man, the aleph,
-# heat maps of coordinates, how the solver converges; then prints a table of figures.
+# a character in space, heat maps of coordinates, how the solver converges; then prints a table of figures.
 set -eu
 cd "$(dirname "$0")/.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev librsvg2-bin
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin
 
 cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O3 -march=native -DNDEBUG' \
   -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_BENCH=OFF >/dev/null
@@ -47,6 +47,13 @@ deform aleph_harmonic aleph aleph_cage aleph_pose harmonic
 "$programs/contact_sheet" -o out/man.svg --columns 2 --png "at rest" out/man_rest.svg "posed: barycentric" out/man_posed.svg
 "$programs/contact_sheet" -o out/aleph.svg --columns 3 --png "at rest" out/aleph_rest.svg \
   "mean value" out/aleph_mean_value.svg "harmonic" out/aleph_harmonic.svg
+
+"$programs/make_character" out
+for type in mean-value harmonic; do
+  name=out/character_$(echo $type | tr - _)
+  "$programs/deform_mesh" out/character.obj --cage out/character_cage.obj --pose out/character_pose.obj \
+    --coordinates $type -o "$name.obj" --picture "$name.png"
+done
 
 field() { # NAME CAGE VERTEX COORDINATES
   echo "$1: $("$programs/coordinate_field" --cage "$data/$2.svg" --vertex "$3" --coordinates "$4" -o "out/$1.png")"

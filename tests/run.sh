@@ -9,5 +9,5 @@ compiler=g++
 [ "$preset" != clang ] || compiler='clang-19'
 # shellcheck disable=SC2086
 sh cmake/install_packages.sh $compiler cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev \
-  libpugixml-dev libstb-dev libcli11-dev librsvg2-bin tango-icon-theme $([ "$preset" != release ] || echo libbenchmark-dev libsuitesparse-dev)
+  libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin tango-icon-theme $([ "$preset" != release ] || echo libbenchmark-dev libsuitesparse-dev)
 cmake --workflow --preset "$preset"

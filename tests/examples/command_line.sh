@@ -120,6 +120,72 @@ refuses 'nowhere.csv' "$weights" --cage hole.csv --points nowhere.csv -o out.csv
 refuses 'half' "$weights" --cage hole.csv --points points.csv --scalar half -o out.csv
 refuses 'tolerance' "$weights" --cage hole.csv --points points.csv --coordinates harmonic --tolerance 0 -o out.csv
 
+# ---- make_character, deform_mesh ----
+mesh="$programs/deform_mesh"
+works "help of the meshes" "$mesh" --help
+works "a character" "$programs/make_character" folder/character
+grep -q 'character_cage.obj: 112 vertices, 220 faces$' log && ok=yes || ok=no
+report $ok "the character's cage has 112 vertices"
+refuses 'cannot make the folder' "$programs/make_character" square.csv
+refuses 'folder' "$programs/make_character"
+for name in character character_cage character_pose; do cp folder/character/$name.obj .; done
+for type in mean-value harmonic; do
+  works "deform the character, $type" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates $type -o posed_$type.obj --report --picture posed.png
+  grep -q '^  outside: 0$' log && ok=yes || ok=no
+  report $ok "the character lies in its cage"
+  [ "$(grep -c '^[vf]' posed_$type.obj)" = "$(grep -c '^[vf]' character.obj)" ] && ok=yes || ok=no
+  report $ok "every vertex, normal and face is there"
+  works "the character at rest, $type" "$mesh" character.obj --cage character_cage.obj --pose character_cage.obj --coordinates $type -o rest.obj
+  cmp -s character.obj rest.obj && ok=yes || ok=no
+  report $ok "at rest, $type, the file is the same"
+done
+cmp -s posed_mean-value.obj posed_harmonic.obj && ok=no || ok=yes
+report $ok "the coordinates differ"
+printf '%s\n' 'v 0 0 0' 'v 4 0 0' 'v 4 4 0' 'v 0 4 0' 'v 0 0 4' 'v 4 0 4' 'v 4 4 4' 'v 0 4 4' \
+  'f 4 3 2 1' 'f 5 6 7 8' 'f 1 2 6 5' 'f 2 3 7 6' 'f 3 4 8 7' 'f 4 1 5 8' >box.obj
+sed 's/^v 4 4 4/v 6 5 5/' box.obj >box_pose.obj
+sed 's/^f 5 6 7 8/f 6 7 8 5/' box.obj >box_turned.obj
+grep -v '^f 4 1' box.obj >box_open.obj
+sed 's/^f 5 6 7 8/f 5 6 8 7/' box.obj >box_bow_tie.obj
+sed 's/^f 4 1 5 8/f 4 1 5 9/' box.obj >box_ninth.obj
+sed 's/^v 4 4 4/v 4 nan 4/' box.obj >box_nan.obj
+printf '# a point\r\nv 2 2 2 0.5 0.25 1\r\nv 3\t3 \\\r\n3\r\np 1 2\r\n' >figure.obj
+works "a cage of squares" "$mesh" figure.obj --cage box.obj --pose box.obj -o rest.obj
+cmp -s figure.obj rest.obj && ok=yes || ok=no
+report $ok "line ends, colours and joined lines stay"
+works "a corner pulled" "$mesh" figure.obj --cage box.obj --pose box_pose.obj -o pulled.obj
+grep -q '^v [23].* 0.5 0.25 1' pulled.obj && grep -q '^p 1 2' pulled.obj && ok=yes || ok=no
+report $ok "colours and other lines stay when vertices move"
+printf 'v 2 2 2\nv 5 2 2\n' >stray.obj
+printf 'v 1 2\n' >short.obj
+printf '\001\377\000v\n\200f 1 2' >junk.obj
+: >empty.obj
+refuses 'nowhere.obj' "$mesh" nowhere.obj --cage box.obj --pose box.obj -o out.obj
+refuses 'nowhere.obj' "$mesh" figure.obj --cage nowhere.obj --pose box.obj -o out.obj
+refuses 'nowhere.obj' "$mesh" figure.obj --cage box.obj --pose nowhere.obj -o out.obj
+refuses 'folder: is a folder' "$mesh" folder --cage box.obj --pose box.obj -o out.obj
+refuses 'empty.obj: is empty' "$mesh" empty.obj --cage box.obj --pose box.obj -o out.obj
+refuses 'junk.obj: holds no vertices' "$mesh" figure.obj --cage junk.obj --pose box.obj -o out.obj
+refuses 'short.obj: three numbers are expected (line 1)' "$mesh" short.obj --cage box.obj --pose box.obj -o out.obj
+refuses 'box_nan.obj: the coordinates of a vertex are not finite (line 7)' "$mesh" figure.obj --cage box.obj --pose box_nan.obj -o out.obj
+refuses 'box_ninth.obj: vertex index 9 is out of range: the file has 8 (line 14)' "$mesh" figure.obj --cage box_ninth.obj --pose box.obj -o out.obj
+refuses 'the pose character_cage.obj has 112 vertices, the cage box.obj has 8' "$mesh" figure.obj --cage box.obj --pose character_cage.obj -o out.obj
+refuses 'face 2 differs: line 10 of the pose box_turned.obj, line 10 of the cage box.obj' "$mesh" figure.obj --cage box.obj --pose box_turned.obj -o out.obj
+refuses 'face 6 differs: the pose box_open.obj has 5 faces, the cage box.obj has 6' "$mesh" figure.obj --cage box.obj --pose box_open.obj -o out.obj
+refuses 'open edge (0, 3)' "$mesh" figure.obj --cage box_open.obj --pose box_open.obj -o out.obj
+refuses 'box_bow_tie.obj: a face cannot be cut into triangles' "$mesh" figure.obj --cage box_bow_tie.obj --pose box_bow_tie.obj -o out.obj
+refuses '1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2)' "$mesh" stray.obj --cage box.obj --pose box_pose.obj -o out.obj
+refuses 'not defined outside' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates harmonic --outside extend -o out.obj
+for policy in keep nearest extend; do
+  works "vertices outside: $policy" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside $policy -o kept.obj
+done
+refuses 'barycentric' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates barycentric -o out.obj
+refuses 'resolution' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates harmonic --resolution 3 -o out.obj
+refuses 'tolerance' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates harmonic --tolerance 0 -o out.obj
+refuses '--pose' "$mesh" figure.obj --cage box.obj -o out.obj
+refuses 'missing/out.obj' "$mesh" figure.obj --cage box.obj --pose box.obj -o missing/out.obj
+refuses 'missing/out.png' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.obj --picture missing/out.png
+
 # ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
 works "a negative field" "$field" --cage "$data/biped_cage.svg" --vertex 2 --size 120 -o field.png

@@ -30,8 +30,9 @@ enum class CageFaultKind : std::uint8_t {
     interior_cell_outside, ///< the interior cell at handle `a`
     interior_cells_touch, ///< the interior cell at handle `a` and the cell or wall at handle `b`, elsewhere than in a vertex
     interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
-    collinear_vertex,             ///< warning: vertex `a` lies on the straight line between its neighbours
-    vertex_unused,                ///< warning: no face has vertex `a`; its weights are zero
+    gap_closed, ///< warning: only one face has the edge between vertices `a` and `b`; the gap was closed
+    collinear_vertex,     ///< warning: vertex `a` lies on the straight line between its neighbours
+    vertex_unused,        ///< warning: no face has vertex `a`; its weights are zero
     loop_turns_otherwise, ///< warning: loop `a` is clockwise, or a hole `a` counter-clockwise; handled
 };
 
@@ -65,6 +66,7 @@ constexpr Status status_of(CageFaultKind kind) noexcept {
     case CageFaultKind::interior_cell_outside: return Status::interior_cell_outside;
     case CageFaultKind::interior_cells_touch: return Status::interior_cells_touch;
     case CageFaultKind::interior_cells_not_supported: return Status::interior_cells_not_supported;
+    case CageFaultKind::gap_closed:
     case CageFaultKind::collinear_vertex:
     case CageFaultKind::vertex_unused:
     case CageFaultKind::loop_turns_otherwise: return Status::ok;
@@ -95,6 +97,7 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     case CageFaultKind::interior_cells_touch: return "interior cells touch";
     case CageFaultKind::interior_cells_not_supported: return "interior cells not supported";
     case CageFaultKind::vertex_unused: return "unused vertex (warning)";
+    case CageFaultKind::gap_closed: return "open edge, closed (warning)";
     case CageFaultKind::collinear_vertex: return "collinear vertex (warning)";
     case CageFaultKind::loop_turns_otherwise: return "loop turns the other way (warning)";
     }

@@ -4,8 +4,10 @@
 #include <cageform/cage/boundary_value.hpp>
 #include <cageform/cage/check.hpp>
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <tuple>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -14,6 +16,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 /// Copies the vertices and faces (a cage is small). Construction never fails; `check` tells whether the mesh can serve
 /// as a cage, and every coordinate type asks it.
+///
+/// Small gaps are closed by faces over the vertices around them, so that coordinates keep their laws; `check` names
+/// their edges in warnings. Small is what adds up to at most a quarter of the area.
 template <Scalar T>
 class TriangleMesh {
 public:
@@ -39,6 +44,8 @@ public:
             }
             faces_.push_back(face);
         }
+        given_ = faces_.size();
+        close_gaps();
     }
 
     static constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
@@ -46,11 +53,90 @@ public:
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
     const Vec<T, 3>& operator[](std::size_t i) const noexcept { return vertices_[i]; }
-    std::span<const Face> faces() const noexcept { return faces_; }
+    std::span<const Face> faces() const noexcept {
+        return faces_;
+    } ///< those given, then those that close gaps
+    std::size_t given_faces() const noexcept { return given_; }
+
+    /// A face's way along an edge.
+    struct Way {
+        std::uint32_t from, to, face;
+        auto key() const noexcept { return std::pair(std::min(from, to), std::max(from, to)); }
+    };
+    /// All ways, those along the same edge in a row.
+    std::vector<Way> ways() const {
+        std::vector<Way> all;
+        for (std::size_t f = 0; f < faces_.size(); ++f) {
+            for (std::size_t k = 0; k < 3; ++k)
+                all.push_back({faces_[f][k], faces_[f][(k + 1) % 3], std::uint32_t(f)});
+        }
+        std::sort(all.begin(), all.end(), [](const Way& a, const Way& b) {
+            return std::tuple(a.key(), a.from, a.face) < std::tuple(b.key(), b.from, b.face);
+        });
+        return all;
+    }
 
 private:
+    double area(const Face& face) const noexcept {
+        const auto a = vec_cast<double>(vertices_[face[0]]), b = vec_cast<double>(vertices_[face[1]]),
+                   c = vec_cast<double>(vertices_[face[2]]);
+        const auto n = cross(b - a, c - a);
+        return 0.5 * std::sqrt(dot(n, n));
+    }
+
+    void close_gaps() {
+        double whole = 0;
+        for (const Face& face : faces_) {
+            if (std::find(face.begin(), face.end(), no_vertex) != face.end()) return;
+            whole += area(face);
+        }
+        const auto all = ways();
+        std::vector<std::pair<std::uint32_t, std::uint32_t>>
+            open; // against the ways of the faces, which is that of what closes them
+        for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+            while (end < all.size() && all[end].key() == all[begin].key()) ++end;
+            if (end - begin == 1) open.push_back({all[begin].to, all[begin].from});
+        }
+        std::sort(open.begin(), open.end());
+        std::vector<Face> closing;
+        double gaps = 0;
+        while (!open.empty()) {
+            std::vector<std::uint32_t> around{open.front().first};
+            for (;;) {
+                const auto on =
+                    std::lower_bound(open.begin(), open.end(), std::pair(around.back(), std::uint32_t{0}));
+                if (on == open.end() || on->first != around.back()) return; // no closed way
+                const auto next = on->second;
+                open.erase(on);
+                if (next == around.front()) break;
+                if (std::find(around.begin(), around.end(), next) != around.end()) return; // crosses itself
+                around.push_back(next);
+            }
+            if (around.size() < 3) return;
+            // A fan from the vertex where it is smallest.
+            std::vector<Face> best;
+            double least = std::numeric_limits<double>::infinity();
+            for (std::size_t apex = 0; apex < around.size(); ++apex) {
+                std::vector<Face> fan;
+                double sum = 0;
+                for (std::size_t k = 1; k + 1 < around.size(); ++k) {
+                    fan.push_back({around[apex], around[(apex + k) % around.size()],
+                                   around[(apex + k + 1) % around.size()]});
+                    sum += area(fan.back());
+                }
+                if (sum >= least) continue;
+                least = sum;
+                best = std::move(fan);
+            }
+            closing.insert(closing.end(), best.begin(), best.end());
+            gaps += least;
+        }
+        if (gaps <= 0.25 * whole) faces_.insert(faces_.end(), closing.begin(), closing.end());
+    }
+
     std::vector<Vec<T, 3>> vertices_;
     std::vector<Face> faces_;
+    std::size_t given_ = 0;
 };
 
 namespace detail {
@@ -144,13 +230,14 @@ PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) 
 }
 
 /// Whether a mesh can serve as a cage: indices in range, finite vertices, no two at one place, faces with an area, every
-/// edge between two faces that walk it opposite ways, one fan of faces about every vertex, no two faces that pass
+/// edge between two faces that walk it opposite ways (those that close a small gap included), one fan of faces about every vertex, no two faces that pass
 /// through each other. What "at one place" means is coincidence_tolerance. Usually O(#F log #F), O(#F²) at worst.
 template <Scalar T>
 CageReport check(const TriangleMesh<T>& mesh) {
     CageReport report;
     const std::size_t count = mesh.size();
     const auto faces = mesh.faces();
+    const std::size_t given = mesh.given_faces();
     if (count < 4) report.add(CageFaultKind::too_few_vertices, 0, count);
     for (std::size_t i = 0; i < count; ++i) {
         if (!is_finite(mesh[i])) report.add(CageFaultKind::vertex_not_finite, i);
@@ -186,23 +273,16 @@ CageReport check(const TriangleMesh<T>& mesh) {
         const auto a = at[faces[f][0]], b = at[faces[f][1]], c = at[faces[f][2]];
         const double longest =
             std::max({detail::length(b - a), detail::length(c - b), detail::length(a - c)});
-        if (detail::length(cross(b - a, c - a)) <= tolerance * longest)
+        if (detail::length(cross(b - a, c - a)) > tolerance * longest) continue;
+        if (f < given) {
             report.add(CageFaultKind::face_without_area, f);
+        } else {
+            report.add(CageFaultKind::open_edge, faces[f][1], faces[f][2]); // cannot be closed
+        }
     }
 
     // Every way along an edge once, and so the other way.
-    struct Way {
-        std::uint32_t from, to, face;
-        auto key() const noexcept { return std::pair(std::min(from, to), std::max(from, to)); }
-    };
-    std::vector<Way> ways;
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        for (std::size_t k = 0; k < 3; ++k)
-            ways.push_back({faces[f][k], faces[f][(k + 1) % 3], std::uint32_t(f)});
-    }
-    std::sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
-        return std::tuple(a.key(), a.from, a.face) < std::tuple(b.key(), b.from, b.face);
-    });
+    const auto ways = mesh.ways();
     for (std::size_t begin = 0, end = 0; begin < ways.size(); begin = end) {
         while (end < ways.size() && ways[end].key() == ways[begin].key()) ++end;
         const auto [low, high] = ways[begin].key();
@@ -212,6 +292,8 @@ CageReport check(const TriangleMesh<T>& mesh) {
             report.add(CageFaultKind::edge_not_manifold, low, high);
         } else if (ways[begin].from == ways[begin + 1].from) {
             report.add(CageFaultKind::face_flipped, ways[begin].face, ways[begin + 1].face);
+        } else if ((ways[begin].face < given) != (ways[begin + 1].face < given)) {
+            report.add(CageFaultKind::gap_closed, low, high);
         }
     }
     if (report.status != Status::ok) return report;
@@ -262,7 +344,12 @@ CageReport check(const TriangleMesh<T>& mesh) {
     for (std::size_t n = 0; n < sweep.size(); ++n) {
         for (std::size_t m = n + 1; m < sweep.size() && extent[sweep[m]][0] <= extent[sweep[n]][1]; ++m) {
             const std::size_t f = std::min(sweep[n], sweep[m]), g = std::max(sweep[n], sweep[m]);
-            if (passes(f, g) || passes(g, f)) report.add(CageFaultKind::faces_cross, f, g);
+            if (!passes(f, g) && !passes(g, f)) continue;
+            if (g < given) {
+                report.add(CageFaultKind::faces_cross, f, g);
+            } else {
+                report.add(CageFaultKind::open_edge, faces[g][1], faces[g][2]); // cannot be closed
+            }
         }
     }
     return report;

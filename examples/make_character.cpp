@@ -1,0 +1,403 @@
+// Makes a figure to deform: a puppet in the shape of a T, a cage of 112 vertices and a pose of the cage.
+//
+//     make_character out
+//
+// writes out/character.obj, out/character_cage.obj and out/character_pose.obj. The puppet is a smooth union
+// of rounded bodies, meshed by surface nets. It stands at y = 0 on the ground, y up, and faces along z.
+
+#include "atomic_file.hpp"
+#include "guard.hpp"
+
+#include <cageform/cageform.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Point = cageform::Vec<double, 3>;
+using Face = std::array<std::uint32_t, 3>;
+
+struct Mesh {
+    std::vector<Point> vertices;
+    std::vector<Face> faces;
+};
+
+double length(const Point& p) {
+    return std::hypot(p[0], p[1], p[2]);
+}
+
+/// 0 up to `from`, 1 beyond `to`, smooth between; `to` may be the lesser.
+double ramp(double from, double to, double x) {
+    const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+// ---- the puppet: functions that are negative inside and grow about as fast as the distance ----
+
+double ball(const Point& p, const Point& centre, double radius) {
+    return length(p - centre) - radius;
+}
+
+double ellipsoid(const Point& p, const Point& centre, const Point& radii) {
+    const Point d = p - centre;
+    const Point u{d[0] / radii[0], d[1] / radii[1], d[2] / radii[2]};
+    const Point slope{u[0] / radii[0], u[1] / radii[1], u[2] / radii[2]}; // of |u|, times |u|
+    const double level = length(u);
+    // Near the centre, where the slope is lost, anything negative serves.
+    return level > 1e-6 ? level * (level - 1) / length(slope) : -radii[0];
+}
+
+/// A rod from `a` to `b` with round ends, as thick as told at both.
+double limb(const Point& p, const Point& a, const Point& b, double radius_a, double radius_b) {
+    const Point axis = b - a;
+    const double t = std::clamp(dot(p - a, axis) / dot(axis, axis), 0.0, 1.0);
+    return length(p - a - t * axis) - (radius_a + t * (radius_b - radius_a));
+}
+
+/// The lesser of two, with the crease between them filled up where they differ by less than `blend`.
+double join(double a, double b, double blend) {
+    const double near = std::max(blend - std::fabs(a - b), 0.0);
+    return std::min(a, b) - near * near / (4 * blend);
+}
+
+/// What is in `a` and not in `b`.
+double carve(double a, double b, double blend) {
+    return -join(-a, b, blend);
+}
+
+double puppet(const Point& at) {
+    const Point p{std::fabs(at[0]), at[1], at[2]}; // left and right are alike
+    // Trunk.
+    double body = ellipsoid(p, {0, 0.9, 0}, {0.21, 0.14, 0.145});
+    body = join(body, ellipsoid(p, {0, 1.06, 0.015}, {0.195, 0.23, 0.15}), 0.06);
+    body = join(body, ellipsoid(p, {0, 1.28, 0}, {0.205, 0.15, 0.13}), 0.06);
+    body = join(body, limb(p, {0, 1.36, 0}, {0, 1.54, 0}, 0.085, 0.07), 0.05);
+    // Legs, feet.
+    body = join(body, limb(p, {0.15, 0.83, 0}, {0.178, 0.46, 0.005}, 0.1, 0.078), 0.04);
+    body = join(body, limb(p, {0.178, 0.46, 0.005}, {0.186, 0.12, -0.01}, 0.078, 0.064), 0.03);
+    body = join(body, limb(p, {0.186, 0.066, -0.035}, {0.196, 0.07, 0.15}, 0.062, 0.07), 0.04);
+    // Arms, hands with a thumb.
+    body = join(body, limb(p, {0.2, 1.325, 0}, {0.545, 1.325, -0.005}, 0.082, 0.066), 0.06);
+    body = join(body, limb(p, {0.545, 1.325, -0.005}, {0.8, 1.325, 0}, 0.066, 0.05), 0.03);
+    body = join(body, ellipsoid(p, {0.895, 1.325, 0}, {0.105, 0.055, 0.072}), 0.03);
+    body = join(body, limb(p, {0.85, 1.335, 0.04}, {0.88, 1.345, 0.105}, 0.03, 0.027), 0.03);
+    // Buttons.
+    for (const Point& button : {Point{0, 1.31, 0.128}, Point{0, 1.185, 0.147}, Point{0, 1.06, 0.164}})
+        body = join(body, ellipsoid(p, button, {0.036, 0.036, 0.022}), 0.008);
+    // Head: nose, ears, eyes; a smile carved in.
+    double head = ellipsoid(p, {0, 1.71, 0.005}, {0.175, 0.19, 0.168});
+    head = join(head, ball(p, {0, 1.695, 0.175}, 0.034), 0.02);
+    head = join(head, ellipsoid(p, {0.177, 1.7, -0.005}, {0.032, 0.052, 0.035}), 0.02);
+    head = join(head, ball(p, {0.068, 1.757, 0.143}, 0.031), 0.01);
+    const double smile = std::hypot(std::hypot(p[0], p[1] - 1.705) - 0.088, p[2] - 0.155) - 0.018;
+    head = carve(head, std::max(smile, p[1] - 1.66), 0.012);
+    return join(body, head, 0.03);
+}
+
+Point slope(const Point& p) {
+    constexpr double step = 1e-5;
+    Point g;
+    for (std::size_t k = 0; k < 3; ++k) {
+        Point a = p, b = p;
+        a[k] -= step;
+        b[k] += step;
+        g[k] = (puppet(b) - puppet(a)) / (2 * step);
+    }
+    return g;
+}
+
+/// The surface where the puppet's function is zero, by surface nets (Gibson 1998): a vertex in every cell
+/// of a grid that the surface passes, a quadrilateral about every edge of the grid that it crosses.
+Mesh surface(const Point& low, const Point& high, double cell) {
+    std::array<std::size_t, 3> n;
+    for (std::size_t k = 0; k < 3; ++k) n[k] = std::size_t(std::ceil((high[k] - low[k]) / cell)) + 1;
+    const auto node = [&](std::size_t x, std::size_t y, std::size_t z) { return (z * n[1] + y) * n[0] + x; };
+    const std::array<std::size_t, 3> stride{1, n[0], n[0] * n[1]};
+    const auto place = [&](std::size_t x, std::size_t y, std::size_t z) {
+        return low + cell * Point{double(x), double(y), double(z)};
+    };
+    std::vector<double> value(n[0] * n[1] * n[2]);
+    for (std::size_t z = 0; z < n[2]; ++z) {
+        for (std::size_t y = 0; y < n[1]; ++y) {
+            for (std::size_t x = 0; x < n[0]; ++x) value[node(x, y, z)] = puppet(place(x, y, z));
+        }
+    }
+
+    Mesh mesh;
+    std::vector<std::uint32_t> vertex(value.size(), ~std::uint32_t{0}); // of the cell above a node
+    for (std::size_t z = 0; z + 1 < n[2]; ++z) {
+        for (std::size_t y = 0; y + 1 < n[1]; ++y) {
+            for (std::size_t x = 0; x + 1 < n[0]; ++x) {
+                // The mean of where the surface crosses the twelve edges.
+                Point sum{};
+                int crossings = 0;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+                    for (std::size_t edge = 0; edge < 4; ++edge) {
+                        Point from{};
+                        from[u] = double(edge % 2);
+                        from[v] = double(edge / 2);
+                        const std::size_t i = node(x, y, z) + (edge % 2) * stride[u] + (edge / 2) * stride[v];
+                        const double a = value[i], b = value[i + stride[axis]];
+                        if ((a < 0) == (b < 0)) continue;
+                        from[axis] = a / (a - b);
+                        sum = sum + from;
+                        ++crossings;
+                    }
+                }
+                if (crossings == 0) continue;
+                Point p = place(x, y, z) + (cell / crossings) * sum;
+                for (int step = 0; step < 3; ++step) { // onto the surface, by Newton's method
+                    const Point g = slope(p);
+                    p = p - (puppet(p) / dot(g, g)) * g;
+                }
+                vertex[node(x, y, z)] = std::uint32_t(mesh.vertices.size());
+                mesh.vertices.push_back(p);
+            }
+        }
+    }
+
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t u = stride[(axis + 1) % 3], v = stride[(axis + 2) % 3];
+            if (i + stride[axis] >= value.size()) continue;
+            const bool inside = value[i] < 0;
+            if (inside == (value[i + stride[axis]] < 0)) continue;
+            // The grid's rim is outside, so the four cells about the edge are there.
+            std::array<std::uint32_t, 4> quad{vertex[i - u - v], vertex[i - v], vertex[i], vertex[i - u]};
+            if (!inside) std::swap(quad[1], quad[3]);
+            const auto& p = mesh.vertices;
+            const bool other = length(p[quad[1]] - p[quad[3]]) < length(p[quad[0]] - p[quad[2]]);
+            const std::size_t first = other ? 1 : 0;
+            for (const std::size_t k : {first + 1, first + 2})
+                mesh.faces.push_back({quad[first], quad[k % 4], quad[(k + 1) % 4]});
+        }
+    }
+    return mesh;
+}
+
+// ---- the cage: a sheet of cells around the outline, with a front and a back ----
+
+/// A point of the sheet on the puppet's left; the right is its mirror image.
+struct SheetPoint {
+    int column; // from the middle outwards, from 1
+    int row;    // from the ground upwards
+    double x, y, front, back;
+};
+constexpr std::array<SheetPoint, 28> sheet{{
+    {1, 0, 0.088, -0.03, 0.255, -0.135}, {2, 0, 0.3, -0.03, 0.255, -0.135},  // sole
+    {1, 1, 0.09, 0.155, 0.245, -0.13},   {2, 1, 0.295, 0.155, 0.245, -0.13}, // ankle
+    {1, 2, 0.078, 0.38, 0.115, -0.12},   {2, 2, 0.282, 0.38, 0.115, -0.12},  // under the knee
+    {1, 3, 0.066, 0.54, 0.12, -0.12},    {2, 3, 0.285, 0.54, 0.12, -0.12},   // above the knee
+    {1, 4, 0.035, 0.71, 0.15, -0.155},   {2, 4, 0.285, 0.71, 0.13, -0.14},   // crotch
+    {1, 5, 0.09, 1, 0.225, -0.17},       {2, 5, 0.265, 1, 0.165, -0.14},     // waist
+    {1, 6, 0.1, 1.215, 0.2, -0.16},      {2, 6, 0.265, 1.215, 0.14, -0.125}, // armpit
+    {1, 7, 0.11, 1.45, 0.14, -0.14},     {2, 7, 0.27, 1.435, 0.11, -0.11},   // shoulder
+    {3, 6, 0.385, 1.225, 0.1, -0.1},     {3, 7, 0.385, 1.425, 0.1, -0.1},    // upper arm
+    {4, 6, 0.49, 1.235, 0.095, -0.095},  {4, 7, 0.49, 1.415, 0.095, -0.095}, // before the elbow
+    {5, 6, 0.6, 1.24, 0.09, -0.09},      {5, 7, 0.6, 1.41, 0.09, -0.09},     // behind it
+    {6, 6, 0.79, 1.25, 0.14, -0.095},    {6, 7, 0.79, 1.4, 0.14, -0.095},    // wrist
+    {7, 6, 1.025, 1.255, 0.15, -0.095},  {7, 7, 1.025, 1.395, 0.15, -0.095}, // finger tips
+    {1, 8, 0.235, 1.5, 0.235, -0.195},   {1, 9, 0.225, 1.935, 0.22, -0.195}, // chin, crown
+}};
+
+struct Cage {
+    Mesh mesh;
+    std::vector<SheetPoint> origin; // of every vertex; x and column are negative on the right
+};
+
+Cage make_cage() {
+    Cage cage;
+    std::map<std::pair<int, int>, std::uint32_t> front; // by column and row; the back vertex is the next one
+    for (const int side : {1, -1}) {
+        for (SheetPoint p : sheet) {
+            p.column *= side;
+            p.x *= side;
+            front[{p.column, p.row}] = std::uint32_t(cage.mesh.vertices.size());
+            cage.mesh.vertices.push_back({p.x, p.y, p.front});
+            cage.mesh.vertices.push_back({p.x, p.y, p.back});
+            cage.origin.insert(cage.origin.end(), 2, p);
+        }
+    }
+    // Two triangles, cut so that both sides of the figure mirror each other.
+    const auto add = [&](std::array<std::uint32_t, 4> quad, bool other) {
+        const std::size_t first = other ? 1 : 0;
+        for (const std::size_t k : {first + 1, first + 2})
+            cage.mesh.faces.push_back({quad[first], quad[k % 4], quad[(k + 1) % 4]});
+    };
+    std::set<std::pair<std::uint32_t, std::uint32_t>> ways; // along the cells' edges, counter-clockwise
+    for (const auto& [at, corner] : front) {
+        const auto [column, row] = at;
+        const int next = column == -1 ? 1 : column + 1;
+        const auto right = front.find({next, row}), upper = front.find({column, row + 1}),
+                   across = front.find({next, row + 1});
+        if (right == front.end() || upper == front.end() || across == front.end()) continue;
+        if (column == -1 && row < 4) continue; // between the legs
+        const std::array<std::uint32_t, 4> cell{corner, right->second, across->second, upper->second};
+        add(cell, column > 0);
+        add({cell[3] + 1, cell[2] + 1, cell[1] + 1, cell[0] + 1}, column > 0);
+        for (std::size_t k = 0; k < 4; ++k) ways.insert({cell[k], cell[(k + 1) % 4]});
+    }
+    for (const auto& [from, to] : ways) {
+        if (!ways.contains({to, from})) add({to, from, from + 1, to + 1}, cage.origin[from].x > 0);
+    }
+    return cage;
+}
+
+// ---- the pose: joints that turn what lies beyond them ----
+
+Point rotated(const Point& p, const Point& centre, std::size_t axis, double degrees) {
+    const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    Point q = p;
+    q[u] = centre[u] + c * (p[u] - centre[u]) - s * (p[v] - centre[v]);
+    q[v] = centre[v] + s * (p[u] - centre[u]) + c * (p[v] - centre[v]);
+    return q;
+}
+
+/// Where a vertex of the cage goes. Near a joint it turns by part of the angle, so the cage bends smoothly;
+/// the outer joints come first, and the inner ones take them along.
+Point posed(const Point& rest, const SheetPoint& origin) {
+    constexpr std::size_t x = 0, y = 1, z = 2; // axes
+    const double out = std::fabs(origin.x), side = origin.x < 0 ? -1 : 1;
+    const bool left = origin.x > 0;
+    Point p = rest;
+    if (origin.row == 6 || origin.row == 7) {
+        const double forearm = ramp(0.44, 0.66, out), arm = ramp(0.2, 0.42, out);
+        const Point elbow{side * 0.545, 1.325, 0}, shoulder{side * 0.23, 1.325, 0};
+        if (left) { // waves
+            p = rotated(p, elbow, z, 66 * forearm);
+            p = rotated(p, shoulder, z, 30 * arm);
+        } else { // hangs down, the forearm forward
+            p = rotated(p, elbow, y, 45 * forearm);
+            p = rotated(p, elbow, z, -10 * forearm);
+            p = rotated(p, shoulder, z, 50 * arm);
+        }
+    }
+    if (origin.row <= 4) {
+        const double shin = ramp(0.6, 0.32, origin.y), thigh = ramp(0.88, 0.56, origin.y);
+        const Point knee{side * 0.178, 0.46, 0}, hip{side * 0.15, 0.83, 0};
+        if (left) { // stands
+            p = rotated(p, knee, x, 6 * shin);
+            p = rotated(p, hip, x, 5 * thigh);
+            p = rotated(p, hip, z, 4 * thigh);
+        } else { // steps
+            p = rotated(p, knee, x, 80 * shin);
+            p = rotated(p, hip, x, -66 * thigh);
+        }
+    }
+    const double head = ramp(1.43, 1.54, origin.y), chest = ramp(0.82, 1.4, origin.y);
+    p = rotated(p, {0, 1.5, 0}, y, 24 * head);
+    p = rotated(p, {0, 1.5, 0}, z, 9 * head);
+    p = rotated(p, {0, 0.9, 0}, y, 14 * chest);
+    p = rotated(p, {0, 0.9, 0}, x, 5 * chest);
+    return rotated(p, {0, 0.9, 0}, z, -7 * chest);
+}
+
+// ---- the files ----
+
+/// The mesh as OBJ text; with normals, a vertex and its normal share their number.
+std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Point>& normals) {
+    std::string text = std::string("# ") + heading + "\n";
+    std::array<char, 128> line;
+    const auto append = [&](const char* format, auto... values) {
+        const int size = std::snprintf(line.data(), line.size(), format, values...);
+        text.append(line.data(), std::size_t(size));
+    };
+    for (const Point& p : mesh.vertices) append("v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
+    for (const Point& n : normals) append("vn %.5f %.5f %.5f\n", n[0], n[1], n[2]);
+    for (const auto& [a, b, c] : mesh.faces) {
+        if (normals.empty())
+            append("f %u %u %u\n", a + 1, b + 1, c + 1);
+        else
+            append("f %u//%u %u//%u %u//%u\n", a + 1, a + 1, b + 1, b + 1, c + 1, c + 1);
+    }
+    return text;
+}
+
+int fail(const std::string& message) {
+    std::cerr << "make_character: " << message << '\n';
+    return 1;
+}
+
+/// Whether a mesh can serve as a cage; where not, why.
+bool is_sound(const Mesh& mesh, const char* what) {
+    const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
+    if (report.status != cageform::Status::ok)
+        fail(std::string(what) + ": " + cageform::to_string(report.status));
+    return report.status == cageform::Status::ok;
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App app("Makes a puppet, a cage around it and a pose of the cage, as OBJ files.");
+    std::string folder;
+    app.add_option("folder", folder,
+                   "where character.obj, character_cage.obj and character_pose.obj are written")
+        ->required();
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 1;
+    }
+
+    const Mesh figure = surface({-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
+    std::vector<Point> normals;
+    for (const Point& p : figure.vertices) {
+        const Point g = slope(p);
+        normals.push_back((1 / length(g)) * g);
+    }
+    const Cage cage = make_cage();
+    Mesh pose = cage.mesh;
+    for (std::size_t i = 0; i < pose.vertices.size(); ++i)
+        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i]);
+
+    if (!is_sound(figure, "the figure") || !is_sound(cage.mesh, "the cage") || !is_sound(pose, "the pose"))
+        return 1;
+    const cageform::MeanValueCoordinates<double, 3> coordinates(
+        cageform::TriangleMesh<double>(cage.mesh.vertices, cage.mesh.faces));
+    const auto outside = cageform::bind(coordinates, figure.vertices).report.outside;
+    if (!outside.empty()) {
+        const Point& p = figure.vertices[outside.front()];
+        return fail(std::to_string(outside.size()) + " vertices of the figure lie outside the cage, first (" +
+                    std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")");
+    }
+
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return fail("cannot make the folder " + folder + ": " + error.message());
+    const auto write = [&](const char* name, const char* heading, const Mesh& mesh,
+                           const std::vector<Point>& vertex_normals) {
+        const auto path = std::filesystem::path(folder) / name;
+        const auto failure =
+            cageform_examples::write_file_atomically(path, obj_text(heading, mesh, vertex_normals));
+        if (failure) {
+            fail(*failure);
+            return false;
+        }
+        std::cout << path.string() << ": " << mesh.vertices.size() << " vertices, " << mesh.faces.size()
+                  << " faces\n";
+        return true;
+    };
+    const bool written = write("character.obj", "A puppet, made by make_character", figure, normals) &&
+                         write("character_cage.obj", "The puppet's cage", cage.mesh, {}) &&
+                         write("character_pose.obj", "A pose of the puppet's cage", pose, {});
+    return written ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return cageform_examples::guarded("make_character", [&] { return run_program(argc, argv); });
+}

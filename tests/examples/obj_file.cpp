@@ -1,0 +1,261 @@
+#include "obj_file.hpp"
+
+#include "catch.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+using namespace cageform_examples;
+
+namespace {
+
+ObjFile parsed(const std::string& text) {
+    auto file = parse_obj(text, "file.obj");
+    INFO(text);
+    if (!file) FAIL(to_string(file.error()));
+    return std::move(*file);
+}
+
+std::string refusal(const std::string& text) {
+    const auto file = parse_obj(text, "file.obj");
+    INFO(text);
+    REQUIRE_FALSE(file);
+    return to_string(file.error());
+}
+
+double distance(const Point3& a, const Point3& b) {
+    const Point3 d = a - b;
+    return std::hypot(d[0], d[1], d[2]);
+}
+
+/// Twice the area of a face's triangles together, and of each counted as positive.
+struct Areas {
+    double sum = 0, apart = 0;
+};
+Areas areas(const ObjFile& file, const Point3& normal) {
+    Areas both;
+    for (const auto& [a, b, c] : file.triangles) {
+        const double area =
+            dot(normal, cross(file.vertices[b] - file.vertices[a], file.vertices[c] - file.vertices[a]));
+        both.sum += area;
+        both.apart += std::fabs(area);
+    }
+    return both;
+}
+
+/// A cube whose corners are shared, with a normal for every face.
+const std::string cube =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+    "vn 0 0 -1\nvn 0 0 2\nvn 0 -1 0\nvn 1 0 0\nvn 0 1 0\nvn -1 0 0\n"
+    "f 4//1 3//1 2//1 1//1\nf 5//2 6//2 7//2 8//2\nf 1//3 2//3 6//3 5//3\n"
+    "f 2//4 3//4 7//4 6//4\nf 3//5 4//5 8//5 7//5\nf 4//6 1//6 5//6 8//6\n";
+
+/// What files hold in practice, and what the format allows.
+const std::string everything = "\xef\xbb\xbf# a comment that ends with a backslash \\\n"
+                               "mtllib a b.mtl\r\n"
+                               "v 1.000 2.50 -0.0 0.5 0.25 1 # a colour\r\n"
+                               "\tv\t+1e0\t.5 \t 5. 1.0\n"
+                               "v 1 \\\r\n  2 \\\n 3\n"
+                               "v -7 8 9\r"
+                               "vt 0.5 0.5\n"
+                               "vn 0 0 1\nvn nan 0 inf\n"
+                               "o thing\ng a b c\nusemtl steel\ns off\n"
+                               "f 1/1/1 2/1/1 3/1/1\n"
+                               "f -4//-2 -3//-1 \\\n -2//1 -1\n"
+                               "f 1/ 2/1 3/1/\n"
+                               "l 1 2\np 3\ncurv2 1 2\nwhatever \x01\xff\n"
+                               "f 1 2 5\nv 0 0 0";
+
+Point3 turned_about_y(const Point3& p, double angle) {
+    return {std::cos(angle) * p[0] + std::sin(angle) * p[2], p[1],
+            std::cos(angle) * p[2] - std::sin(angle) * p[0]};
+}
+
+} // namespace
+
+TEST_CASE("an OBJ file at rest is written to the byte", "[examples][obj]") {
+    for (const std::string& text : {cube, everything}) {
+        const ObjFile file = parsed(text);
+        CHECK(to_text(file, file.vertices) == text);
+    }
+}
+
+TEST_CASE("an OBJ file is read", "[examples][obj]") {
+    const ObjFile file = parsed(everything);
+    CHECK(file.vertices == std::vector<Point3>{{1, 2.5, 0}, {1, 0.5, 5}, {1, 2, 3}, {-7, 8, 9}, {0, 0, 0}});
+    CHECK(file.normals.size() == 2);
+    REQUIRE(file.faces.size() == 4);
+    CHECK(file.faces[0].corners == std::vector<ObjCorner>{{0, 0}, {1, 0}, {2, 0}});
+    CHECK(file.faces[1].corners == std::vector<ObjCorner>{{0, 0}, {1, 1}, {2, 0}, {3, ObjCorner::none}});
+    CHECK(file.faces[1].line == 17);
+    CHECK(file.faces[2].corners ==
+          std::vector<ObjCorner>{{0, ObjCorner::none}, {1, ObjCorner::none}, {2, ObjCorner::none}});
+    CHECK(file.faces[3].corners[2].vertex == 4); // an index may point forwards
+    CHECK(file.triangles.size() == 5);
+}
+
+TEST_CASE("only the numbers that change are written anew", "[examples][obj]") {
+    const ObjFile file = parsed(everything);
+    auto moved = file.vertices;
+    moved[0][1] = 0.1;
+    moved[2] = {-1, 2, 1e-7};
+    std::string expected = everything;
+    const auto replace = [&](std::string_view from, std::string_view to) {
+        expected.replace(expected.find(from), from.size(), to);
+    };
+    replace("2.50", "0.1");
+    replace("v 1 \\\r\n  2 \\\n 3\n", "v -1 \\\r\n  2 \\\n 1e-07\n");
+    const std::string text = to_text(file, moved);
+    // The normals turn too; that is the next test's business.
+    const auto normals = text.find("vn"), behind = text.find("\no thing");
+    CHECK(text.substr(0, normals) == expected.substr(0, normals));
+    CHECK(text.substr(behind) == expected.substr(expected.find("\no thing")));
+}
+
+TEST_CASE("what is written is read back to the bit", "[examples][obj]") {
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> normal;
+    const ObjFile file = parsed(cube);
+    auto moved = file.vertices;
+    for (Point3& p : moved) p = {normal(random), 1e-12 * normal(random), 1e15 * normal(random)};
+    const ObjFile again = parsed(to_text(file, moved));
+    CHECK(again.vertices == moved);
+    CHECK(again.normals == deformed_normals(file, moved));
+}
+
+TEST_CASE("normals turn with the mesh and keep their length", "[examples][obj]") {
+    const ObjFile file = parsed(cube);
+    const double angle = GENERATE(0.0, 0.3, 1.5707963267948966, 3.0, std::numbers::pi, -2.0);
+    CAPTURE(angle);
+    std::vector<Point3> moved;
+    for (const Point3& p : file.vertices) moved.push_back(turned_about_y(3 * p, angle) + Point3{10, -20, 5});
+    const auto normals = deformed_normals(file, moved);
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        CHECK(distance(normals[i], turned_about_y(file.normals[i], angle)) < 1e-13);
+}
+
+TEST_CASE("a normal of several faces follows their mean, weighted by area", "[examples][obj]") {
+    // A roof: two squares that share an edge and its normal; one is folded down.
+    const ObjFile file = parsed("v -1 0 0\nv 0 0 0\nv 0 1 0\nv -1 1 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 1 0 0\n"
+                                "f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\n");
+    auto moved = file.vertices;
+    moved[4] = {0, 0, -1};
+    moved[5] = {0, 1, -1};
+    const auto normals = deformed_normals(file, moved);
+    CHECK(distance(normals[0], {std::sqrt(0.5), 0, std::sqrt(0.5)}) < 1e-15);
+    CHECK(normals[1] == file.normals[1]); // no face has it
+
+    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = 1.7 * file.vertices[i] + Point3{0.1, 0.2, 0.3};
+    CHECK(deformed_normals(file, moved) == file.normals); // moved and larger, but not turned
+
+    for (Point3& p : moved) p = {0, 0, 0};
+    CHECK(deformed_normals(file, moved) == file.normals); // no direction is left
+}
+
+TEST_CASE("faces are cut into triangles that look one way", "[examples][obj]") {
+    const int corners = GENERATE(4, 5, 6, 9);
+    const double offset = GENERATE(0.0, 5.0, -3.0);
+    const bool dented = GENERATE(false, true);
+    CAPTURE(corners, offset, dented);
+    std::string text, face = "f";
+    for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / corners, radius = dented && i == 1 ? 0.2 : 1;
+        text += "v " + std::to_string(offset + radius * std::cos(angle)) + ' ' +
+                std::to_string(0.7 * offset + radius * std::sin(angle)) + " 0.5\n";
+        face += ' ' + std::to_string(i + 1);
+    }
+    const ObjFile file = parsed(text + face + '\n');
+    CHECK(file.folded.empty());
+    CHECK(file.triangles.size() == static_cast<std::size_t>(corners) - 2);
+    const Areas both = areas(file, {0, 0, 1});
+    CHECK(both.sum == Approx(both.apart));
+    CHECK(both.sum == Approx(detail::area_vector(file.faces[0], file.vertices)[2]));
+}
+
+TEST_CASE("a face that crosses itself is reported as folded", "[examples][obj]") {
+    for (const char* last : {"v 0 4 0\n", "v 0 1 0\n"}) { // with no area in sum, and with some
+        const ObjFile file =
+            parsed("v 0 0 0\nv 4 4 0\nv 4 0 0\n" + (last + std::string("f 1 2 3\nf 1 2 3 4\n")));
+        CHECK(file.folded == std::vector<std::size_t>{1});
+    }
+}
+
+TEST_CASE("what is wrong with an OBJ file is named with its line", "[examples][obj]") {
+    const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    CHECK(refusal("") == "file.obj: is empty");
+    CHECK(refusal("# nothing\n") == "file.obj: holds no vertices (lines \"v x y z\")");
+    CHECK(refusal("f 1 2 3\n") == "file.obj: holds no vertices (lines \"v x y z\")");
+    CHECK(refusal("v 1 2\n") == "file.obj: three numbers are expected (line 1)");
+    CHECK(refusal("\nv 1 2 x\n") == "file.obj: not a number: \"x\" (line 2)");
+    CHECK(refusal("v 1 2 3,\n") == "file.obj: not a number: \"3,\" (line 1)");
+    CHECK(refusal("v 1 2 3abc") == "file.obj: not a number: \"3abc\" (line 1)");
+    CHECK(refusal("v 1 2 +") == "file.obj: not a number: \"+\" (line 1)");
+    CHECK(refusal("v 1 2 1e999") == "file.obj: number out of range: \"1e999\" (line 1)");
+    CHECK(refusal("v 1 2 nan") == "file.obj: the coordinates of a vertex are not finite (line 1)");
+    CHECK(refusal("v 1 -inf 0") == "file.obj: the coordinates of a vertex are not finite (line 1)");
+    CHECK(refusal(three + "vn 0 z 1") == "file.obj: not a number: \"z\" (line 4)");
+    CHECK(refusal(three + "f 1 2") == "file.obj: a face has less than three corners (line 4)");
+    CHECK(refusal(three + "f 0 1 2") == "file.obj: a vertex index is 0; they count from 1 (line 4)");
+    CHECK(refusal(three + "f 1 2 4") == "file.obj: vertex index 4 is out of range: the file has 3 (line 4)");
+    CHECK(refusal("v 0 0 0\nf -1 -2 -1\nv 1 0 0") ==
+          "file.obj: vertex index -2 is out of range: the file has 1 before this line (line 2)");
+    CHECK(refusal(three + "f 1 2 \\\n 99999999999999999999") ==
+          "file.obj: vertex index 99999999999999999999 is out of range: the file has 3 (line 4)");
+    CHECK(
+        refusal(three + "f 1 2 -9223372036854775808") ==
+        "file.obj: vertex index -9223372036854775808 is out of range: the file has 3 before this line (line "
+        "4)");
+    CHECK(refusal(three + "f 1 2 x") == "file.obj: not an index: \"x\" (line 4)");
+    CHECK(refusal(three + "f 1 2 /1") == "file.obj: not an index: \"\" (line 4)");
+    CHECK(refusal(three + "f 1//1 2 3") ==
+          "file.obj: normal index 1 is out of range: the file has 0 (line 4)");
+    CHECK(refusal(three + "vn 0 0 1\r\nf 1//0 2 3") ==
+          "file.obj: a normal index is 0; they count from 1 (line 5)");
+}
+
+TEST_CASE("OBJ files that cannot be read are named", "[examples][obj]") {
+    const auto missing = load_obj("no/such/file.obj");
+    REQUIRE_FALSE(missing);
+    CHECK(to_string(missing.error()) == "no/such/file.obj: no such file");
+    const auto folder = load_obj(".");
+    REQUIRE_FALSE(folder);
+    CHECK(to_string(folder.error()) == ".: is a folder");
+}
+
+TEST_CASE("no text, however broken, ends the OBJ reader", "[examples][obj][fuzz]") {
+    const auto seed = GENERATE(seeds(300));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+    std::string text;
+    if (seed % 3 == 0) { // any bytes
+        for (std::size_t n = below(400); n > 0; --n) text += static_cast<char>(below(256));
+    } else if (seed % 3 == 1) { // pieces of the format
+        static const std::vector<std::string> pieces{
+            "v ", "vn ",    "f ",      "1 ",   "2 ", "-1 ",          "0 ",        "1/1",
+            "//", "1e308 ", "-1e308 ", "\\\n", "\n", "\r\n",         "v 1 2 3\n", "#",
+            "\t", " ",      "1e-308 ", "nan ", "s ", "99999999999 ", "\\",        std::string(1, '\0')};
+        for (std::size_t n = below(200); n > 0; --n) text += pieces[below(pieces.size())];
+    } else { // a sound file with a few bytes changed
+        text = seed % 2 == 0 ? cube : everything;
+        for (std::size_t n = 1 + below(4); n > 0; --n)
+            text[below(text.size())] = static_cast<char>(below(256));
+    }
+    const auto file = parse_obj(text, "file.obj");
+    if (!file) {
+        CHECK_FALSE(file.error().message.empty());
+        return;
+    }
+    CHECK(to_text(*file, file->vertices) == text);
+    auto moved = file->vertices;
+    for (Point3& p : moved) p = {p[1], -p[2], 2 * p[0]};
+    CHECK(deformed_normals(*file, moved).size() == file->normals.size());
+}
