@@ -5,6 +5,7 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>

@@ -6,6 +6,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
 using namespace cageform_tests;
@@ -69,6 +70,75 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
     cageform::EvaluateOptions threaded;
     threaded.parallel = cageform::ThreadedFor{2};
     CHECK((evaluate_all(coordinates, points, threaded).rows == weights.rows));
+}
+
+TEMPLATE_TEST_CASE(
+    "in meshes of 20 to 500 vertices weights reproduce the point, are 1 at their vertex and barycentric "
+    "on faces",
+    "[coordinates][harmonic][meanvalue][mesh][property]", (HarmonicCoordinates<float, 3>),
+    (HarmonicCoordinates<double, 3>), (cageform::MeanValueCoordinates<float, 3>),
+    (cageform::MeanValueCoordinates<double, 3>)) {
+    using C = TestType;
+    using T = typename C::scalar;
+    const int seed = GENERATE(seeds(10));
+    CAPTURE(seed);
+    const auto data = random_large_mesh(std::uint64_t(seed));
+    const auto mesh = data.mesh<T>();
+    Random random{std::uint64_t(seed)};
+    Points3<T> points(mesh.vertices().begin(), mesh.vertices().end());
+    std::vector<std::array<double, 3>> shares;
+    for (const auto& face : mesh.faces()) { // on edges for every third
+        const auto w = random_shares(shares.size() % 3 == 0 ? 2 : 3, random);
+        shares.push_back({w[0], w[1], w.size() > 2 ? w[2] : 0});
+        Vec<double, 3> p{};
+        for (std::size_t k = 0; k < 3; ++k) p = p + shares.back()[k] * vec_cast<double>(mesh[face[k]]);
+        points.push_back(vec_cast<T>(p));
+    }
+    const std::size_t on = points.size();
+    for (const auto& p : points_about(data, 300, std::uint64_t(seed))) {
+        const auto tolerance = cageform::coincidence_tolerance(cageform::bounds_of(mesh.vertices()));
+        if (locate(mesh, vec_cast<T>(p), tolerance) == PointState::inside) points.push_back(vec_cast<T>(p));
+    }
+    const C coordinates = [&] {
+        if constexpr (C::closed_form) {
+            return C(mesh);
+        } else {
+            return C(mesh, {.resolution = 48});
+        }
+    }();
+    const auto weights = evaluate_all(coordinates, points);
+    if (weights.status() == Status::grid_too_coarse) {
+        CHECK(weights.evaluation.solver.unseen_handle < mesh.size());
+        return;
+    }
+    REQUIRE(weights.status() == Status::ok);
+    const auto bounds = cageform::bounds_of(mesh.vertices());
+    const double size = double(bounds.diagonal()) + double(bounds.magnitude());
+    // A point on a face has the rounding of its coordinates, by which it may be off the face.
+    const double rounding = double(bounds.magnitude()) / double(bounds.diagonal()) + 1;
+    const double solved = C::closed_form ? 0 : 1e-6;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CAPTURE(i);
+        const auto& row = weights.rows[i];
+        const double much = absolute_sum(row) + 1;
+        CHECK(std::fabs(double(sum_of(row)) - 1) <=
+              much * (256 * double(epsilon<T>) + double(mesh.size()) * solved));
+        CHECK(distance(combine(row, mesh.vertices()), points[i]) <=
+              much * size * (4096 * double(epsilon<T>) + double(mesh.size()) * solved));
+        if constexpr (!C::closed_form) {
+            for (const T w : row) CHECK((w >= T(0) && w <= T(1)));
+        }
+        if (i >= on) continue;
+        CHECK(weights.states[i] == PointState::on_boundary);
+        std::vector<double> expected(mesh.size());
+        if (i < mesh.size()) {
+            expected[i] = 1;
+        } else {
+            for (std::size_t k = 0; k < 3; ++k)
+                expected[mesh.faces()[i - mesh.size()][k]] += shares[i - mesh.size()][k];
+        }
+        CHECK(difference(row, expected) <= 2e3 * double(epsilon<T>) * rounding);
+    }
 }
 
 TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][mesh][oracle]") {

@@ -122,7 +122,33 @@ TEST_CASE("mean value binds in space move with affine poses", "[coordinates][mea
 TEST_CASE("meshes that are no cages are refused by mean value coordinates",
           "[coordinates][meanvalue][space][status]") {
     auto data = sphere(1);
-    data.faces.pop_back();
+    data.faces.resize(data.faces.size() / 2);
     CHECK(evaluate_all(Mean<double>(data.mesh<double>()), Points3<double>{{0, 0, 0}}).status() ==
           Status::cage_not_closed);
+}
+
+TEST_CASE("mean value weights in space do not depend on which way shells turn",
+          "[coordinates][meanvalue][space]") {
+    const auto outer = sphere(2), inner = sphere(1);
+    const auto hollow = [&](bool outer_turned, bool inner_turned) {
+        MeshData data = outer;
+        const auto turn = [](Faces faces) {
+            for (auto& face : faces) std::swap(face[0], face[1]);
+            return faces;
+        };
+        if (outer_turned) data.faces = turn(data.faces);
+        const int first = int(data.vertices.size());
+        for (const auto& v : inner.vertices) data.vertices.push_back(0.4 * v);
+        for (const auto& [a, b, c] : inner_turned ? turn(inner.faces) : inner.faces)
+            data.faces.push_back({first + a, first + b, first + c});
+        return data;
+    };
+    const auto points = points_about(outer, 100, 3);
+    const auto expected = evaluate_all(Mean<double>(hollow(false, true).mesh<double>()), points);
+    for (const auto& [a, b] : {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
+        const auto weights = evaluate_all(Mean<double>(hollow(a, b).mesh<double>()), points);
+        CHECK(weights.states == expected.states);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            CHECK(difference(weights.rows[i], expected.rows[i]) <= 1e-12);
+    }
 }

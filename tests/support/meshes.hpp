@@ -86,6 +86,16 @@ inline MeshData random_mesh(std::uint64_t seed) {
     return data;
 }
 
+/// As `random_mesh`, of 20 to 500 vertices.
+inline MeshData random_large_mesh(std::uint64_t seed) {
+    for (std::uint64_t n = seed;; n += 1000) {
+        Random random(n);
+        auto data = random_mesh(n);
+        if (n % 4 == 3) data = torus(4 + int(random.below(22)), 5 + int(random.below(16)));
+        if (data.vertices.size() >= 20 && data.vertices.size() <= 500) return data;
+    }
+}
+
 /// Points in the mesh's box made half as large again.
 inline Points3<double> points_about(const MeshData& data, std::size_t count, std::uint64_t seed) {
     Random random(seed);

@@ -31,9 +31,10 @@ enum class CageFaultKind : std::uint8_t {
     interior_cells_touch, ///< the interior cell at handle `a` and the cell or wall at handle `b`, elsewhere than in a vertex
     interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
     gap_closed, ///< warning: only one face has the edge between vertices `a` and `b`; the gap was closed
-    collinear_vertex,     ///< warning: vertex `a` lies on the straight line between its neighbours
-    vertex_unused,        ///< warning: no face has vertex `a`; its weights are zero
-    loop_turns_otherwise, ///< warning: loop `a` is clockwise, or a hole `a` counter-clockwise; handled
+    collinear_vertex,      ///< warning: vertex `a` lies on the straight line between its neighbours
+    vertex_unused,         ///< warning: no face has vertex `a`; its weights are zero
+    shell_turns_otherwise, ///< warning: the shell of face `a` is counter-clockwise seen from inside; handled
+    loop_turns_otherwise,  ///< warning: loop `a` is clockwise, or a hole `a` counter-clockwise; handled
 };
 
 /// One fault; what `a` and `b` are stands with each kind.
@@ -69,6 +70,7 @@ constexpr Status status_of(CageFaultKind kind) noexcept {
     case CageFaultKind::gap_closed:
     case CageFaultKind::collinear_vertex:
     case CageFaultKind::vertex_unused:
+    case CageFaultKind::shell_turns_otherwise:
     case CageFaultKind::loop_turns_otherwise: return Status::ok;
     }
     return Status::ok;
@@ -99,6 +101,7 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     case CageFaultKind::vertex_unused: return "unused vertex (warning)";
     case CageFaultKind::gap_closed: return "open edge, closed (warning)";
     case CageFaultKind::collinear_vertex: return "collinear vertex (warning)";
+    case CageFaultKind::shell_turns_otherwise: return "shell turns inside out (warning)";
     case CageFaultKind::loop_turns_otherwise: return "loop turns the other way (warning)";
     }
     return "unknown fault";

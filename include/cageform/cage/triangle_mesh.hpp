@@ -7,12 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A cage in space: triangles over shared vertices, counter-clockwise seen from outside. Any genus, several components,
-/// cavities (shells that turn the other way).
+/// cavities. Shells that turn the other way as a whole are handled.
 ///
 /// Copies the vertices and faces (a cage is small). Construction never fails; `check` tells whether the mesh can serve
 /// as a cage, and every coordinate type asks it.
@@ -200,20 +201,79 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     return value;
 }
 
+namespace detail {
+
+/// Half the solid angle that a face is seen under from `q`, positive from inside (van Oosterom & Strackee 1983).
+template <Scalar T>
+double half_solid_angle(const TriangleMesh<T>& mesh, const typename TriangleMesh<T>::Face& face,
+                        const Vec<double, 3>& q) noexcept {
+    const auto a = vec_cast<double>(mesh[face[0]]) - q, b = vec_cast<double>(mesh[face[1]]) - q,
+               c = vec_cast<double>(mesh[face[2]]) - q;
+    const double x = length(a), y = length(b), z = length(c);
+    return std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+}
+
+} // namespace detail
+
 /// The generalised winding number: how often the mesh encloses a point, between whole numbers where the mesh has gaps
 /// (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside segmentation using generalized winding numbers, SIGGRAPH 2013,
-/// sec. 4; solid angles by van Oosterom & Strackee 1983). O(#F).
+/// sec. 4). O(#F).
 template <Scalar T>
 double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept {
-    const auto q = vec_cast<double>(p);
     double sum = 0;
-    for (const auto& face : mesh.faces()) {
-        const auto a = vec_cast<double>(mesh[face[0]]) - q, b = vec_cast<double>(mesh[face[1]]) - q,
-                   c = vec_cast<double>(mesh[face[2]]) - q;
-        const double x = detail::length(a), y = detail::length(b), z = detail::length(c);
-        sum += std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
-    }
+    for (const auto& face : mesh.faces()) sum += detail::half_solid_angle(mesh, face, vec_cast<double>(p));
     return sum / (2 * std::numbers::pi);
+}
+
+/// The connected parts of a closed mesh.
+struct Shells {
+    std::vector<std::uint32_t> of_face;    ///< the shell of every face
+    std::vector<std::uint32_t> first_face; ///< of every shell
+    std::vector<bool>
+        turned; ///< whether its faces are to be turned round to be counter-clockwise seen from outside the cage
+};
+
+/// O(#F) for one shell, O(#F · shells) for more.
+template <Scalar T>
+Shells shells_of(const TriangleMesh<T>& mesh) {
+    std::vector<std::uint32_t> root(mesh.size());
+    std::iota(root.begin(), root.end(), std::uint32_t{0});
+    const auto find = [&](std::uint32_t i) {
+        while (root[i] != i) i = root[i] = root[root[i]];
+        return i;
+    };
+    const auto faces = mesh.faces();
+    for (const auto& face : faces) root[find(face[1])] = root[find(face[2])] = find(face[0]);
+    Shells shells;
+    constexpr std::uint32_t unknown = ~std::uint32_t{0};
+    std::vector<std::uint32_t> number(mesh.size(), unknown);
+    std::vector<double> volume;
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+        auto& shell = number[find(faces[f][0])];
+        if (shell == unknown) {
+            shell = std::uint32_t(shells.first_face.size());
+            shells.first_face.push_back(f);
+            volume.push_back(0);
+        }
+        shells.of_face.push_back(shell);
+        const auto origin = vec_cast<double>(mesh[faces[shells.first_face[shell]][0]]);
+        const auto corner = [&](std::size_t k) { return vec_cast<double>(mesh[faces[f][k]]) - origin; };
+        volume[shell] += dot(corner(0), cross(corner(1), corner(2)));
+    }
+    for (std::uint32_t s = 0; s < shells.first_face.size(); ++s) {
+        // How many others enclose it.
+        std::vector<double> turns(shells.first_face.size());
+        const auto q = vec_cast<double>(mesh[faces[shells.first_face[s]][0]]);
+        for (std::uint32_t f = 0; f < faces.size() && turns.size() > 1; ++f) {
+            if (shells.of_face[f] != s)
+                turns[shells.of_face[f]] +=
+                    detail::half_solid_angle(mesh, faces[f], q) / (2 * std::numbers::pi);
+        }
+        const auto enclosing =
+            std::count_if(turns.begin(), turns.end(), [](double t) { return std::fabs(t) > 0.5; });
+        shells.turned.push_back((volume[s] > 0) != (enclosing % 2 == 0));
+    }
+    return shells;
 }
 
 /// Inside where the winding number rounds to an odd one (so a cavity is outside whichever way it turns); on the boundary
@@ -351,6 +411,12 @@ CageReport check(const TriangleMesh<T>& mesh) {
                 report.add(CageFaultKind::open_edge, faces[g][1], faces[g][2]); // cannot be closed
             }
         }
+    }
+    if (report.status != Status::ok) return report;
+
+    const auto shells = shells_of(mesh);
+    for (std::size_t n = 0; n < shells.turned.size(); ++n) {
+        if (shells.turned[n]) report.add(CageFaultKind::shell_turns_otherwise, shells.first_face[n]);
     }
     return report;
 }

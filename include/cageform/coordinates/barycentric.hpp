@@ -45,7 +45,10 @@ public:
         }
     }
 
-    explicit BarycentricCoordinates(const CellComplex<T, D>& cage) requires(D == 2 || D == 3)
+    /// Loops alone: interior_cells_not_supported where there are cells inside.
+    template <std::size_t E>
+        requires(E == D)
+    explicit BarycentricCoordinates(const CellComplex<T, E>& cage)
         : BarycentricCoordinates(cage.boundary().vertices()) {
         refuse_interior_cells(cage, report_);
     }

@@ -62,8 +62,9 @@ namespace detail {
 
 /// What `evaluate` is for closed forms: body(first, last) for pieces of the blocks, when the cage is sound.
 template <class T, class Body>
-Evaluation evaluate_blocks(const CageReport& cage, std::size_t handles, BlockView<const T> points,
-                           BlockView<T> weights, std::span<PointState> states, const EvaluateOptions& options,
+Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t handles,
+                           BlockView<const T> points, [[maybe_unused]] BlockView<T> weights,
+                           [[maybe_unused]] std::span<PointState> states, const EvaluateOptions& options,
                            const Body& body) {
     if (cage.status != Status::ok) return {cage.status, {}};
     CAGEFORM_ASSERT(weights.rows == handles && states.size() == points.points, "one row per handle");

@@ -109,7 +109,10 @@ private:
             edges_.push_back(
                 {vec_cast<T>(a), vec_cast<T>(unit(b - a)), static_cast<T>(detail::length(b - a))});
         }
-        for (const auto& corners : cage_.faces()) {
+        const auto shells = shells_of(cage_);
+        for (std::size_t f = 0; f < cage_.faces().size(); ++f) {
+            auto corners = cage_.faces()[f];
+            if (shells.turned[shells.of_face[f]]) std::swap(corners[1], corners[2]);
             Face face;
             face.corner = corners;
             const std::array<Vec<double, 3>, 3> c{at[corners[0]], at[corners[1]], at[corners[2]]};
@@ -309,7 +312,8 @@ private:
         };
         const auto length = [](const Vec<Wide, 3>& v) { return std::sqrt(dot(v, v)); };
         std::vector<Wide> w(cage_.size(), Wide(0));
-        for (const auto& corners : cage_.faces()) {
+        for (const auto& face : faces_) {
+            const auto& corners = face.corner;
             const std::array<Vec<Wide, 3>, 3> c{u_of(corners[0]), u_of(corners[1]), u_of(corners[2])};
             auto normal = cross(c[1] - c[0], c[2] - c[0]);
             const Wide area = length(normal);

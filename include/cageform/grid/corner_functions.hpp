@@ -141,19 +141,20 @@ public:
             const double angle = std::atan2(cross(a, b), dot(a, b));
             return from == to || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
         };
-        for (const auto& wall : cells.walls) {
-            for (const auto& [i, j] : {std::pair(wall[0], wall[1]), std::pair(wall[1], wall[0])}) {
-                auto& of_i = edges[i];
-                if (of_i.empty()) { // the end of a chain, so far: from this edge all about to itself
-                    of_i = {j, j};
-                    continue;
-                }
-                const auto later =
-                    std::find_if(of_i.begin() + 1, of_i.end(), [&, i = i, j = j](std::size_t k) {
-                        return turn(i, of_i.front(), k) > turn(i, of_i.front(), j);
-                    });
-                of_i.insert(later, j);
+        const auto add_edge = [&](std::size_t i, std::size_t to) {
+            auto& of_i = edges[i];
+            if (of_i.empty()) { // the end of a chain, so far: from this edge all about to itself
+                of_i = {to, to};
+                return;
             }
+            const double angle = turn(i, of_i.front(), to);
+            const auto later = std::find_if(of_i.begin() + 1, of_i.end(),
+                                            [&](std::size_t k) { return turn(i, of_i.front(), k) > angle; });
+            of_i.insert(later, to);
+        };
+        for (const auto& wall : cells.walls) {
+            add_edge(wall[0], wall[1]);
+            add_edge(wall[1], wall[0]);
         }
         for (std::size_t i = 0; i < vertices_.size(); ++i) {
             if (edges[i].empty()) continue;

@@ -1,0 +1,116 @@
+// How deep inside a cage a point lies, smoothly.
+#pragma once
+
+#include <cageform/cage/box.hpp>
+#include <cageform/cage/cell_complex.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Proportional to the distance from the boundary next to it, smooth everywhere inside: one over the integral of 1/ρ over
+/// all directions, ρ the distance of the boundary in that direction (beyond it with alternating signs), which is what
+/// mean value weights are normalised by (Dyken & Floater, Transfinite mean value interpolation, CAGD 26 (2009), sec. 3).
+/// Made for a sound cage; asked for points inside. O(edges or faces).
+template <class Cage>
+class Depth;
+
+template <Scalar T>
+class Depth<Polygon<T>> {
+public:
+    explicit Depth(const Polygon<T>& polygon) {
+        for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
+            const auto& loop = polygon.loops()[n];
+            const bool turned = (signed_area(polygon, loop) > 0) != (loop_depth(polygon, n) % 2 == 0);
+            for (std::size_t i = loop.begin; i < loop.end; ++i) {
+                const auto a = vec_cast<double>(polygon[i]);
+                const auto b = vec_cast<double>(polygon[i + 1 < loop.end ? i + 1 : loop.begin]);
+                edges_.push_back(turned ? std::pair(b, a) : std::pair(a, b));
+            }
+        }
+    }
+    /// In the units of the cage; 0 where rounding leaves no answer.
+    double operator()(const Vec<T, 2>& p) const noexcept {
+        double sum = 0;
+        for (const auto& [from, to] : edges_) {
+            const auto a = from - vec_cast<double>(p), b = to - vec_cast<double>(p);
+            const double r = detail::length(a), s = detail::length(b);
+            sum += cross(a, b) / (r * s + dot(a, b)) * (1 / r + 1 / s); // tan of half the angle
+        }
+        return sum > 0 ? 1 / sum : 0;
+    }
+
+private:
+    std::vector<std::pair<Vec<double, 2>, Vec<double, 2>>> edges_;
+};
+
+template <Scalar T>
+class Depth<TriangleMesh<T>> {
+public:
+    explicit Depth(const TriangleMesh<T>& mesh) {
+        const auto shells = shells_of(mesh);
+        for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
+            std::array<Vec<double, 3>, 3> corner;
+            for (std::size_t k = 0; k < 3; ++k) corner[k] = vec_cast<double>(mesh[mesh.faces()[f][k]]);
+            if (shells.turned[shells.of_face[f]]) std::swap(corner[1], corner[2]);
+            const auto normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+            faces_.push_back({corner, (1 / detail::length(normal)) * normal});
+        }
+    }
+    double operator()(const Vec<T, 3>& p) const noexcept {
+        double sum = 0;
+        for (const auto& face : faces_) {
+            std::array<Vec<double, 3>, 3> c;
+            double largest = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                c[k] = face.corner[k] - vec_cast<double>(p);
+                largest = std::max(largest, detail::length(c[k]));
+            }
+            const double height = dot(face.normal, c[0]);
+            if (std::fabs(height) < 1e-7 * largest) continue; // seen edge-on: nothing, but for rounding
+            // The normal's part of the spherical triangle's vector area: half of what its sides contribute, by their angles.
+            double part = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto over = cross(c[k], c[(k + 1) % 3]);
+                const double size = detail::length(over);
+                if (size > 0)
+                    part += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
+            }
+            sum += part / height;
+        }
+        return sum > 0 ? 1 / sum : 0;
+    }
+
+private:
+    struct Face {
+        std::array<Vec<double, 3>, 3> corner;
+        Vec<double, 3> normal;
+    };
+    std::vector<Face> faces_;
+};
+
+/// Of a box, the harmonic mean of the distances from its faces does as well.
+template <Scalar T>
+class Depth<Box<T>> {
+public:
+    explicit Depth(const Box<T>& box)
+        : lower_(vec_cast<double>(box.lower()))
+        , upper_(vec_cast<double>(box.upper())) {}
+    double operator()(const Vec<T, 3>& p) const noexcept {
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            sum += 1 / (double(p[k]) - lower_[k]) + 1 / (upper_[k] - double(p[k]));
+        return sum > 0 ? 1 / sum : 0;
+    }
+
+private:
+    Vec<double, 3> lower_, upper_;
+};
+
+/// Cells inside a cage do not matter.
+template <Scalar T, std::size_t D>
+class Depth<CellComplex<T, D>> : public Depth<typename CellComplex<T, D>::Boundary> {
+public:
+    explicit Depth(const CellComplex<T, D>& cage)
+        : Depth<typename CellComplex<T, D>::Boundary>(cage.boundary()) {}
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

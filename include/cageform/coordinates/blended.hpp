@@ -1,0 +1,235 @@
+// Several cages over one figure, blended where they overlap.
+#pragma once
+
+#include <cageform/cage/depth.hpp>
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/linear_restorer.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Coordinates with respect to several cages, one for the body, say, and one for the head. The handles are those of the
+/// first cage, then of the second, and so on. Where a point lies inside several cages,
+///
+///     w = Σ_k β_k w^k,   β_k = d_k² / Σ_j d_j²
+///
+/// d_k being how deep the point lies in cage k (cage/depth.hpp), relative to the diagonal of that cage. So weights are
+/// once continuously differentiable across the boundary of a cage that lies inside another; sum to 1 and reproduce the point
+/// as the parts do, hence are exact at rest and where all cages make the same affine move; and a point inside one cage
+/// alone has the weights of that cage.
+///
+///   range     that of the parts
+///   cost      that of all parts for all points, plus O(edges or faces) a point and cage, and the parts' weights once more
+///   fails     as the first part that fails; too_few_vertices without parts
+///
+/// Outside all cages they are not defined (no extension). What a solver's weights miss of linear precision is restored part
+/// by part, so that no cage moves a point outside it.
+template <CageCoordinates C>
+    requires requires(const C& c) {
+        Depth<std::decay_t<decltype(c.cage())>>(c.cage());
+    }
+class BlendedCoordinates {
+public:
+    using scalar = typename C::scalar;
+    using Part = C;
+    static constexpr std::size_t dimension = C::dimension;
+    static constexpr bool has_extension = false;
+    static constexpr bool closed_form = C::closed_form;
+
+    explicit BlendedCoordinates(std::vector<C> parts)
+        : parts_(std::move(parts)) {
+        for (const C& part : parts_) {
+            first_.push_back(handles_.size());
+            handles_.insert(handles_.end(), part.handles().begin(), part.handles().end());
+        }
+        first_.push_back(handles_.size());
+        if (parts_.empty()) report_.add(CageFaultKind::too_few_vertices, 0, 0);
+        for (std::size_t k = 0; k < parts_.size() && report_.status == Status::ok; ++k) {
+            const CageReport& report = parts_[k].cage_report();
+            if (report.status != Status::ok) {
+                report_ = report;
+                refused_ = k;
+            } else {
+                report_.faults.insert(report_.faults.end(), report.faults.begin(), report.faults.end());
+            }
+        }
+        if (report_.status != Status::ok) return;
+        for (const C& part : parts_) {
+            depths_.emplace_back(part.cage());
+            scales_.push_back(1 / double(bounds_of(part.handles()).diagonal()));
+            restorers_.emplace_back(part.handles());
+        }
+    }
+
+    std::span<const C> parts() const noexcept { return parts_; }
+    /// The first handle of a part; for the number of parts, that of handles.
+    std::size_t first_handle(std::size_t part) const noexcept { return first_[part]; }
+    std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
+
+    /// That of the first cage that is refused, which is `refused_part()`; otherwise the warnings of all.
+    const CageReport& cage_report() const noexcept { return report_; }
+    static constexpr std::size_t none = ~std::size_t{0};
+    std::size_t refused_part() const noexcept { return refused_; }
+
+    /// Of parts that can: solves the functions of all and keeps them.
+    Evaluation solve(const EvaluateOptions& options = {}) requires requires(C c) { c.solve(options); }
+    {
+        return for_each_part(
+            options, [&](std::size_t k, const EvaluateOptions& some) { return parts_[k].solve(some); });
+    }
+
+    Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
+                        std::span<PointState> states, const EvaluateOptions& options = {}) const {
+        CAGEFORM_ASSERT(weights.rows == handles_.size() && states.size() == points.points,
+                        "one row per handle");
+        Evaluation result;
+        const Status status = detail::guard_memory([&] {
+            std::vector<PointState> all(parts_.size() * states.size());
+            result = for_each_part(options, [&](std::size_t k, const EvaluateOptions& some) {
+                const auto own = std::span(all).subspan(k * states.size(), states.size());
+                std::copy(states.begin(), states.end(), own.begin());
+                return evaluate_part(k, points, weights, own, some);
+            });
+            if (result.status != Status::ok) return result.status;
+            detail::in_parallel(options, points.blocks(), 16, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t b = begin; b < end; ++b) blend(b, points, weights, all, states);
+            });
+            return Status::ok;
+        });
+        result.status = status;
+        return result;
+    }
+
+    Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p, std::span<scalar> row) const {
+        Vec<scalar, dimension> nearest{};
+        double least = std::numeric_limits<double>::infinity();
+        std::size_t best = 0;
+        for (const bool found : {false, true}) {
+            std::fill(row.begin(), row.end(), scalar(0));
+            for (std::size_t k = 0; k < parts_.size(); ++k) {
+                if (found && k != best) continue;
+                const auto q =
+                    parts_[k].nearest_boundary(p, row.subspan(first_[k], first_[k + 1] - first_[k]));
+                const double d = detail::length(vec_cast<double>(q) - vec_cast<double>(p));
+                if (k != 0 && d >= least) continue;
+                least = d;
+                best = k;
+                nearest = q;
+            }
+        }
+        return nearest;
+    }
+
+private:
+    static constexpr std::size_t lanes = lane_count<scalar>;
+
+    /// evaluation = f(part, options), one after the other until one fails.
+    template <class F>
+    Evaluation for_each_part(const EvaluateOptions& options, const F& f) const {
+        Evaluation total;
+        total.status = report_.status;
+        for (std::size_t k = 0; k < parts_.size() && total.status == Status::ok; ++k) {
+            EvaluateOptions some = options;
+            if (options.progress) {
+                some.progress = [&options, k, count = double(parts_.size())](double done) {
+                    return options.progress((double(k) + done) / count);
+                };
+            }
+            const Evaluation part = f(k, some);
+            total.status = part.status;
+            SolverReport& sum = total.solver;
+            sum.cells += part.solver.cells;
+            sum.cycles = std::max(sum.cycles, part.solver.cycles);
+            sum.convergence_factor = std::max(sum.convergence_factor, part.solver.convergence_factor);
+            sum.error_estimate = std::max(sum.error_estimate, part.solver.error_estimate);
+            sum.error_bound = std::max(sum.error_bound, part.solver.error_bound);
+            sum.bytes = std::max(sum.bytes, part.solver.bytes);
+            sum.crowded_cells += part.solver.crowded_cells;
+            sum.solves += part.solver.solves;
+            sum.sweeps += part.solver.sweeps;
+            sum.unconverged += part.solver.unconverged;
+            sum.largest_mean_change = std::max(sum.largest_mean_change, part.solver.largest_mean_change);
+            sum.seconds += part.solver.seconds;
+            if (part.solver.unseen_handle != SolverReport::none) {
+                sum.unseen_handle = first_[k] + part.solver.unseen_handle;
+                sum.sufficient_resolution = part.solver.sufficient_resolution;
+            }
+        }
+        return total;
+    }
+
+    /// The weights of part `k`, into its rows.
+    Evaluation evaluate_part(std::size_t k, BlockView<const scalar> points, BlockView<scalar> weights,
+                             std::span<PointState> states, const EvaluateOptions& options) const {
+        const std::size_t count = first_[k + 1] - first_[k];
+        std::vector<Lanes<scalar>> memory(points.blocks() * count);
+        const BlockView<scalar> own{memory.data(), count, points.points};
+        const Evaluation evaluation = parts_[k].evaluate(points, own, states, options);
+        if (evaluation.status != Status::ok) return evaluation;
+        for (std::size_t b = 0; b < points.blocks(); ++b)
+            std::copy_n(own.block(b), count, weights.block(b) + first_[k]);
+        return evaluation;
+    }
+
+    /// Makes one row of weights of those of all parts. `all`: the states by part and point.
+    void blend(std::size_t b, BlockView<const scalar> points, BlockView<scalar> weights,
+               std::span<const PointState> all, std::span<PointState> states) const {
+        const std::size_t count = states.size(), parts = parts_.size();
+        std::vector<Lanes<scalar>> share(parts);
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t i = b * lanes + lane;
+            for (auto& row : share) row[lane] = scalar(0);
+            if (i >= count || states[i] == PointState::not_finite) continue;
+            const auto of_part = [&](std::size_t k) { return all[k * count + i]; };
+            // Those that have a say: where the point is inside, or if nowhere, on the boundary.
+            states[i] = PointState::outside;
+            for (const auto state : {PointState::unreached, PointState::on_boundary, PointState::inside}) {
+                for (std::size_t k = 0; k < parts; ++k) {
+                    if (of_part(k) == state) states[i] = state;
+                }
+            }
+            if (states[i] == PointState::outside || states[i] == PointState::unreached) continue;
+            std::vector<double> say(parts);
+            double sum = 0;
+            const auto p = block_point<dimension>(points, i);
+            for (const bool equal : {states[i] == PointState::on_boundary, true}) {
+                for (std::size_t k = 0; k < parts; ++k) {
+                    if (of_part(k) != states[i]) continue;
+                    const double depth = equal ? 1 : depths_[k](p) * scales_[k];
+                    sum += say[k] = depth * depth;
+                }
+                if (sum > 0) break; // else too near to all boundaries to tell
+            }
+            for (std::size_t k = 0; k < parts; ++k) share[k][lane] = static_cast<scalar>(say[k] / sum);
+        }
+        for (std::size_t k = 0; k < parts; ++k) {
+            auto* const row = weights.block(b) + first_[k];
+            const std::size_t handles = first_[k + 1] - first_[k];
+            Lanes<scalar> bound;
+            bool any = false;
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                any = any || share[k][lane] != scalar(0);
+                bound[lane] = share[k][lane] != scalar(0) ? scalar(1) : scalar(0);
+                if (bound[lane] != scalar(0)) continue;
+                for (std::size_t h = 0; h < handles; ++h) row[h][lane] = scalar(0); // unspecified so far
+            }
+            if (!any) continue;
+            (void)restorers_[k].run(points.block(b), bound, row, true);
+            for (std::size_t h = 0; h < handles; ++h) {
+                for (std::size_t lane = 0; lane < lanes; ++lane) row[h][lane] *= share[k][lane];
+            }
+        }
+    }
+
+    using Cage = std::decay_t<decltype(std::declval<const C&>().cage())>;
+
+    std::vector<C> parts_;
+    std::vector<std::size_t> first_; ///< handle of every part, and the end
+    std::vector<Vec<scalar, dimension>> handles_;
+    CageReport report_;
+    std::size_t refused_ = none;
+    std::vector<Depth<Cage>> depths_;
+    std::vector<double> scales_;
+    std::vector<detail::LinearRestorer<scalar, dimension>> restorers_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
