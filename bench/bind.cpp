@@ -1,20 +1,28 @@
 // How long does a bind take, against points and handles, for each coordinate type?
 //
 // Beside mean value: the plain textbook loop (no boundary cases, no report), and the time it takes to merely
-// write as many weights, which no bind can beat.
+// write as many weights, which no bind can beat. Beside harmonic coordinates in space: the bare solve
+// of their equations.
+#include "solve.hpp"
 #include "workloads.hpp"
 
 #include <cageform/cageform.hpp>
 
 #include <benchmark/benchmark.h>
 
+#include <ctime>
+
 namespace {
 
 using namespace cageform_bench;
 
-void finish(benchmark::State& state, std::size_t points) {
-    state.counters["points/s"] =
-        benchmark::Counter(double(points), benchmark::Counter::kIsIterationInvariantRate);
+/// per_weight: the time over points · handles.
+void finish(benchmark::State& state, std::size_t points, std::size_t handles) {
+    using benchmark::Counter;
+    state.counters["points/s"] = Counter(double(points), Counter::kIsIterationInvariantRate);
+    state.counters["handles"] = double(handles);
+    state.counters["per_weight"] =
+        Counter(double(points * handles), Counter::kIsIterationInvariantRate | Counter::kInvert);
     state.SetComplexityN(std::int64_t(points));
 }
 
@@ -32,7 +40,7 @@ void run_bind(benchmark::State& state, const Coordinates& coordinates, const Poi
         benchmark::ClobberMemory();
         recycled = again ? std::move(result.binding) : decltype(recycled){};
     }
-    finish(state, points.size());
+    finish(state, points.size(), coordinates.handles().size());
 }
 
 template <class T>
@@ -76,7 +84,7 @@ void evaluate_mean_value(benchmark::State& state) {
         if (evaluation.status != cageform::Status::ok) state.SkipWithError(to_string(evaluation.status));
         benchmark::ClobberMemory();
     }
-    finish(state, points.size());
+    finish(state, points.size(), cage.size());
 }
 
 void plain_mean_value(benchmark::State& state) {
@@ -105,7 +113,50 @@ void plain_mean_value(benchmark::State& state) {
         }
         benchmark::ClobberMemory();
     }
-    finish(state, points.size());
+    finish(state, points.size(), cage.size());
+}
+
+template <class T>
+void bind_mean_value_mesh(benchmark::State& state) {
+    run_bind(state, cageform::MeanValueCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112());
+}
+
+/// Ju, Schaefer & Warren 2005, sec. 3, one point and one face after the other. With u the unit vectors to a
+/// face's corners, of edge k opposite to corner k: n_k = u_i × u_j of its ends, θ_k = 2 asin(|u_i − u_j|/2);
+/// then m = Σ ½ θ_k n_k/|n_k| and w_k = n_k·m / (n_k·u_k |C_k − p|).
+void plain_mean_value_mesh(benchmark::State& state) {
+    const auto cage = bumpy112<double>();
+    const auto points = points_inside_bumpy112();
+    const std::size_t m = cage.size();
+    std::vector<double> weights(points.size() * m), distance(m);
+    std::vector<cageform::Vec<double, 3>> u(m);
+    for (auto _ : state) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            double* const w = &weights[i * m];
+            for (std::size_t k = 0; k < m; ++k) {
+                u[k] = cage[k] - points[i];
+                distance[k] = std::sqrt(dot(u[k], u[k]));
+                u[k] = (1 / distance[k]) * u[k];
+                w[k] = 0;
+            }
+            for (const auto& face : cage.faces()) {
+                cageform::Vec<double, 3> n[3], mean{0, 0, 0};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const auto &a = u[face[(k + 1) % 3]], &b = u[face[(k + 2) % 3]];
+                    n[k] = cross(a, b);
+                    const double angle = 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(dot(a - b, a - b))));
+                    mean = mean + (0.5 * angle / std::sqrt(dot(n[k], n[k]))) * n[k];
+                }
+                const double det = dot(n[0], u[face[0]]); // n_k·u_k of every k
+                for (std::size_t k = 0; k < 3; ++k) w[face[k]] += dot(n[k], mean) / (det * distance[face[k]]);
+            }
+            double sum = 0;
+            for (std::size_t k = 0; k < m; ++k) sum += w[k];
+            for (std::size_t k = 0; k < m; ++k) w[k] /= sum;
+        }
+        benchmark::ClobberMemory();
+    }
+    finish(state, points.size(), m);
 }
 
 /// Writing as many weights as a bind does: into new memory, or (again) into memory in use.
@@ -124,7 +175,7 @@ void limit_write_weights(benchmark::State& state, bool again) {
         benchmark::DoNotOptimize(weights.data());
         benchmark::ClobberMemory();
     }
-    finish(state, std::size_t(state.range(0)));
+    finish(state, std::size_t(state.range(0)), std::size_t(state.range(1)));
 }
 
 template <class T, cageform::HarmonicSolver Solver>
@@ -138,8 +189,8 @@ void bind_harmonic(benchmark::State& state) {
              points_inside(cage, std::size_t(state.range(0))));
 }
 
-/// A cube of 98 vertices (four divisions along each axis) and 2,562 points on a sphere in it: the case that Blender's Mesh
-/// Deform binds at 32 cells and not in minutes at 64.
+/// A cube of 98 vertices (four divisions along each axis) and 2,562 points on a sphere in it: the case that
+/// Blender's Mesh Deform binds at 32 cells and not in minutes at 64.
 void bind_harmonic_cube(benchmark::State& state) {
     const cageform::Box<double> cube({-1, -1, -1}, {1, 1, 1}, {4, 4, 4});
     std::vector<cageform::Vec<double, 3>> points;
@@ -152,6 +203,90 @@ void bind_harmonic_cube(benchmark::State& state) {
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
     run_bind(state, cageform::HarmonicCoordinates(cube, options), points);
+}
+
+/// The equations that the harmonic functions of a mesh solve, for the multigrid alone.
+struct MeshProblem {
+    MeshProblem(const cageform::TriangleMesh<double>& cage, std::size_t resolution)
+        : functions(cage.size()) {
+        const auto bounds = cageform::bounds_of(cage.vertices());
+        const auto extent = bounds.upper - bounds.lower;
+        cageform::Lattice<double, 3> lattice;
+        lattice.spacing = std::max({extent[0], extent[1], extent[2]}) / double(resolution);
+        cageform::NodeRuns<3>::Index nodes;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double links = std::ceil(extent[k] / lattice.spacing - cageform::on_boundary_distance);
+            nodes[k] = std::int32_t(links) + 1;
+            lattice.cells[k] = std::size_t(nodes[k]);
+            lattice.origin[k] = bounds.lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
+        }
+        const cageform::MeshBoundary<double> boundary(cage, lattice);
+        equations = cageform::embed<3>(nodes, boundary.crossings(),
+                                       [&](const auto& node) { return boundary.nearest(node); });
+    }
+
+    /// All functions, sixteen by sixteen, each block's values lost to the next; returns the most cycles.
+    std::size_t solve() const {
+        const cageform::Multigrid<3> multigrid(equations.nodes, equations.cuts, {});
+        const auto slots = multigrid.source_slots();
+        auto block = multigrid.make_block();
+        std::size_t cycles = 0;
+        for (std::size_t first = 0; first < functions; first += multigrid.width) {
+            for (auto& row : block.source) row.fill(0.0);
+            for (std::size_t c = 0; c < equations.cuts.size(); ++c) {
+                const auto& [handle, weight] = equations.values[c];
+                for (std::size_t n = 0; n < handle.size(); ++n) {
+                    if (handle[n] < first || handle[n] >= first + multigrid.width) continue;
+                    block.source[slots[equations.cuts[c].node]][handle[n] - first] +=
+                        equations.cuts[c].weight * weight[n];
+                }
+            }
+            cycles = std::max(cycles, run_cycles(multigrid, block));
+            benchmark::DoNotOptimize(block.value(0));
+        }
+        return cycles;
+    }
+
+    std::size_t functions;
+    cageform::EmbeddedProblem<3> equations;
+};
+
+/// In turns with the bare solve (not in the time), so that both meet the same machine. bind/solve and its
+/// inverse are of processor time; solver_s is what `bind` reports as its solver's, sampling included.
+void bind_harmonic_mesh(benchmark::State& state) {
+    const auto cage = bumpy112<double>();
+    const auto points = points_inside_bumpy112();
+    cageform::HarmonicOptions options;
+    options.resolution = std::size_t(state.range(0));
+    const cageform::HarmonicCoordinates coordinates(cage, options);
+    const MeshProblem problem(cage, options.resolution);
+    cageform::SolverReport solver;
+    double solver_seconds = 0;
+    std::clock_t binding = 0, solving = 0;
+    for (auto _ : state) {
+        const auto begin = std::clock();
+        const auto result = cageform::bind(coordinates, points);
+        benchmark::DoNotOptimize(result.binding.view().weights.data);
+        const auto bound = std::clock();
+        state.PauseTiming();
+        solver = result.report.solver;
+        solver_seconds += solver.seconds;
+        const std::size_t cycles = problem.solve();
+        if (result.report.status != cageform::Status::ok)
+            state.SkipWithError(to_string(result.report.status));
+        if (cycles != solver.cycles || problem.equations.nodes.count() != solver.cells)
+            state.SkipWithError("the bare solve is of another problem");
+        solving += std::clock() - bound;
+        binding += bound - begin;
+        state.ResumeTiming();
+    }
+    finish(state, points.size(), cage.size());
+    state.counters["bind/solve"] = double(binding) / double(solving);
+    state.counters["solve_share"] = double(solving) / double(binding);
+    state.counters["solver_s"] = benchmark::Counter(solver_seconds, benchmark::Counter::kAvgIterations);
+    state.counters["MB"] = double(solver.bytes) / 1e6;
+    state.counters["cycles"] = double(solver.cycles);
+    state.counters["unknowns"] = double(solver.cells);
 }
 
 void points_and_handles(benchmark::internal::Benchmark* benchmark) {
@@ -181,6 +316,9 @@ BENCHMARK_TEMPLATE(bind_mean_value_again, float)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(evaluate_mean_value, double)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(evaluate_mean_value, float)->Apply(points_and_handles);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
+BENCHMARK(plain_mean_value_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(bind_mean_value, double)->Name("bind_mean_value growth")->Apply(growing_points);
@@ -192,3 +330,4 @@ BENCHMARK(bind_harmonic_cube)
     ->Arg(64)
     ->Arg(128)
     ->Unit(benchmark::kMillisecond);
+BENCHMARK(bind_harmonic_mesh)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);

@@ -4,7 +4,7 @@
 // cells around them, as on the staircase grids of the papers. Beside the multigrid (to an estimated error of 1e-6): the
 // papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), CHOLMOD's factorisation
 // where it is installed, and what it takes to move the memory of the solution once.
-#include "workloads.hpp"
+#include "solve.hpp"
 
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/averaging_pyramid.hpp>
@@ -100,13 +100,7 @@ std::size_t solve_block(const Problem<D>& problem, const Multigrid<D>& multigrid
         auto& row = block.source[slot[problem.cuts[c].node]];
         for (std::size_t k = 0; k < count; ++k) row[k] += problem.data(first + k, c);
     }
-    auto error = multigrid.start(block);
-    std::size_t cycles = 0;
-    while (!block.is_refined() || *std::max_element(error.estimate.begin(), error.estimate.end()) > 1e-6) {
-        error = multigrid.cycle(block);
-        ++cycles;
-    }
-    return cycles;
+    return cageform_bench::run_cycles(multigrid, block);
 }
 
 template <std::size_t D>

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cageform/cage/inside.hpp>
+#include <cageform/cage/triangle_mesh.hpp>
 
+#include <array>
 #include <cstdint>
 #include <numbers>
 #include <vector>
@@ -22,27 +24,61 @@ inline std::vector<Point> star(std::size_t m) {
     return vertices;
 }
 
-/// `count` points inside, uniform, three percent away from the boundary (SplitMix64, seed 1).
-inline std::vector<Point> points_inside(const std::vector<Point>& vertices, std::size_t count) {
-    const cageform::Polygon<double> polygon(vertices);
-    const auto bounds = cageform::bounds_of(polygon.vertices());
-    std::uint64_t state = 1;
-    const auto uniform = [&state](double low, double high) {
-        std::uint64_t z = (state += 0x9E3779B97F4A7C15u);
+/// BUMPY112: 112 vertices and 220 faces around the origin; concave. Vertices at the poles and on ten rings of
+/// eleven, at θ = πi/11 from the north pole and φ = 2πj/11, radius 1 + 0.35 cos 3θ + 0.25 sin θ cos 4φ.
+template <class T>
+cageform::TriangleMesh<T> bumpy112() {
+    constexpr std::uint32_t rings = 10, around = 11, south = 1 + rings * around;
+    const auto at = [](double theta, double phi) {
+        const double r = 1 + 0.35 * std::cos(3 * theta) + 0.25 * std::sin(theta) * std::cos(4 * phi);
+        return cageform::Vec<double, 3>{r * std::sin(theta) * std::cos(phi),
+                                        r * std::sin(theta) * std::sin(phi), r * std::cos(theta)};
+    };
+    const auto on_ring = [](std::uint32_t i, std::uint32_t j) { return 1 + (i - 1) * around + j % around; };
+    std::vector<cageform::Vec<double, 3>> vertices{at(0, 0)};
+    for (std::uint32_t i = 1; i <= rings; ++i) {
+        for (std::uint32_t j = 0; j < around; ++j)
+            vertices.push_back(
+                at(std::numbers::pi * i / (rings + 1), 2 * std::numbers::pi * j / double(around)));
+    }
+    vertices.push_back(at(std::numbers::pi, 0));
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    for (std::uint32_t j = 0; j < around; ++j) {
+        faces.push_back({0, on_ring(1, j), on_ring(1, j + 1)});
+        faces.push_back({south, on_ring(rings, j + 1), on_ring(rings, j)});
+        for (std::uint32_t i = 1; i < rings; ++i) {
+            faces.push_back({on_ring(i, j), on_ring(i + 1, j), on_ring(i + 1, j + 1)});
+            faces.push_back({on_ring(i, j), on_ring(i + 1, j + 1), on_ring(i, j + 1)});
+        }
+    }
+    return {vertices, faces};
+}
+
+/// `count` points inside a cage about the origin, uniform, three percent away from the boundary (SplitMix64).
+template <class Cage>
+auto points_inside(const Cage& cage, std::size_t count, std::uint64_t seed) {
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const auto uniform = [&seed](double low, double high) {
+        std::uint64_t z = (seed += 0x9E3779B97F4A7C15u);
         z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
         z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
         return low + (high - low) * double((z ^ (z >> 31)) >> 11) * 0x1p-53;
     };
-    std::vector<Point> points;
+    std::vector<cageform::Vec<double, Cage::dimension>> points;
     points.reserve(count);
     while (points.size() < count) {
-        Point p;
-        p[0] = uniform(bounds.lower[0], bounds.upper[0]);
-        p[1] = uniform(bounds.lower[1], bounds.upper[1]);
-        if (cageform::locate(polygon, (1 / 0.97) * p, 0.0) == cageform::PointState::inside)
-            points.push_back(p);
+        cageform::Vec<double, Cage::dimension> p;
+        for (std::size_t k = 0; k < Cage::dimension; ++k) p[k] = uniform(bounds.lower[k], bounds.upper[k]);
+        if (cageform::locate(cage, (1 / 0.97) * p, 0.0) == cageform::PointState::inside) points.push_back(p);
     }
     return points;
+}
+inline std::vector<Point> points_inside(const std::vector<Point>& vertices, std::size_t count) {
+    return points_inside(cageform::Polygon<double>(vertices), count, 1);
+}
+/// Those that go with BUMPY112.
+inline std::vector<cageform::Vec<double, 3>> points_inside_bumpy112() {
+    return points_inside(bumpy112<double>(), 8019, 2);
 }
 
 } // namespace cageform_bench

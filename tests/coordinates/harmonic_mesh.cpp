@@ -141,6 +141,49 @@ TEMPLATE_TEST_CASE(
     }
 }
 
+TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
+                   "[coordinates][harmonic][mesh][property]", float, double) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(12));
+    CAPTURE(seed);
+    const auto compare = [](const auto& cage, const auto& points) {
+        const auto weights = evaluate_all(HarmonicCoordinates(cage, {.resolution = 40}), points);
+        if (weights.status() != Status::ok) return;
+        const auto tolerance = cageform::coincidence_tolerance(cageform::bounds_of(cage.vertices()));
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CAPTURE(i);
+            CHECK(weights.states[i] == locate(cage, points[i], tolerance));
+        }
+    };
+    const auto data = random_mesh(std::uint64_t(seed));
+    Points3<T> points;
+    for (const auto& p : points_about(data, 2000, 3)) points.push_back(vec_cast<T>(p));
+    compare(data.mesh<T>(), points);
+    // On, and by roundings off, walls that lie on lattice planes.
+    const Points3<T> corners{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 2, 0}, {2, 4, 0}, {0, 4, 0}};
+    Points3<T> prism = corners;
+    for (auto p : corners) prism.push_back({p[0], p[1], 4});
+    const Faces faces{{0, 3, 1},   {1, 3, 2},  {0, 5, 3},  {3, 5, 4},   {6, 7, 9}, {7, 8, 9}, {6, 9, 11},
+                      {9, 10, 11}, {0, 1, 7},  {0, 7, 6},  {1, 2, 8},   {1, 8, 7}, {2, 3, 9}, {2, 9, 8},
+                      {3, 4, 10},  {3, 10, 9}, {4, 5, 11}, {4, 11, 10}, {5, 0, 6}, {5, 6, 11}};
+    Random random{std::uint64_t(seed)};
+    points.clear();
+    for (int n = 0; n < 500; ++n) {
+        Vec<T, 3> p{T(random.uniform(0, 4)), T(random.uniform(0, 4)), T(random.uniform(0, 4))};
+        p[random.below(3)] =
+            T(2 * double(random.below(3))) * (1 + T(double(random.below(41)) - 20) * epsilon<T>);
+        points.push_back(p);
+    }
+    compare(cageform::TriangleMesh<T>(prism, faces), points);
+    const auto rings = random_rings<T>(std::uint64_t(seed));
+    Points2<T> flat;
+    const auto bounds = cageform::bounds_of(rings.vertices());
+    for (int n = 0; n < 2000; ++n)
+        flat.push_back({T(random.uniform(bounds.lower[0], bounds.upper[0])),
+                        T(random.uniform(bounds.lower[1], bounds.upper[1]))});
+    compare(rings, flat);
+}
+
 TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][mesh][oracle]") {
     // Linear data has a crease at every edge, on flat faces as well, and next to a crease or a reflex edge the grid
     // is only of order h: the nearest points are within half a cell. A tetrahedron's weights are linear.
@@ -197,4 +240,13 @@ TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[
         }
         CHECK(odd == 0);
     }
+}
+
+TEST_CASE("a vertex that no face has gets no weight", "[coordinates][harmonic][mesh]") {
+    auto data = sphere(1);
+    data.vertices.push_back({0.1, 0.2, 0.3});
+    const auto weights =
+        evaluate_all(HarmonicCoordinates(data.mesh<double>(), {.resolution = 16}), data.vertices);
+    REQUIRE(weights.status() == Status::ok);
+    for (const auto& row : weights.rows) CHECK(row.back() == 0);
 }

@@ -85,7 +85,7 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
     CHECK(open == 0);
 
     // Sampling is a mean that reproduces linear functions at every point inside.
-    boundary.index_cells();
+    boundary.index_cells(1e-6);
     Random random(3);
     double missed = 0, sum_off = 0, least = 1;
     for (int n = 0; n < 300; ++n) {

@@ -63,7 +63,10 @@ public:
         return std::fmin(limit, up ? upper_[axis] - p[axis] : p[axis] - lower_[axis]);
     }
 
-    void index_cells() noexcept {} // nothing to prepare for `sample`
+    void index_cells(double /*slack*/) noexcept {} // nothing to prepare for `sample`
+    bool is_cut(const Index& /*low*/) const noexcept {
+        return true;
+    } // where a point lies is asked of the box
 
     /// The stencil of a point strictly inside: trilinear in the part of its cell that lies in the box. Exact for
     /// trilinear functions everywhere; a mean, so never beyond the values it is made of.

@@ -68,10 +68,10 @@ public:
         return limit;
     }
 
-    /// Prepares `sample`: which faces (and, numbered after them, thick cells) pass which cell.
-    void index_cells() {
+    /// Prepares `sample` and `is_cut`: which faces (and, numbered after them, thick cells) pass which cell, or come as near
+    /// as `slack`.
+    void index_cells(double slack) {
         passes_.clear();
-        constexpr double slack = 1e-6;
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
             const auto &a = vertices_[faces_[f][0]], &b = vertices_[faces_[f][1]],
                        &c = vertices_[faces_[f][2]];
@@ -99,6 +99,13 @@ public:
             });
         }
         std::sort(passes_.begin(), passes_.end());
+    }
+
+    /// Whether a part of the boundary passes a cell, by its lower corner.
+    bool is_cut(const Index& low) const noexcept {
+        const auto key = cell(low[0], low[1], low[2]);
+        const auto first = std::lower_bound(passes_.begin(), passes_.end(), std::pair(key, std::uint32_t{0}));
+        return first != passes_.end() && first->first == key;
     }
 
     /// The stencil of a point strictly inside: trilinear, where the boundary passes the cell as `gather_cut` says, in the mean

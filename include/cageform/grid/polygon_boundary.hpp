@@ -82,12 +82,12 @@ public:
         return limit;
     }
 
-    /// Prepares `sample`: which edges (and, numbered after them, thick cells) pass which cell.
-    void index_cells() {
+    /// Prepares `sample` and `is_cut`: which edges (and, numbered after them, thick cells) pass which cell, or come as near
+    /// as `slack`.
+    void index_cells(double slack) {
         passes_.clear();
         for (std::uint32_t n = 0; n < edges_.size(); ++n) {
             const Edge& edge = edges_[n];
-            constexpr double slack = 1e-6;
             const double left = std::min(edge.a[0], edge.b[0]), right = std::max(edge.a[0], edge.b[0]);
             for (double x = std::floor(left - slack); x <= std::floor(right + slack); ++x) {
                 const double y0 = edge.height(std::clamp(x - slack, left, right));
@@ -107,6 +107,13 @@ public:
             });
         }
         std::sort(passes_.begin(), passes_.end());
+    }
+
+    /// Whether a part of the boundary passes a cell, by its lower corner.
+    bool is_cut(const Index& low) const noexcept {
+        const std::pair key(cell(low[0], low[1]), std::uint32_t{0});
+        const auto first = std::lower_bound(passes_.begin(), passes_.end(), key);
+        return first != passes_.end() && first->first == key.first;
     }
 
     /// The stencil of a point strictly inside: bilinear, where the boundary passes between the point and a node the

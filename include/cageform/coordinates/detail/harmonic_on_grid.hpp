@@ -113,7 +113,7 @@ private:
     /// The problem on the grid and its solver; after `solve` the functions too.
     struct Grid {
         Grid(const Cage& from, const Lattice<double, D>& with_lattice, const Crossings<D>& crossings,
-             Boundary with, bool with_corners)
+             Boundary with, bool with_corners, double tolerance)
             : lattice(with_lattice)
             , boundary(std::move(with))
             , problem(embed<D>(
@@ -123,7 +123,7 @@ private:
             , corners(with_corners ? corners_of(from, lattice, problem) : CornerFunctions())
             , multigrid(problem.nodes, problem.cuts, corners.sources())
             , groups((from.size() + Multigrid<D>::width - 1) / Multigrid<D>::width) {
-            boundary.index_cells();
+            boundary.index_cells(1e-6 + 2 * tolerance / lattice.spacing);
             const auto slots = multigrid.source_slots();
             for (const CutLink& cut : problem.cuts) cut_slots.push_back(slots[cut.node]);
             corners.set_slots(slots);
@@ -183,21 +183,24 @@ private:
             return Status::resolution_not_supported;
         Boundary boundary(cage_, lattice);
         const auto crossings = boundary.crossings();
-        const auto seen = seen_handles<D>(crossings, cage_.size());
-        const auto unseen = std::find(seen.begin(), seen.end(), false);
-        if (unseen != seen.end()) {
-            report.unseen_handle = std::size_t(unseen - seen.begin());
+        const auto first_unseen = [&](const Crossings<D>& of) {
+            auto seen = seen_handles<D>(of, cage_.size());
+            for (const CageFault& fault : report_.faults) { // warnings
+                if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
+            }
+            return std::size_t(std::find(seen.begin(), seen.end(), false) - seen.begin());
+        };
+        if (const std::size_t unseen = first_unseen(crossings); unseen < cage_.size()) {
+            report.unseen_handle = unseen;
             for (std::size_t finer = 2 * options_.resolution; finer <= most; finer *= 2) {
-                const auto there =
-                    seen_handles<D>(Boundary(cage_, lattice_of(finer)).crossings(), cage_.size());
-                if (std::find(there.begin(), there.end(), false) != there.end()) continue;
+                if (first_unseen(Boundary(cage_, lattice_of(finer)).crossings()) < cage_.size()) continue;
                 report.sufficient_resolution = finer;
                 break;
             }
             return Status::grid_too_coarse;
         }
         grid = std::make_shared<Grid>(cage_, lattice, crossings, std::move(boundary),
-                                      options_.multigrid.corner_functions);
+                                      options_.multigrid.corner_functions, double(tolerance_));
         report.cells = grid->multigrid.unknowns();
         report.bytes = grid->multigrid.bytes() + grid->multigrid.block_bytes();
         return Status::ok;
@@ -370,13 +373,25 @@ private:
         return Status::ok;
     }
 
+    /// `locate`; but where no boundary passes a point's cell, the cell's nodes tell.
+    PointState state_of(const Grid& grid, const Vec<T, D>& p) const noexcept {
+        const auto cells_of_p = grid.lattice.in_cells(vec_cast<double>(p));
+        typename NodeRuns<D>::Index low;
+        for (std::size_t k = 0; k < D; ++k) {
+            if (!(cells_of_p[k] >= 0 && cells_of_p[k] < double(grid.lattice.cells[k])))
+                return locate(cage_, p, tolerance_);
+            low[k] = std::int32_t(cells_of_p[k]);
+        }
+        if (grid.boundary.is_cut(low)) return locate(cage_, p, tolerance_);
+        return grid.problem.nodes.find(low) != NodeRuns<D>::none ? PointState::inside : PointState::outside;
+    }
     /// Where point `i` lies and its stencil; lanes beyond the points have empty ones.
     void add_point(const Grid& grid, std::size_t i, BlockView<const T> points, std::span<PointState> states,
                    Stencils& to) const {
         CutStencil<D> stencil;
         if (i < points.points && states[i] != PointState::not_finite) {
             const auto p = block_point<D>(points, i);
-            states[i] = locate(cage_, p, tolerance_);
+            states[i] = state_of(grid, p);
             if (states[i] == PointState::inside) {
                 stencil = grid.boundary.sample(p, grid.problem.nodes);
                 if constexpr (D == 2) {
@@ -459,7 +474,7 @@ private:
         for (std::size_t i = 0; i < points.points; ++i) {
             if (states[i] == PointState::not_finite) continue;
             auto p = block_point<D>(points, i);
-            states[i] = locate(cage_, p, tolerance_);
+            states[i] = state_of(grid, p);
             if (states[i] == PointState::on_boundary && !step_inside(grid, p))
                 states[i] = PointState::unreached;
             if (states[i] == PointState::outside || states[i] == PointState::unreached) continue;
@@ -522,7 +537,7 @@ private:
             auto q = p;
             for (std::size_t k = 0; k < D; ++k)
                 q[k] = static_cast<T>(double(p[k]) + (((direction >> k) & 1u) != 0 ? step : -step));
-            if (locate(cage_, q, tolerance_) != PointState::inside) continue;
+            if (state_of(grid, q) != PointState::inside) continue;
             const auto cells_of_q = grid.lattice.in_cells(vec_cast<double>(q));
             double least = 1;
             for (std::size_t k = 0; k < D; ++k) {
