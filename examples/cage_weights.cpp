@@ -2,13 +2,23 @@
 //
 //     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
 //
-// A cage CSV has "x,y" a line and an empty line between loops (outer first, then holes); points have "x,y" a
-// line. The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
-// weights. Points are read, bound and written in batches, so a file may have any length.
+// A cage in the plane is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines with empty lines
+// between them: loops (outer first, then holes) and, for harmonic coordinates, cells inside. These come in any
+// place, each headed by a line of its own:
+//
+//     # chain          edges from each point to the next; two points or more
+//     # point 12.5     one point; everything within the radius follows it
+//
+// A point of a chain that equals a vertex given before is that vertex. A cage in space is an OBJ of a closed
+// mesh. Points have "x,y" a line, or "x,y,z" in space.
+//
+// The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
+// weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
+// ones of chains and points. Points are read, bound and written in batches, so a file may have any length.
 
 #include "atomic_file.hpp"
-#include "cage_file.hpp"
 #include "guard.hpp"
+#include "mesh_cage.hpp"
 #include "progress_bar.hpp"
 
 #include <CLI/CLI.hpp>
@@ -54,21 +64,26 @@ void merge(cageform::BindReport& total, const cageform::BindReport& part, std::s
     total.cage = part.cage;
 }
 
-template <class T>
-int run(const Settings& settings, const CageFile& cage) {
-    PointReader reader(settings.points_path);
+template <class Cage>
+int run(const Settings& settings, const Cage& cage) {
+    constexpr std::size_t D = Cage::dimension;
+    PointReader<D> reader(settings.points_path);
     if (!reader.error().empty()) return fail(reader.error());
     AtomicFile out(settings.out_path);
     if (const auto error = out.error()) return fail(*error);
 
-    const auto polygon = cage.polygon<T>();
     cageform::BindOptions options;
     options.outside = settings.outside == "extend" ? cageform::OutsidePoints::extend
                       : settings.outside == "keep" ? cageform::OutsidePoints::keep_in_place
                                                    : cageform::OutsidePoints::nearest_boundary;
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
-    return with_coordinates<T>(settings.choice, polygon, [&](auto coordinates) {
+    const auto refuse = [&](const cageform::BindReport& report) {
+        return fail(D == 2 ? describe_faults(settings.cage_path, report)
+                           : describe_mesh_faults(settings.cage_path, report));
+    };
+    return with_coordinates(settings.choice, cage, [&](auto coordinates) {
+        warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report());
         cageform::BindReport total;
         if constexpr (requires { coordinates.solve(); }) {
             ProgressBar bar("solving");
@@ -76,21 +91,21 @@ int run(const Settings& settings, const CageFile& cage) {
             total.status = evaluation.status;
             total.cage = coordinates.cage_report();
             total.solver = evaluation.solver;
-            if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage.name, total));
+            if (evaluation.status != cageform::Status::ok) return refuse(total);
             total.seconds = evaluation.solver.seconds;
         }
         std::string text = "status";
-        for (std::size_t h = 0; h < cage.vertices.size(); ++h) text += ",w" + std::to_string(h);
+        const std::size_t handles = coordinates.handles().size();
+        for (std::size_t h = 0; h < handles; ++h) text += ",w" + std::to_string(h);
         text += '\n';
 
-        const std::size_t batch =
-            std::clamp<std::size_t>((std::size_t{1} << 22) / cage.vertices.size(), 1024, 65536);
+        const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
         const bool weights_outside =
             settings.outside == "nearest" ||
             (settings.outside == "extend" && std::decay_t<decltype(coordinates)>::has_extension);
         ProgressBar bar("binding");
         const auto progress = bar.callback();
-        std::vector<Point2> points;
+        std::vector<std::array<double, D>> points;
         std::vector<cageform::PointState> states;
         // A first round without points checks the cage even where there are none.
         bool more = true;
@@ -98,7 +113,7 @@ int run(const Settings& settings, const CageFile& cage) {
             more = reader.read(points, batch);
             if (!reader.error().empty()) return fail(reader.error());
             const auto [binding, report] = cageform::bind(coordinates, points, options);
-            if (report.status != cageform::Status::ok) return fail(describe_faults(cage.name, report));
+            if (report.status != cageform::Status::ok) return refuse(report);
             states.assign(points.size(), cageform::PointState::inside);
             for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
             for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;
@@ -138,13 +153,33 @@ int run(const Settings& settings, const CageFile& cage) {
     });
 }
 
+/// Reads the cage.
+template <class T>
+int run(const Settings& settings) {
+    if (settings.cage_path.ends_with(".obj")) {
+        const auto file = load_mesh_cage(settings.cage_path);
+        if (!file) return fail(to_string(file.error()));
+        return run(settings, cageform::TriangleMesh<T>(file->vertices, file->triangles));
+    }
+    const auto file = load_cage(settings.cage_path);
+    if (!file) return fail(to_string(file.error()));
+    return file->visit<T>([&](const auto& cage) { return run(settings, cage); });
+}
+
 int run_program(int argc, char** argv) {
     CLI::App app("Writes the cage coordinates of points.");
     Settings settings;
-    app.add_option("--cage", settings.cage_path, "CSV (x,y a line, empty line between loops) or SVG")
+    app.add_option("--cage", settings.cage_path,
+                   "in the plane a CSV or an SVG, in space an OBJ of a closed mesh")
         ->required();
-    app.add_option("--points", settings.points_path, "CSV, x,y a line")->required();
+    app.add_option("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space")->required();
     app.add_option("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…")->required();
+    app.footer(
+        "The CSV of a cage is blocks of x,y lines with empty lines between them: loops, the outer one\n"
+        "first, and for harmonic coordinates chains, headed by a line \"# chain\", and single points,\n"
+        "headed by \"# point RADIUS\". A point of a chain that equals a vertex given before is that vertex.\n"
+        "w0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones of chains and\n"
+        "points, as they come in the file.");
     app.add_option("--scalar", settings.scalar, "float or double")
         ->check(CLI::IsMember({"float", "double"}))
         ->capture_default_str();
@@ -152,7 +187,7 @@ int run_program(int argc, char** argv) {
         ->check(CLI::IsMember({"extend", "keep", "nearest"}))
         ->capture_default_str();
     app.add_option("--linear-precision", settings.linear_precision,
-                   "restore or leave what a solver's weights miss")
+                   "restore or leave what weights miss of it: a solver's, and those about interior points")
         ->check(CLI::IsMember({"restore", "leave"}))
         ->capture_default_str();
     app.add_flag("--report", settings.report, "print the bind report");
@@ -162,9 +197,7 @@ int run_program(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 1;
     }
-    const auto cage = load_cage(settings.cage_path);
-    if (!cage) return fail(to_string(cage.error()));
-    return settings.scalar == "float" ? run<float>(settings, *cage) : run<double>(settings, *cage);
+    return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);
 }
 
 } // namespace

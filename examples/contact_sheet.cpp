@@ -1,4 +1,4 @@
-// Puts several SVG files side by side into one, with captions.
+// Puts several SVG and PNG files side by side into one, with captions.
 //
 //     contact_sheet -o sheet.svg --columns 2 --png "at rest" cat.svg "a step" step.svg
 
@@ -44,8 +44,40 @@ void prefix_ids(pugi::xml_node node, const std::string& prefix) {
     for (auto child : node.children()) prefix_ids(child, prefix);
 }
 
+std::string base64(std::string_view bytes) {
+    static constexpr std::string_view digits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            three = three << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k)
+            text += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
+}
+
+/// A PNG file as an SVG that holds it.
+SvgResult<SvgDocument> wrap_png(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    if (!file) return SvgError{path + ": cannot be read"};
+    if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n")) return SvgError{path + ": is no PNG"};
+    const auto number = [&](std::size_t at) { // four bytes, the highest first
+        std::uint32_t n = 0;
+        for (std::size_t k = 0; k < 4; ++k) n = n << 8 | std::uint8_t(bytes[at + k]);
+        return std::to_string(n);
+    };
+    const std::string width = number(16), height = number(20);
+    return parse_svg("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + width + ' ' + height +
+                         "\"><image width=\"" + width + "\" height=\"" + height +
+                         "\" xlink:href=\"data:image/png;base64," + base64(bytes) + "\"/></svg>",
+                     path);
+}
+
 int run_program(int argc, char** argv) {
-    CLI::App app("Puts several SVG files side by side, with captions.");
+    CLI::App app("Puts several SVG and PNG files side by side, with captions.");
     std::string out_path;
     std::vector<std::string> words;
     std::size_t columns = 2;
@@ -58,7 +90,7 @@ int run_program(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--png", png, "also render it, to the same name with .png");
     app.add_option("--png-width", png_width, "in pixels")->check(CLI::Range(1, 16384))->capture_default_str();
-    app.add_option("tiles", words, "CAPTION FILE.svg, alternately")->required();
+    app.add_option("tiles", words, "CAPTION FILE, alternately; an SVG, or a PNG by its name")->required();
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -73,7 +105,8 @@ int run_program(int argc, char** argv) {
     constexpr double caption = 30, gap = 12;
     double height = gap, row_height = 0;
     for (std::size_t n = 0; n < words.size() / 2; ++n) {
-        const auto document = load_svg(words[2 * n + 1]);
+        const std::string& path = words[2 * n + 1];
+        const auto document = path.ends_with(".png") ? wrap_png(path) : load_svg(path);
         if (!document) return fail(to_string(document.error()));
         const auto view = view_box(*document);
         if (!view) return fail(to_string(view.error()));

@@ -198,6 +198,7 @@ int run_program(int argc, char** argv) {
     for (std::size_t n = 0; n < cage_paths.size(); ++n) {
         const auto file = load_cage(cage_paths[n]);
         if (!file) return fail(to_string(file.error()));
+        if (file->has_cells()) return fail(cage_paths[n] + ": cages with cells inside are not drawn");
         const auto cage = file->polygon<double>();
         cageform::BindReport report;
         report.cage = cageform::check(cage);

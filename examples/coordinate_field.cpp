@@ -50,7 +50,7 @@ int run_program(int argc, char** argv) {
                     std::to_string(cage->vertices.size()));
     }
     const auto polygon = cage->polygon<double>();
-    const auto report = cageform::check(polygon);
+    const auto report = cage->visit<double>([](const auto& shape) { return cageform::check(shape); });
     if (report.status != cageform::Status::ok) {
         cageform::BindReport bad;
         bad.status = report.status;
@@ -85,7 +85,7 @@ int run_program(int argc, char** argv) {
     std::vector<bool> inside(points.size(), true);
     double least = 0, largest = 0;
     std::string failure;
-    with_coordinates<double>(choice, polygon, [&](const auto& coordinates) {
+    with_coordinates<double>(choice, *cage, [&](const auto& coordinates) {
         // Of the weights only one row is kept, so the picture is bound in strips.
         ProgressBar bar("coordinate field");
         auto solved = coordinates;
@@ -127,16 +127,17 @@ int run_program(int argc, char** argv) {
             if (right || below) fine.at(x, y) = mix(fine.at(x, y), {0.15f, 0.1f, 0.1f}, 0.75f);
         }
     }
-    polygon.for_each_edge([&](std::size_t i, std::size_t j) {
+    const auto handle = [&](std::size_t i) { return cageform::to_vec<double>(cage->vertices[i]); };
+    cage->for_each_edge([&](std::size_t i, std::size_t j) {
         constexpr int pieces = 64;
         for (int k = 0; k < pieces; ++k) {
             const double s = double(k) / pieces, t = double(k + 1) / pieces;
             const double value = (i == vertex ? 1 - s : 0.0) + (j == vertex ? s : 0.0);
-            fine.line(to_picture((1 - s) * polygon[i] + s * polygon[j]),
-                      to_picture((1 - t) * polygon[i] + t * polygon[j]), 14, boundary_hue(value));
+            fine.line(to_picture((1 - s) * handle(i) + s * handle(j)),
+                      to_picture((1 - t) * handle(i) + t * handle(j)), 14, boundary_hue(value));
         }
     });
-    const Point2 at = to_picture(polygon[vertex]);
+    const Point2 at = to_picture(handle(vertex));
     fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
     fine.line(at, at, 24, boundary_hue(1));
 

@@ -6,10 +6,9 @@
 // materials, texture coordinates, comments.
 
 #include "atomic_file.hpp"
-#include "cage_file.hpp"
 #include "guard.hpp"
+#include "mesh_cage.hpp"
 #include "mesh_picture.hpp"
-#include "obj_file.hpp"
 #include "progress_bar.hpp"
 
 #include <CLI/CLI.hpp>
@@ -75,6 +74,7 @@ struct Arguments {
 template <class Coordinates>
 int deform_figure(const Arguments& given, const Coordinates& coordinates, const ObjFile& figure,
                   const ObjFile& cage, const ObjFile& pose) {
+    warn_of_closed_gaps("deform_mesh", cage.name, coordinates.cage_report());
     cageform::BindOptions options;
     options.outside = given.outside == "nearest"  ? cageform::OutsidePoints::nearest_boundary
                       : given.outside == "extend" ? cageform::OutsidePoints::extend
@@ -86,11 +86,7 @@ int deform_figure(const Arguments& given, const Coordinates& coordinates, const 
         bound = cageform::bind(coordinates, figure.vertices, options);
     }
     const auto& report = bound.report;
-    if (report.status != cageform::Status::ok) {
-        const bool counted = !report.cage.faults.empty();
-        return fail(describe_faults(cage.name, report) +
-                    (counted ? "\n  (vertices and triangles are counted from 0)" : ""));
-    }
+    if (report.status != cageform::Status::ok) return fail(describe_mesh_faults(cage.name, report));
     const std::string points = std::to_string(report.outside.size()) + " of " +
                                std::to_string(report.points) + " vertices of " + figure.name;
     if (given.outside == "refuse" && !report.outside.empty()) {
@@ -165,14 +161,10 @@ int run_program(int argc, char** argv) {
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
-    const auto cage = load_obj(given.cage);
+    const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
     const auto pose = load_obj(given.pose);
     if (!pose) return fail(to_string(pose.error()));
-    if (!cage->folded.empty()) {
-        return fail(to_string(SvgError{cage->name + ": a face cannot be cut into triangles; please split it",
-                                       cage->faces[cage->folded.front()].line}));
-    }
     const std::string why = difference(*cage, *pose);
     if (!why.empty()) return fail(why);
 

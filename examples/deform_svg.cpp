@@ -4,6 +4,9 @@
 //
 // Curves and long lines are refined until they follow the deformed shape, since straight lines and control
 // points do not map to it. Everything that is not geometry stays: styles, gradients, groups, identifiers.
+//
+// Cages of CSV files may have chains and points inside (see cage_weights.cpp), which harmonic coordinates
+// honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
 
 #include "cage_file.hpp"
 #include "guard.hpp"
@@ -33,43 +36,50 @@ std::string name_points(std::span<const Point2> points, const std::vector<std::s
     return text.str();
 }
 
-/// Appends the outline of a cage to a document, in root user space.
+/// Appends a cage to a document, in root user space: loops and chains as lines, points as circles.
 void draw_cage(SvgDocument& document, const CageFile& cage) {
-    Path path;
-    std::size_t first = 0;
-    for (const std::size_t size : cage.loop_sizes) {
-        Subpath loop;
-        loop.start = cage.vertices[first];
-        for (std::size_t i = 1; i <= size; ++i) {
-            const Point2 p = cage.vertices[first + i % size];
-            loop.segments.push_back({p, p, p, true});
-        }
-        loop.closed = true;
-        path.push_back(loop);
-        first += size;
-    }
     const auto view = view_box(document);
     const double diagonal = view ? std::hypot(view->width, view->height) : 100;
-    auto node = document.xml.document_element().append_child("path");
-    node.append_attribute("d") = write_path_data(path, 3).c_str();
-    node.append_attribute("fill") = "none";
-    node.append_attribute("stroke") = "#c2377a";
-    node.append_attribute("stroke-width") = diagonal / 400;
-    node.append_attribute("stroke-linejoin") = "round";
-    node.append_attribute("stroke-dasharray") = diagonal / 100;
+    auto group = document.xml.document_element().append_child("g");
+    group.append_attribute("fill") = "none";
+    group.append_attribute("stroke") = "#c2377a";
+    group.append_attribute("stroke-width") = diagonal / 400;
+    group.append_attribute("stroke-linejoin") = "round";
+    group.append_attribute("stroke-dasharray") = diagonal / 100;
+    for (const CageBlock& block : cage.blocks) {
+        const Point2& first = block.points.front();
+        if (block.kind == CageBlock::Kind::point) {
+            auto circle = group.append_child("circle");
+            circle.append_attribute("cx") = first.x;
+            circle.append_attribute("cy") = first.y;
+            circle.append_attribute("r") = block.radius;
+            continue;
+        }
+        Subpath line;
+        line.start = first;
+        line.closed = block.kind == CageBlock::Kind::loop;
+        for (std::size_t k = 1; k < block.points.size() + (line.closed ? 1 : 0); ++k) {
+            const Point2& p = block.points[k % block.points.size()];
+            line.segments.push_back({p, p, p, true});
+        }
+        group.append_child("path").append_attribute("d") = write_path_data({line}, 3).c_str();
+    }
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Deforms an SVG figure by a cage polygon and a pose of it.");
+    CLI::App app("Deforms an SVG figure by a cage and a pose of it.");
     std::string figure_path, cage_path, pose_path, out_path, outside = "refuse";
     bool png = false, show_cage = false, report = false;
     int png_width = 900;
     CoordinatesChoice choice;
     DeformOptions options;
     app.add_option("figure", figure_path, "the SVG file to deform")->required();
-    app.add_option("--cage", cage_path, "its cage: the first closed polygon of an SVG, or a CSV file")
+    app.add_option(
+           "--cage", cage_path,
+           "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points, as "
+           "cage_weights --help says")
         ->required();
-    app.add_option("--pose", pose_path, "the moved cage, vertex by vertex")->required();
+    app.add_option("--pose", pose_path, "the moved cage: the same blocks, vertex by vertex")->required();
     app.add_option("-o,--output", out_path, "the SVG file to write")->required();
     app.add_flag("--png", png, "also render it, to the same name with .png");
     app.add_option("--png-width", png_width, "in pixels")->check(CLI::Range(1, 16384))->capture_default_str();
@@ -97,7 +107,7 @@ int run_program(int argc, char** argv) {
     const auto pose = load_pose(pose_path, *cage);
     if (!pose) return fail(to_string(pose.error()));
 
-    return with_coordinates<double>(choice, cage->polygon<double>(), [&](auto coordinates) {
+    return with_coordinates<double>(choice, *cage, [&](auto coordinates) {
         using Coordinates = std::decay_t<decltype(coordinates)>;
         cageform::BindReport last;
         if constexpr (requires { coordinates.solve(); }) {

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Usage: sh examples/run.sh [--build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
-# pictures: the cat at rest and in every pose by mean value and harmonic coordinates, the man, the aleph,
-# a character in space, heat maps of coordinates, how the solver converges; then prints a table of figures.
+# pictures: the cat at rest and in every pose by mean value and harmonic coordinates, with cells inside its cage,
+# the man, the aleph, a character in space, heat maps of coordinates, how the solver converges; then prints a
+# table of figures.
 set -eu
 cd "$(dirname "$0")/.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin
@@ -39,6 +40,14 @@ for pose in step look tail stretch leap short_leg; do
 done
 "$programs/contact_sheet" -o out/cat.svg --columns 3 --tile 300 --png "$@"
 
+# Cells inside the cage: a vertex in the face, a chain along the back. Nothing else has moved.
+for cells in head spine; do
+  "$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage_$cells.csv" --pose "$data/cat_pose_$cells.csv" \
+    --coordinates harmonic -o out/cat_$cells.svg --png --show-cage
+done
+"$programs/contact_sheet" -o out/cat_interior.svg --columns 3 --png --png-width 1500 "at rest" out/cat_rest.svg \
+  "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
+
 deform man_posed man man_cage man_pose barycentric
 deform man_rest man man_cage man_cage barycentric
 deform aleph_rest aleph aleph_cage aleph_cage mean-value
@@ -64,6 +73,10 @@ for vertex in 1 2; do
   field field_biped_${vertex}_mean_value biped_cage $vertex mean-value
   field field_biped_${vertex}_harmonic biped_cage $vertex harmonic
 done
+
+"$programs/contact_sheet" -o out/biped_signs.svg --columns 2 --png \
+  "mean value: negative (blue) in the other leg" out/field_biped_1_mean_value.png \
+  "harmonic: nowhere negative" out/field_biped_1_harmonic.png
 
 "$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png
 

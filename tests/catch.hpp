@@ -12,6 +12,15 @@ using Catch::Approx;
 #include <catch2/catch.hpp>
 #endif
 
+/// Whether this is a build with the address sanitizer, in which long computations take minutes.
+#if defined(__SANITIZE_ADDRESS__)
+#define CAGEFORM_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define CAGEFORM_SANITIZED 1
+#endif
+#endif
+
 /// `GENERATE(seeds(50))` runs a test case for the seeds 0 … 49.
 inline auto seeds(int count) {
     return Catch::Generators::range(0, count);

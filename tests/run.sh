@@ -5,9 +5,13 @@
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
-compiler=g++
-[ "$preset" != clang ] || compiler='clang-19'
+case $preset in
+  clang) compiler=clang-19 ;;
+  asan) compiler='clang-19 libclang-rt-19-dev' ;; # builds in two thirds of the time of g++
+  *) compiler=g++ ;;
+esac
 # shellcheck disable=SC2086
 sh cmake/install_packages.sh $compiler cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev \
-  libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin tango-icon-theme $([ "$preset" != release ] || echo libbenchmark-dev libsuitesparse-dev)
+  libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin tango-icon-theme \
+  $([ "$preset" != release ] || echo libbenchmark-dev libsuitesparse-dev)
 cmake --workflow --preset "$preset"

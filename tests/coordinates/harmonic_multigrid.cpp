@@ -55,7 +55,7 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
         for (const auto& [resolution, allowed] :
              {std::pair<std::size_t, double>{64, c.error_64}, {256, c.error_256}, {1024, c.error_1024}}) {
             CAPTURE(c.name, resolution);
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(CAGEFORM_SANITIZED)
             if (resolution > 256) continue; // minutes under the sanitizer, and the same code as at 256
 #endif
             const auto weights =

@@ -29,6 +29,9 @@ struct InteriorCells {
 ///     const std::size_t head = cage.add_point(eye, 12.0);
 ///     cage.add_chain(spine);
 ///
+/// About thick cells linear functions are missed, by at most the radius. `bind` restores them by default, for poses that turn
+/// the whole cage; weights then leave [0, 1] by about the radius over the cage's size (LinearPrecision::leave keeps them).
+///
 /// A point that equals a vertex already there is that vertex: so cells meet, and a chain from boundary to boundary
 /// parts the cage. Construction never fails; `check` tells whether the complex can serve as a cage.
 template <Scalar T, std::size_t D>

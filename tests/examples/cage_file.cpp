@@ -1,0 +1,154 @@
+#include "cage_file.hpp"
+
+#include "catch.hpp"
+
+#include <array>
+#include <cstddef>
+#include <sstream>
+#include <string>
+#include <vector>
+
+using namespace cageform_examples;
+using cageform::CageFaultKind;
+
+namespace {
+
+const std::string square = "0,0\n4,0\n4,4\n0,4\n";
+
+SvgResult<std::vector<CageBlock>> parse(const std::string& text) {
+    std::istringstream stream(text);
+    return parse_cage_csv(stream, "c.csv");
+}
+
+CageFile cage_of(const std::string& text, const std::string& name = "c.csv") {
+    auto blocks = parse(text);
+    INFO(text);
+    if (!blocks) FAIL(to_string(blocks.error()));
+    return make_cage(name, std::move(*blocks));
+}
+
+std::string refusal(const std::string& text) {
+    const auto blocks = parse(text);
+    INFO(text);
+    REQUIRE_FALSE(blocks);
+    return to_string(blocks.error());
+}
+
+std::string pose_refusal(const std::string& cage, const std::string& pose) {
+    const auto made = make_pose(cage_of(pose, "p.csv"), cage_of(cage));
+    INFO(pose);
+    REQUIRE_FALSE(made);
+    return to_string(made.error());
+}
+
+} // namespace
+
+TEST_CASE("the blocks of a cage file are loops, chains and points", "[examples][cage]") {
+    const auto blocks =
+        parse("\xef\xbb\xbf"
+              "x,y\r\n# a comment\r\n" +
+              square +
+              "\n\n# the spine\n# chain\n1, 2\n# in between\n+2,2\n\t\n#point 0.5 \n3,3\n\n1,1\n2,1\n1,1.5");
+    REQUIRE(blocks);
+    REQUIRE(blocks->size() == 4);
+    const auto expect = [&](std::size_t b, CageBlock::Kind kind, const std::vector<Point2>& points) {
+        CAPTURE(b);
+        CHECK((*blocks)[b].kind == kind);
+        CHECK((*blocks)[b].points == points);
+    };
+    expect(0, CageBlock::Kind::loop, {{0, 0}, {4, 0}, {4, 4}, {0, 4}});
+    expect(1, CageBlock::Kind::chain, {{1, 2}, {2, 2}});
+    expect(2, CageBlock::Kind::point, {{3, 3}});
+    expect(3, CageBlock::Kind::loop, {{1, 1}, {2, 1}, {1, 1.5}});
+    CHECK((*blocks)[2].radius == 0.5);
+
+    // What only resembles the head of a block is a comment.
+    CHECK(parse("# chains\n# points 3\n# Chain\n" + square)->size() == 1);
+}
+
+TEST_CASE("the file and line of a faulty block are named", "[examples][cage]") {
+    CHECK(refusal(square + "\n# point\n1,1\n") == "c.csv:6: the radius is missing: \"# point RADIUS\"");
+    CHECK(refusal(square + "\n# point wide\n1,1\n") == "c.csv:6: not a number: \"wide\"");
+    CHECK(refusal(square + "\n# point 1 2\n1,1\n") == "c.csv:6: not a number: \"1 2\"");
+    CHECK(refusal(square + "\n# point 1e999\n1,1\n") == "c.csv:6: number out of range: \"1e999\"");
+    CHECK(refusal(square + "\n# point 1\n1,1\n2,2\n") == "c.csv:6: more than one point follows");
+    CHECK(refusal(square + "\n# point 1\n\n1,1\n") == "c.csv:6: no points follow");
+    CHECK(refusal(square + "\n# chain\n1,1\n\n2,2\n") == "c.csv:6: a chain has two points or more");
+    CHECK(refusal(square + "\n# chain\n") == "c.csv:6: no points follow");
+    CHECK(refusal(square + "\n# chain of bones\n1,1\n2,2\n") ==
+          "c.csv:6: \"# chain\" stands alone on its line");
+    CHECK(refusal(square + "# chain\n1,1\n2,2\n") == "c.csv:5: an empty line is missing before # chain");
+    CHECK(refusal(square + "\n# chain\n# point 1\n1,1\n") ==
+          "c.csv:7: an empty line is missing before # point 1");
+    CHECK(refusal(square + "\n# chain\n1,1\n2\n") ==
+          "c.csv:8: 1 column where a cage in the plane needs two: x,y");
+    CHECK(refusal("0,0,0\n") == "c.csv:1: 3 columns where a cage in the plane needs two: x,y");
+    CHECK(refusal("0,\n") == "c.csv:1: not a number: \"\"");
+    CHECK(refusal("# chain\n1,1\n2,2\n") == "c.csv: holds no loop");
+    CHECK(refusal("# nothing\n\n") == "c.csv: holds no points");
+}
+
+TEST_CASE("handles are the loops' vertices, then the new ones of chains and points", "[examples][cage]") {
+    const auto cage =
+        cage_of("# chain\n4,4\n3,3\n2,3\n\n" + square + "\n# point 0.25\n1,1\n\n# chain\n2,3\n2,2\n");
+    CHECK(cage.handles == std::vector<std::vector<std::size_t>>{{2, 4, 5}, {0, 1, 2, 3}, {6}, {5, 7}});
+    CHECK(cage.vertices ==
+          std::vector<Point2>{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {3, 3}, {2, 3}, {1, 1}, {2, 2}});
+    const auto complex = cage.complex<double>();
+    REQUIRE(complex.size() == cage.vertices.size());
+    for (std::size_t i = 0; i < complex.size(); ++i)
+        CHECK((Point2{complex[i][0], complex[i][1]} == cage.vertices[i]));
+    CHECK(complex.cells().walls.size() == 3);
+    CHECK(complex.cells().thick.size() == 1);
+    std::vector<std::array<std::size_t, 2>> edges;
+    cage.for_each_edge([&](std::size_t i, std::size_t j) { edges.push_back({i, j}); });
+    CHECK(edges == std::vector<std::array<std::size_t, 2>>{
+                       {2, 4}, {4, 5}, {3, 0}, {0, 1}, {1, 2}, {2, 3}, {6, 6}, {5, 7}});
+
+    // Vertices of loops stay apart even where they coincide: the library reports them.
+    CHECK(cage_of("0,0\n4,0\n4,0\n0,4\n").vertices.size() == 4);
+    const auto walls = [](const auto& shape) { return cageform::interior_cells(shape).walls.size(); };
+    CHECK(cage.visit<float>(walls) == 3);
+    CHECK(cage_of(square).visit<float>(walls) == 0);
+}
+
+TEST_CASE("a pose has the blocks of its cage", "[examples][cage]") {
+    const std::string cells = "\n# chain\n4,4\n2,2\n\n# point 0.25\n1,2\n";
+    const auto cage = cage_of(square + cells);
+    const auto pose =
+        make_pose(cage_of("0,0\n4,0\n5,5\n0,4\n\n# chain\n5,5\n2,3\n\n# point 0.25\n0,4\n"), cage);
+    REQUIRE(pose);
+    CHECK(pose->vertices == std::vector<Point2>{{0, 0}, {4, 0}, {5, 5}, {0, 4}, {2, 3}, {0, 4}});
+    CHECK(pose->handles == cage.handles);
+
+    CHECK(pose_refusal(square, "0,0\n4,0\n4,4\n") ==
+          "p.csv: the pose has a loop of 3 vertices, the cage c.csv a loop of 4 vertices");
+    CHECK(pose_refusal(square + cells, square) == "p.csv: the pose has 1 block, the cage c.csv 3 blocks");
+    CHECK(pose_refusal(square + cells, square + "\n# chain\n4,4\n2,2\n1,1\n\n# point 0.25\n1,2\n") ==
+          "p.csv: block 2: the pose has a chain of 3 points, the cage c.csv a chain of 2 points");
+    CHECK(pose_refusal(square + cells, square + "\n# chain\n4,4\n2,2\n\n# point 0.5\n1,2\n") ==
+          "p.csv: block 3: the pose has a point of radius 0.5, the cage c.csv a point of radius 0.25");
+    CHECK(pose_refusal(square + cells, square + "\n# chain\n5,5\n2,2\n\n# point 0.25\n1,2\n") ==
+          "p.csv: vertex 2 of the cage c.csv is at (4, 4) and, in block 2, at (5, 5)");
+}
+
+TEST_CASE("points are read with the columns of the cage", "[examples][cage]") {
+    std::array<double, 3> p{};
+    CHECK(detail::parse_point<3>("1, +2 ,-3e1", p).empty());
+    CHECK(p == std::array<double, 3>{1, 2, -30});
+    CHECK(detail::parse_point<3>("1,2", p) == "2 columns where a cage in space needs three: x,y,z");
+    CHECK(detail::parse_point<3>("1,2,", p) == "not a number: \"\"");
+}
+
+TEST_CASE("faults are described with the numbers that mean something", "[examples][cage]") {
+    const auto text = [](CageFaultKind kind) { return describe_fault({kind, 3, 7}); };
+    CHECK(text(CageFaultKind::edges_cross) == "edges cross or touch (3, 7)");
+    CHECK(text(CageFaultKind::gap_closed) == "open edge, closed (warning) (3, 7)");
+    CHECK(text(CageFaultKind::radius_not_positive) == "radius not positive (3)");
+    CHECK(text(CageFaultKind::interior_cell_outside) == "interior cell outside (3)");
+    CHECK(text(CageFaultKind::interior_cells_not_supported) == "interior cells not supported (3)");
+    CHECK(text(CageFaultKind::face_without_area) == "face without area (3)");
+    CHECK(text(CageFaultKind::vertex_unused) == "unused vertex (warning) (3)");
+    CHECK(text(CageFaultKind::degenerate_simplex) == "simplex without volume");
+    CHECK(text(CageFaultKind::no_volume) == "no volume");
+}
