@@ -65,17 +65,18 @@ void bind_mean_value_again(benchmark::State& state) {
 }
 
 /// The weights alone: no checks of points, no report, no restored precision; as one would call it in a batch.
-template <class T>
-void evaluate_mean_value(benchmark::State& state) {
-    const auto cage = star(std::size_t(state.range(1)));
-    const auto points = points_inside(cage, std::size_t(state.range(0)));
-    const cageform::MeanValueCoordinates<T, 2> coordinates(cage);
+/// Weights alone, into memory that is there.
+template <class C, class Points>
+void run_evaluate(benchmark::State& state, const C& coordinates, const Points& points) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    const std::size_t handles = coordinates.handles().size();
     const std::size_t blocks = cageform::block_count<T>(points.size());
-    std::vector<cageform::Lanes<T>> rest(blocks * 2), weights(blocks * cage.size());
-    const cageform::BlockView<T> rest_view{rest.data(), 2, points.size()};
-    const cageform::BlockView<T> weight_view{weights.data(), cage.size(), points.size()};
+    std::vector<cageform::Lanes<T>> rest(blocks * D), weights(blocks * handles);
+    const cageform::BlockView<T> rest_view{rest.data(), D, points.size()};
+    const cageform::BlockView<T> weight_view{weights.data(), handles, points.size()};
     for (std::size_t i = 0; i < blocks * cageform::lane_count<T>; ++i) {
-        for (std::size_t k = 0; k < 2; ++k) rest_view(i, k) = T(points[std::min(i, points.size() - 1)][k]);
+        for (std::size_t k = 0; k < D; ++k) rest_view(i, k) = T(points[std::min(i, points.size() - 1)][k]);
     }
     std::vector<cageform::PointState> states(points.size());
     for (auto& lanes : weights) lanes[0] = T(0); // the system hands out memory when it is first written
@@ -84,7 +85,14 @@ void evaluate_mean_value(benchmark::State& state) {
         if (evaluation.status != cageform::Status::ok) state.SkipWithError(to_string(evaluation.status));
         benchmark::ClobberMemory();
     }
-    finish(state, points.size(), cage.size());
+    finish(state, points.size(), handles);
+}
+
+template <class T>
+void evaluate_mean_value(benchmark::State& state) {
+    const auto cage = star(std::size_t(state.range(1)));
+    run_evaluate(state, cageform::MeanValueCoordinates<T, 2>(cage),
+                 points_inside(cage, std::size_t(state.range(0))));
 }
 
 void plain_mean_value(benchmark::State& state) {
@@ -119,6 +127,11 @@ void plain_mean_value(benchmark::State& state) {
 template <class T>
 void bind_mean_value_mesh(benchmark::State& state) {
     run_bind(state, cageform::MeanValueCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112());
+}
+
+template <class T>
+void evaluate_mean_value_mesh(benchmark::State& state) {
+    run_evaluate(state, cageform::MeanValueCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112());
 }
 
 /// Ju, Schaefer & Warren 2005, sec. 3, one point and one face after the other. With u the unit vectors to a
@@ -318,6 +331,8 @@ BENCHMARK_TEMPLATE(evaluate_mean_value, float)->Apply(points_and_handles);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK(plain_mean_value_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);
