@@ -125,8 +125,10 @@ CellComplex(TriangleMesh<T>) -> CellComplex<T, 3>;
 /// The boundary of any cage, and the cells inside it.
 template <class Cage>
 const Cage& boundary_of(const Cage& cage) noexcept {
-    return cage;
+    return cage; // NOLINT(bugprone-return-const-ref-from-parameter): no temporaries, see below
 }
+template <class Cage>
+const Cage& boundary_of(const Cage&& cage) = delete; // of a temporary
 template <Scalar T, std::size_t D>
 const typename CellComplex<T, D>::Boundary& boundary_of(const CellComplex<T, D>& cage) noexcept {
     return cage.boundary();

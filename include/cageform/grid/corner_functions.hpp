@@ -119,10 +119,10 @@ public:
     /// Of a Polygon or a CellComplex. Which corners are treated, and within which nodes. Corners without room for a fit
     /// are left as they are: the grid is too coarse for them anyway.
     template <class Cage>
-    CornerFunctions(const Cage& cage, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem) {
-        for (const auto& c : cage.vertices()) vertices_.push_back(lattice.in_cells(vec_cast<double>(c)));
-        const auto& polygon = boundary_of(cage);
-        const auto& cells = interior_cells(cage);
+    CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem) {
+        for (const auto& c : whole.vertices()) vertices_.push_back(lattice.in_cells(vec_cast<double>(c)));
+        const auto& polygon = boundary_of(whole);
+        const auto& cells = interior_cells(whole);
         // Edges out of every vertex: first and last those that bound its inside, counter-clockwise; none of a vertex inside.
         std::vector<std::vector<std::size_t>> edges(vertices_.size());
         for (std::size_t n = 0; n < polygon.loops().size(); ++n) {

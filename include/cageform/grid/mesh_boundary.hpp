@@ -17,14 +17,15 @@ public:
 
     /// Of a TriangleMesh or a CellComplex.
     template <class Cage>
-    MeshBoundary(const Cage& cage, const Lattice<double, 3>& lattice)
+    MeshBoundary(const Cage& whole, const Lattice<double, 3>& lattice)
         : lattice_(lattice)
-        , vertices_(in_cells(cage.vertices(), lattice))
-        , thick_(interior_cells(cage).thick, vertices_, lattice) {
-        const auto faces = boundary_of(cage).faces();
+        , vertices_(in_cells(whole.vertices(), lattice))
+        , thick_(interior_cells(whole).thick, vertices_, lattice) {
+        const auto faces = boundary_of(whole).faces();
         faces_.assign(faces.begin(), faces.end());
         outer_ = faces_.size();
-        for (const auto& wall : interior_cells(cage).walls) faces_.push_back(wall);
+        const auto& cells = interior_cells(whole);
+        for (const auto& wall : cells.walls) faces_.push_back(wall);
     }
 
     /// Which lines meet which face is decided in whole numbers (vertices rounded to 2⁻²⁰ of a cell) and, where a line

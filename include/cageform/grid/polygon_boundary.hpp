@@ -18,15 +18,16 @@ public:
 
     /// Of a Polygon or a CellComplex. `lattice.cells` are the nodes along each axis, the first at `origin`.
     template <class Cage>
-    PolygonBoundary(const Cage& cage, const Lattice<double, 2>& lattice)
+    PolygonBoundary(const Cage& whole, const Lattice<double, 2>& lattice)
         : lattice_(lattice)
-        , thick_(interior_cells(cage).thick, in_cells(cage.vertices(), lattice), lattice) {
-        const auto vertices = in_cells(cage.vertices(), lattice);
+        , thick_(interior_cells(whole).thick, in_cells(whole.vertices(), lattice), lattice) {
+        const auto vertices = in_cells(whole.vertices(), lattice);
         const auto add = [&](std::size_t i, std::size_t j, bool turns) {
             edges_.push_back({std::uint32_t(i), std::uint32_t(j), vertices[i], vertices[j], turns});
         };
-        boundary_of(cage).for_each_edge([&](std::size_t i, std::size_t j) { add(i, j, true); });
-        for (const auto& wall : interior_cells(cage).walls) add(wall[0], wall[1], false);
+        boundary_of(whole).for_each_edge([&](std::size_t i, std::size_t j) { add(i, j, true); });
+        const auto& cells = interior_cells(whole);
+        for (const auto& wall : cells.walls) add(wall[0], wall[1], false);
     }
 
     /// O(edges + lattice lines they cross, and the logarithm of that).
