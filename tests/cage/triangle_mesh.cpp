@@ -176,3 +176,44 @@ TEST_CASE("a gap that cannot be closed stays one", "[cage][mesh][status]") {
     const auto report = report_of(vertices, {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {1, 2, 3}, {0, 3, 2}});
     CHECK(report.status == Status::cage_not_closed);
 }
+
+TEST_CASE("gaps that touch at a vertex are closed, stray faces and flat cages are not cages",
+          "[cage][mesh][status]") {
+    for (int n = 0; n < 20; ++n) {
+        CAPTURE(n);
+        auto data = sphere(2);
+        Random random{std::uint64_t(n)};
+        for (std::size_t i = data.vertices.size(); i-- > 1;) { // any numbering
+            const std::size_t j = random.below(i + 1);
+            std::swap(data.vertices[i], data.vertices[j]);
+            for (auto& face : data.faces) {
+                for (int& v : face) v = v == int(i) ? int(j) : v == int(j) ? int(i) : v;
+            }
+        }
+        const int tip = data.faces[0][0]; // two faces about a vertex that are no neighbours
+        std::vector<std::size_t> about;
+        for (std::size_t f = 0; f < data.faces.size(); ++f) {
+            if (std::find(data.faces[f].begin(), data.faces[f].end(), tip) != data.faces[f].end())
+                about.push_back(f);
+        }
+        const auto neighbours = [&](std::size_t f, std::size_t g) {
+            int common = 0;
+            for (const int v : data.faces[f])
+                common += std::count(data.faces[g].begin(), data.faces[g].end(), v) > 0;
+            return common > 1;
+        };
+        std::size_t other = 1;
+        while (neighbours(about[0], about[other])) ++other;
+        data.faces.erase(data.faces.begin() + std::ptrdiff_t(about[other]));
+        data.faces.erase(data.faces.begin() + std::ptrdiff_t(about[0]));
+        CHECK(check(data.mesh<double>()).status == Status::ok);
+    }
+    auto stray = sphere(1);
+    const int first = int(stray.vertices.size());
+    for (const auto& v : Points3<double>{{0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}}) stray.vertices.push_back(v);
+    stray.faces.push_back({first, first + 1, first + 2});
+    CHECK(check(stray.mesh<double>()).status == Status::cage_not_closed);
+    const auto flat = report_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0}},
+                                {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}});
+    CHECK(flat.status == Status::cage_has_no_volume);
+}

@@ -205,3 +205,22 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
     CHECK(solved.solve().status == Status::ok);
     CHECK(cageform::bind(solved, points).report.solver.solves == 8);
 }
+
+TEST_CASE("the share of a cage falls to zero towards its boundary, however near", "[coordinates][blended]") {
+    auto outer = sphere(0), inner = sphere(0);
+    for (auto& v : inner.vertices) v = 0.5 * v;
+    using Mean = MeanValueCoordinates<double, 3>;
+    const BlendedCoordinates<Mean> coordinates({Mean(outer.mesh<double>()), Mean(inner.mesh<double>())});
+    double before = 1;
+    for (const double h :
+         {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) { // inwards from a face of the inner one
+        const double c = 0.5 / 3 - h;
+        const auto weights = evaluate_all(coordinates, Points3<double>{{c, c, c}});
+        double share = 0;
+        for (std::size_t k = 6; k < 12; ++k) share += weights.rows[0][k];
+        CAPTURE(h, share);
+        CHECK(share < before);
+        CHECK(share <= 1e4 * h * h);
+        before = share;
+    }
+}

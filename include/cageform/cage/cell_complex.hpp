@@ -33,7 +33,11 @@ struct InteriorCells {
 /// the whole cage; weights then leave [0, 1] by about the radius over the cage's size (LinearPrecision::leave keeps them).
 ///
 /// A point that equals a vertex already there is that vertex: so cells meet, and a chain from boundary to boundary
-/// parts the cage. Construction never fails; `check` tells whether the complex can serve as a cage.
+/// parts the cage. Construction never fails; `check` tells whether the complex can serve as a cage. To add a point takes
+/// O(#handles).
+///
+/// Next to the free rim of a wall in space, and the end of a chain without ten grid cells of room about it, the functions rise
+/// like the square root of the distance, which a grid misses by some tenths within a cell.
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 class CellComplex {
@@ -69,6 +73,7 @@ public:
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_chain(const R& points, T radius) {
         auto handles = vertices_of(points);
+        if (handles.size() == 1) (void)add_point(vertices_[handles[0]], radius);
         for (std::size_t n = 0; n + 1 < handles.size(); ++n)
             cells_.thick.push_back(
                 {std::uint32_t(handles[n]), std::uint32_t(handles[n + 1]), double(radius)});
@@ -146,7 +151,8 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
 template <Scalar T, std::size_t D>
 void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
     const std::size_t cells = cage.cells().walls.size() + cage.cells().thick.size();
-    if (cells > 0) report.add(CageFaultKind::interior_cells_not_supported, cells);
+    if (cells > 0 || cage.size() > cage.boundary().size())
+        report.add(CageFaultKind::interior_cells_not_supported, cells);
 }
 
 namespace detail {
@@ -264,8 +270,80 @@ inline bool walls_touch(const std::array<std::uint32_t, 3>& a, const std::array<
 
 } // namespace detail
 
+/// A thick cell where it lies.
+template <std::size_t D>
+struct PlacedThickCell {
+    std::uint32_t i, j;
+    Vec<double, D> a, b;
+    double radius;
+};
+
+/// What a thick cell says at a place: the value of its nearest place.
+template <std::size_t D>
+BoundaryValue<D> thick_value(const PlacedThickCell<D>& cell, const Vec<double, D>& p) noexcept {
+    const double s = detail::part_of_segment(p, cell.a, cell.b);
+    BoundaryValue<D> value;
+    value.handle.fill(cell.i);
+    value.handle[1] = cell.j;
+    value.weight[0] = 1 - s;
+    value.weight[1] = s;
+    return value;
+}
+
+/// What cells cell(0) … cell(count − 1) say at a place whose distance from the surface of one is at most `least`, which becomes
+/// the least such distance, negative within. Where several overlap, as bones do at joints, the mean of what they say, by how
+/// deep the place lies in each, so that it is continuous. (Of more than three bones at a joint, that of the deepest three.)
+template <std::size_t D, class Cells>
+bool nearest_thick_value(std::size_t count, const Cells& cell, const Vec<double, D>& p, double& least,
+                         BoundaryValue<D>& value) noexcept {
+    constexpr std::size_t most = BoundaryValue<D>::most;
+    std::array<std::size_t, 3> deepest{};
+    std::array<double, 3> depth{-1, -1, -1};
+    bool found = false;
+    std::size_t nearest = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto& one = cell(n);
+        const double s = detail::part_of_segment(p, one.a, one.b);
+        const double d = detail::length(one.a + s * (one.b - one.a) - p) - one.radius;
+        if (d <= least) {
+            least = d;
+            nearest = n;
+            found = true;
+        }
+        std::size_t to = n;
+        for (double inside = -d; std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
+            if (!(inside > 0) || inside <= depth[k]) continue;
+            std::swap(inside, depth[k]);
+            std::swap(to, deepest[k]);
+        }
+    }
+    if (!found) return false;
+    value = thick_value<D>(cell(nearest), p);
+    if (!(depth[1] > 0)) return true;
+    BoundaryValue<D> mean;
+    mean.handle.fill(value.handle[0]);
+    std::size_t used = 0;
+    double sum = 0;
+    for (std::size_t k = 0; k < 3 && depth[k] > 0; ++k) sum += depth[k];
+    for (std::size_t k = 0; k < 3 && depth[k] > 0; ++k) {
+        const auto one = thick_value<D>(cell(deepest[k]), p);
+        for (std::size_t n = 0; n < 2; ++n) {
+            if (one.weight[n] == 0) continue;
+            const auto known =
+                std::find(mean.handle.begin(), mean.handle.begin() + std::ptrdiff_t(used), one.handle[n]);
+            const auto slot = std::size_t(known - mean.handle.begin());
+            if (slot == most) return true; // cells that share no joint, which `check` refuses
+            mean.handle[slot] = one.handle[n];
+            mean.weight[slot] += depth[k] / sum * one.weight[n];
+            used = std::max(used, slot + 1);
+        }
+    }
+    value = mean;
+    return true;
+}
+
 /// The boundary data at the place of boundary and cells nearest to a finite point, and that place: linear on walls, that of
-/// the nearest place within the radius of a thick cell.
+/// the nearest place within the radius of a thick cell. Of a sound complex; O(walls and cells).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
                                         Vec<T, D>& place) noexcept {
@@ -287,18 +365,16 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
             value.weight[k] = w[k];
         }
     }
-    for (const auto& cell : cage.cells().thick) {
-        const auto a = vec_cast<double>(cage[cell.i]), b = vec_cast<double>(cage[cell.j]);
-        const double s = detail::part_of_segment(q, a, b);
-        const auto x = a + s * (b - a);
-        if (detail::length(x - q) - cell.radius >= least) continue;
-        least = detail::length(x - q) - cell.radius;
+    const auto& thick = cage.cells().thick;
+    const auto cell = [&](std::size_t n) {
+        return PlacedThickCell<D>{thick[n].i, thick[n].j, vec_cast<double>(cage[thick[n].i]),
+                                  vec_cast<double>(cage[thick[n].j]), thick[n].radius};
+    };
+    if (nearest_thick_value<D>(thick.size(), cell, q, least, value)) {
+        Vec<double, D> x{};
+        for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n)
+            x = x + value.weight[n] * vec_cast<double>(cage[value.handle[n]]);
         place = vec_cast<T>(x);
-        value = {};
-        value.handle.fill(cell.i);
-        value.handle[1] = cell.j;
-        value.weight[0] = 1 - s;
-        value.weight[1] = s;
     }
     return value;
 }
@@ -326,7 +402,8 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 
 /// Whether a complex can serve as a cage: its boundary can; its cells are not degenerate, lie inside, and meet the boundary
 /// and each other in common vertices, edges and faces alone; thick cells have a radius, keep it from the boundary and
-/// from walls, and share vertices only with each other. O(cells · (cells + walls of the boundary)).
+/// from walls, share vertices only with each other, and reach no other end of those. O(cells · (cells + walls of the
+/// boundary)).
 template <Scalar T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage) {
     CageReport report = check(cage.boundary());
@@ -345,11 +422,27 @@ CageReport check(const CellComplex<T, D>& cage) {
             report.add(CageFaultKind::radius_not_positive, cell.i);
     }
     if (report.status != Status::ok) return report;
+    // Vertices that cells use; those that nothing uses get a warning, as in a mesh.
+    std::vector<bool> used(cage.size()), inner(cage.size());
+    for (const auto& wall : walls) {
+        for (const auto i : wall) used[i] = true;
+    }
+    for (const auto& cell : thick) used[cell.i] = used[cell.j] = true;
+    std::erase_if(report.faults, [&](const CageFault& fault) {
+        const bool by_cells = fault.kind == CageFaultKind::vertex_unused && used[fault.a];
+        if (by_cells) inner[fault.a] = true;
+        return by_cells;
+    });
+    for (std::size_t i = outer; i < cage.size(); ++i) {
+        inner[i] = used[i];
+        if (!used[i]) report.add(CageFaultKind::vertex_unused, i);
+    }
 
     const T rounding = coincidence_tolerance(bounds_of(cage.vertices()));
     const double tolerance = double(rounding);
     const auto at = [&](std::size_t i) { return vec_cast<double>(cage[i]); };
-    for (std::size_t i = outer; i < cage.size(); ++i) {
+    for (std::size_t i = 0; i < cage.size(); ++i) {
+        if (!inner[i]) continue;
         for (std::size_t j = 0; j < i; ++j) {
             if (detail::length(at(i) - at(j)) <= tolerance)
                 report.add(CageFaultKind::duplicate_vertices, j, i);
@@ -402,6 +495,18 @@ CageReport check(const CellComplex<T, D>& cage) {
             const auto& other = thick[m];
             const bool meet =
                 cell.i == other.i || cell.i == other.j || cell.j == other.i || cell.j == other.j;
+            // Of cells that meet, neither may swallow an end of the other.
+            const auto swallows = [&](const ThickCell& a, const ThickCell& b) {
+                const auto from = at(a.i), to = at(a.j);
+                for (const auto end : {b.i, b.j}) {
+                    if (end == a.i || end == a.j) continue;
+                    const double s = detail::part_of_segment(at(end), from, to);
+                    if (detail::length(from + s * (to - from) - at(end)) <= a.radius + tolerance) return true;
+                }
+                return false;
+            };
+            if (meet && (swallows(cell, other) || swallows(other, cell)))
+                report.add(CageFaultKind::interior_cells_touch, other.i, cell.i);
             if (!meet && detail::segment_distance(at(cell.i), at(cell.j), at(other.i), at(other.j)) <=
                              cell.radius + other.radius + tolerance)
                 report.add(CageFaultKind::interior_cells_touch, other.i, cell.i);

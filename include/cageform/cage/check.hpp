@@ -10,15 +10,15 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
-    too_few_vertices,      ///< loop `a` has `b` vertices, less than three
-    not_a_simplex,         ///< `a` vertices where a simplex has `b`
-    loops_do_not_match,    ///< the loop sizes add up to `a`, the vertices to `b`
-    vertex_not_finite,     ///< vertex `a`
-    duplicate_vertices,    ///< `a` and its successor `b` coincide within rounding
-    edges_cross,           ///< the edges that start at vertices `a` and `b` cross or touch
-    no_area,               ///< all vertices of loop `a` lie on one line
-    degenerate_simplex,    ///< the simplex has no volume relative to its size
-    no_volume,             ///< a box has no extent along axis `a`; a mesh has no faces
+    too_few_vertices,   ///< loop `a` has `b` vertices, less than three
+    not_a_simplex,      ///< `a` vertices where a simplex has `b`
+    loops_do_not_match, ///< the loop sizes add up to `a`, the vertices to `b`
+    vertex_not_finite,  ///< vertex `a`
+    duplicate_vertices, ///< `a` and `b` coincide within rounding; in a polygon, neighbours
+    edges_cross,        ///< the edges that start at vertices `a` and `b` cross or touch
+    no_area,            ///< all vertices of loop `a` lie on one line
+    degenerate_simplex, ///< the simplex has no volume relative to its size
+    no_volume, ///< a box has no extent along axis `a`; a mesh has no faces, or the shell of face `a` is flat
     face_without_vertex,   ///< face `a` of a mesh names a vertex that there is not
     face_without_area,     ///< the corners of face `a` lie on one line
     open_edge,             ///< only one face has the edge between vertices `a` and `b`

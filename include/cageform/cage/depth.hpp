@@ -33,7 +33,10 @@ public:
         for (const auto& [from, to] : edges_) {
             const auto a = from - vec_cast<double>(p), b = to - vec_cast<double>(p);
             const double r = detail::length(a), s = detail::length(b);
-            sum += cross(a, b) / (r * s + dot(a, b)) * (1 / r + 1 / s); // tan of half the angle
+            const double over = cross(a, b), along = dot(a, b);
+            const double tangent =
+                along > 0 ? over / (r * s + along) : (r * s - along) / over; // of half the angle
+            sum += tangent * (1 / r + 1 / s);
         }
         return sum > 0 ? 1 / sum : 0;
     }
@@ -65,7 +68,6 @@ public:
                 largest = std::max(largest, detail::length(c[k]));
             }
             const double height = dot(face.normal, c[0]);
-            if (std::fabs(height) < 1e-7 * largest) continue; // seen edge-on: nothing, but for rounding
             // The normal's part of the spherical triangle's vector area: half of what its sides contribute, by their angles.
             double part = 0;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -74,6 +76,8 @@ public:
                 if (size > 0)
                     part += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
             }
+            // Seen edge-on from beside the face: nothing, but for rounding. From over it the part is about π.
+            if (std::fabs(height) < 1e-7 * largest && std::fabs(part) < 1) continue;
             sum += part / height;
         }
         return sum > 0 ? 1 / sum : 0;

@@ -19,7 +19,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// as a cage, and every coordinate type asks it.
 ///
 /// Small gaps are closed by faces over the vertices around them, so that coordinates keep their laws; `check` names
-/// their edges in warnings. Small is what adds up to at most a quarter of the area.
+/// their edges in warnings. Small is what adds up to at most a quarter of the area. Takes O(#F log #F) and the square of the
+/// edges of a gap.
 template <Scalar T>
 class TriangleMesh {
 public:
@@ -85,6 +86,13 @@ private:
         return 0.5 * std::sqrt(dot(n, n));
     }
 
+    /// Whether a gap of three edges is the rim of a single face, which no second one makes a cage.
+    bool is_stray(const std::vector<std::uint32_t>& around) const noexcept {
+        return around.size() == 3 && std::any_of(faces_.begin(), faces_.end(), [&](const Face& face) {
+                   return std::is_permutation(face.begin(), face.end(), around.begin());
+               });
+    }
+
     void close_gaps() {
         double whole = 0;
         for (const Face& face : faces_) {
@@ -101,34 +109,47 @@ private:
         std::sort(open.begin(), open.end());
         std::vector<Face> closing;
         double gaps = 0;
+        const auto is_edge = [&](std::uint32_t i, std::uint32_t j) {
+            const auto key = std::pair(std::min(i, j), std::max(i, j));
+            const auto way = std::lower_bound(all.begin(), all.end(), key,
+                                              [](const Way& a, const auto& k) { return a.key() < k; });
+            return way != all.end() && way->key() == key;
+        };
+        std::vector<std::uint32_t> way; // along open edges
         while (!open.empty()) {
-            std::vector<std::uint32_t> around{open.front().first};
-            for (;;) {
-                const auto on =
-                    std::lower_bound(open.begin(), open.end(), std::pair(around.back(), std::uint32_t{0}));
-                if (on == open.end() || on->first != around.back()) return; // no closed way
-                const auto next = on->second;
-                open.erase(on);
-                if (next == around.front()) break;
-                if (std::find(around.begin(), around.end(), next) != around.end()) return; // crosses itself
-                around.push_back(next);
+            if (way.empty()) way.push_back(open.front().first);
+            const auto on =
+                std::lower_bound(open.begin(), open.end(), std::pair(way.back(), std::uint32_t{0}));
+            if (on == open.end() || on->first != way.back()) return; // no closed way
+            const auto next = on->second;
+            open.erase(on);
+            const auto met = std::find(way.begin(), way.end(), next);
+            if (met == way.end()) {
+                way.push_back(next);
+                continue;
             }
-            if (around.size() < 3) return;
-            // A fan from the vertex where it is smallest.
+            // Closed: a gap, perhaps one that touches another at this vertex.
+            const std::vector<std::uint32_t> around(met, way.end());
+            way.erase(met == way.begin() ? met : met + 1, way.end());
+            if (around.size() < 3 || is_stray(around)) return;
+            // A fan from the vertex where it is smallest, of those that have no edge twice.
             std::vector<Face> best;
             double least = std::numeric_limits<double>::infinity();
             for (std::size_t apex = 0; apex < around.size(); ++apex) {
                 std::vector<Face> fan;
                 double sum = 0;
+                bool twice = false;
                 for (std::size_t k = 1; k + 1 < around.size(); ++k) {
                     fan.push_back({around[apex], around[(apex + k) % around.size()],
                                    around[(apex + k + 1) % around.size()]});
                     sum += area(fan.back());
+                    twice = twice || (k > 1 && is_edge(fan.back()[0], fan.back()[1]));
                 }
-                if (sum >= least) continue;
+                if (twice || sum >= least) continue;
                 least = sum;
                 best = std::move(fan);
             }
+            if (best.empty()) return;
             closing.insert(closing.end(), best.begin(), best.end());
             gaps += least;
         }
@@ -181,7 +202,8 @@ inline bool pierces(const Vec<double, 3>& s, const Vec<double, 3>& t, const Vec<
 
 } // namespace detail
 
-/// The boundary data at the boundary place nearest to a finite point, and that place: linear on the faces. O(#F).
+/// The boundary data at the boundary place nearest to a finite point, and that place: linear on the faces of a sound mesh.
+/// O(#F).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& place) noexcept {
@@ -229,6 +251,8 @@ double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept 
 struct Shells {
     std::vector<std::uint32_t> of_face;    ///< the shell of every face
     std::vector<std::uint32_t> first_face; ///< of every shell
+    std::vector<double>
+        volume; ///< of every shell, six times; positive where it is counter-clockwise seen from outside
     std::vector<bool>
         turned; ///< whether its faces are to be turned round to be counter-clockwise seen from outside the cage
 };
@@ -247,18 +271,17 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
     Shells shells;
     constexpr std::uint32_t unknown = ~std::uint32_t{0};
     std::vector<std::uint32_t> number(mesh.size(), unknown);
-    std::vector<double> volume;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
         auto& shell = number[find(faces[f][0])];
         if (shell == unknown) {
             shell = std::uint32_t(shells.first_face.size());
             shells.first_face.push_back(f);
-            volume.push_back(0);
+            shells.volume.push_back(0);
         }
         shells.of_face.push_back(shell);
         const auto origin = vec_cast<double>(mesh[faces[shells.first_face[shell]][0]]);
         const auto corner = [&](std::size_t k) { return vec_cast<double>(mesh[faces[f][k]]) - origin; };
-        volume[shell] += dot(corner(0), cross(corner(1), corner(2)));
+        shells.volume[shell] += dot(corner(0), cross(corner(1), corner(2)));
     }
     for (std::uint32_t s = 0; s < shells.first_face.size(); ++s) {
         // How many others enclose it.
@@ -271,7 +294,7 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
         }
         const auto enclosing =
             std::count_if(turns.begin(), turns.end(), [](double t) { return std::fabs(t) > 0.5; });
-        shells.turned.push_back((volume[s] > 0) != (enclosing % 2 == 0));
+        shells.turned.push_back((shells.volume[s] > 0) != (enclosing % 2 == 0));
     }
     return shells;
 }
@@ -415,7 +438,10 @@ CageReport check(const TriangleMesh<T>& mesh) {
     if (report.status != Status::ok) return report;
 
     const auto shells = shells_of(mesh);
+    const double size = double(bounds_of(mesh.vertices()).diagonal());
     for (std::size_t n = 0; n < shells.turned.size(); ++n) {
+        if (std::fabs(shells.volume[n]) <= tolerance * size * size)
+            report.add(CageFaultKind::no_volume, shells.first_face[n]);
         if (shells.turned[n]) report.add(CageFaultKind::shell_turns_otherwise, shells.first_face[n]);
     }
     return report;

@@ -17,7 +17,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// as the parts do, hence are exact at rest and where all cages make the same affine move; and a point inside one cage
 /// alone has the weights of that cage.
 ///
-///   range     that of the parts
+///   range     that of the parts, with linear precision restored
 ///   cost      that of all parts for all points, plus O(edges or faces) a point and cage, and the parts' weights once more
 ///   fails     as the first part that fails; too_few_vertices without parts
 ///
@@ -194,7 +194,7 @@ private:
             for (const bool equal : {states[i] == PointState::on_boundary, true}) {
                 for (std::size_t k = 0; k < parts; ++k) {
                     if (of_part(k) != states[i]) continue;
-                    const double depth = equal ? 1 : depths_[k](p) * scales_[k];
+                    const double depth = (equal ? 1 : depths_[k](p)) * scales_[k];
                     sum += say[k] = depth * depth;
                 }
                 if (sum > 0) break; // else too near to all boundaries to tell

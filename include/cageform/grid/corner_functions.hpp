@@ -38,6 +38,7 @@ public:
         x_ = (1 / length_after_) * forth;
         y_ = {-x_[1], x_[0]};
         angle_ = std::atan2(dot(back, y_), dot(back, x_));
+        if (before == after) angle_ = 0; // whatever rounding says
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
         exponent_ = std::numbers::pi / angle_;
         // As many as the nodes around can tell apart; r⁴ and beyond differences do well enough.

@@ -42,6 +42,7 @@ public:
         return all;
     }
     std::vector<FixedNode<3>> fixed_nodes() const { return thick_.nodes(); } ///< within interior cells
+    std::uint32_t too_thin_cell() const noexcept { return thick_.too_thin(); }
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {
         const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};
@@ -192,6 +193,7 @@ private:
             const bool turned = face[k] > face[l];
             const auto &a = corner[turned ? l : k], &b = corner[turned ? k : l];
             std::int64_t s = side(a, b, p);
+            if (s == 0 && !turns) return area > 0; // the rim of a wall belongs to it, on all sides
             if (s == 0)
                 s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0]; // the line aside, along u far more than along v
             return (s > 0) != turned;

@@ -41,6 +41,7 @@ public:
         return all;
     }
     std::vector<FixedNode<2>> fixed_nodes() const { return thick_.nodes(); } ///< within interior cells
+    std::uint32_t too_thin_cell() const noexcept { return thick_.too_thin(); }
 
     BoundaryValue<2> nearest(const Index& node) const noexcept {
         const Vec<double, 2> p{double(node[0]), double(node[1])};

@@ -23,8 +23,16 @@ public:
     }
 
     std::size_t size() const noexcept { return cells_.size(); }
+    /// The handle of a cell that is too thin for the lattice to feel it rightly, wherever its nodes lie; `none` otherwise.
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    std::uint32_t too_thin() const noexcept {
+        for (const Cell& cell : cells_) {
+            if (cell.radius < 0.5) return cell.i;
+        }
+        return none;
+    }
 
-    /// Where the lattice lines enter and leave. O(lines they meet).
+    /// Where the lattice lines enter and leave. O(lines that meet their boxes · cells).
     void add_crossings(Crossings<D>& all) const {
         for (std::size_t axis = 0; axis < D; ++axis) {
             for (const Cell& cell : cells_) {
@@ -35,14 +43,17 @@ public:
                     for (const double x : {low, high}) {
                         auto q = p;
                         q[axis] = x;
-                        all[axis].push_back({line(index, axis), false, x, value_at(cell, q)});
+                        double within = on_boundary_distance; // where cells overlap, of all of them
+                        BoundaryValue<D> value;
+                        if (!nearest(q, within, value)) value = thick_value<D>(cell, q);
+                        all[axis].push_back({line(index, axis), false, x, value});
                     }
                 });
             }
         }
     }
 
-    /// The nodes within a cell, each once.
+    /// The nodes within a cell, each once. O(nodes in the cells' boxes · cells).
     std::vector<FixedNode<D>> nodes() const {
         std::vector<FixedNode<D>> all;
         for (const Cell& cell : cells_) {
@@ -59,19 +70,11 @@ public:
         return all;
     }
 
-    /// The value of the cell nearest to `p` where its surface is not farther than `least`, which becomes that distance
-    /// (negative within).
+    /// The value of the cells nearest to `p` where their surface is not farther than `least`, which becomes that distance
+    /// (negative within). O(cells).
     bool nearest(const Vec<double, D>& p, double& least, BoundaryValue<D>& value) const noexcept {
-        bool found = false;
-        for (const Cell& cell : cells_) {
-            const double s = detail::part_of_segment(p, cell.a, cell.b);
-            const double d = detail::length(cell.a + s * (cell.b - cell.a) - p) - cell.radius;
-            if (d > least) continue;
-            least = d;
-            value = value_at(cell, p);
-            found = true;
-        }
-        return found;
+        return nearest_thick_value<D>(
+            cells_.size(), [&](std::size_t n) -> const Cell& { return cells_[n]; }, p, least, value);
     }
 
     /// Whether cell `n` lies on the way from `p` along an axis within `limit`, which becomes the distance to it.
@@ -86,32 +89,27 @@ public:
         position = at;
         auto q = p;
         q[axis] = at;
-        value = value_at(cells_[n], q);
+        double within = on_boundary_distance; // where cells overlap, of all of them
+        if (!nearest(q, within, value)) value = thick_value<D>(cells_[n], q);
         return true;
     }
 
-    /// f(index) for the lower corners of the lattice's cells near cell `n`.
+    /// f(index) for the lower corners of the lattice's cells near cell `n`. O(cells of the lattice in its box).
     template <class F>
     void for_each_cell_about(std::size_t n, F&& f) const {
-        for_each_node_about(cells_[n], D, f);
+        const Cell& cell = cells_[n];
+        const double reach = cell.radius + 0.51 * std::sqrt(double(D)); // half a diagonal and some slack
+        for_each_node_about(cell, D, [&](const Index& index) {
+            auto middle = place(index);
+            for (std::size_t k = 0; k < D; ++k) middle[k] += 0.5;
+            const double s = detail::part_of_segment(middle, cell.a, cell.b);
+            if (detail::length(cell.a + s * (cell.b - cell.a) - middle) <= reach) f(index);
+        });
     }
 
 private:
-    struct Cell {
-        std::uint32_t i, j;
-        Vec<double, D> a, b;
-        double radius;
-    };
+    using Cell = PlacedThickCell<D>;
 
-    static BoundaryValue<D> value_at(const Cell& cell, const Vec<double, D>& p) noexcept {
-        const double s = detail::part_of_segment(p, cell.a, cell.b);
-        BoundaryValue<D> value;
-        value.handle.fill(cell.i);
-        value.handle[1] = cell.j;
-        value.weight[0] = 1 - s;
-        value.weight[1] = s;
-        return value;
-    }
     static Vec<double, D> place(const Index& index) noexcept {
         Vec<double, D> p{};
         for (std::size_t k = 0; k < D; ++k) p[k] = double(index[k]);

@@ -183,17 +183,19 @@ private:
             return Status::resolution_not_supported;
         Boundary boundary(cage_, lattice);
         const auto crossings = boundary.crossings();
-        const auto first_unseen = [&](const Crossings<D>& of) {
-            auto seen = seen_handles<D>(of, cage_.size());
+        const auto first_unseen = [&](const Boundary& of, const Crossings<D>& its) {
+            auto seen = seen_handles<D>(its, cage_.size());
+            if (const auto thin = of.too_thin_cell(); thin < cage_.size()) seen[thin] = false;
             for (const CageFault& fault : report_.faults) { // warnings
                 if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
             }
             return std::size_t(std::find(seen.begin(), seen.end(), false) - seen.begin());
         };
-        if (const std::size_t unseen = first_unseen(crossings); unseen < cage_.size()) {
+        if (const std::size_t unseen = first_unseen(boundary, crossings); unseen < cage_.size()) {
             report.unseen_handle = unseen;
             for (std::size_t finer = 2 * options_.resolution; finer <= most; finer *= 2) {
-                if (first_unseen(Boundary(cage_, lattice_of(finer)).crossings()) < cage_.size()) continue;
+                const Boundary there(cage_, lattice_of(finer));
+                if (first_unseen(there, there.crossings()) < cage_.size()) continue;
                 report.sufficient_resolution = finer;
                 break;
             }
