@@ -1,6 +1,6 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each folder of include/cageform may include. Includes only ever point left in
-#   core -> cage -> grid -> coordinates -> binding -> clone
+#   core -> cage -> grid -> coordinates -> binding -> clone        core -> animate
 set(allowed_core core config)
 set(allowed_adapt core)
 set(allowed_cage core cage)
@@ -8,6 +8,7 @@ set(allowed_grid core cage grid)
 set(allowed_coordinates core cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp clone)
+set(allowed_animate core config animate)
 # The waist: what a game ships may not pull in how it was made.
 set(allowed_binding/binding.hpp core)
 # Third-party headers, by folder.
@@ -15,9 +16,10 @@ set(third_party_adapt Eigen/ glm/)
 set(third_party_grid Eigen/)
 set(third_party_coordinates Eigen/)
 set(third_party_binding Eigen/)
+set(third_party_animate Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
-set(light_folders core clone binding/binding.hpp)
+set(light_folders core clone binding/binding.hpp animate/piecewise_cubic.hpp animate/clip.hpp)
 set(exempt_from_light core/threads.hpp)
 
 cmake_policy(VERSION 3.25)

@@ -2,11 +2,11 @@
 # Usage: sh examples/run.sh [--build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
 # pictures: the cat at rest and in every pose by mean value and harmonic coordinates, with cells inside its cage,
-# the man, the aleph, a character in space, heat maps of coordinates, how the solver converges; then prints a
-# table of figures.
+# the man, the aleph, a character in space, heat maps of coordinates, how the solver converges, a key-frame
+# curve and its pieces; then prints a table of figures and those of the fits of key-frame curves.
 set -eu
 cd "$(dirname "$0")/.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev librsvg2-bin
 
 cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O3 -march=native -DNDEBUG' \
   -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_BENCH=OFF >/dev/null
@@ -48,6 +48,15 @@ done
 "$programs/contact_sheet" -o out/cat_interior.svg --columns 3 --png --png-width 1500 "at rest" out/cat_rest.svg \
   "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
 
+# The cat walks: an SVG that browsers play, and twelve frames of a stride.
+"$programs/animate_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --clip "$data/cat_walk.csv" -o out/cat_walk.svg \
+  --stills out/cat_walk_ --still-count 24
+set --
+for frame in 01 02 03 04 05 06 07 08 09 10 11 12; do set -- "$@" $frame out/cat_walk_$frame.svg; done
+"$programs/contact_sheet" -o out/cat_walk_frames.svg --columns 4 --png --png-width 1600 "$@"
+mv out/cat_walk_frames.png out/cat_walk.png
+rm -f out/cat_walk_[0-9][0-9].svg out/cat_walk_frames.svg
+
 deform man_posed man man_cage man_pose barycentric
 deform man_rest man man_cage man_cage barycentric
 deform aleph_rest aleph aleph_cage aleph_cage mean-value
@@ -86,8 +95,16 @@ awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print
   --outside keep --report -o out/biped_weights.csv >out/biped_report.txt
 echo "biped_weights.csv: $(grep '^least weight' out/biped_report.txt)"
 
+# A key-frame curve by as few cubic pieces as a screen of 1920 pixels asks for.
+"$programs/fit_curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.00052 --plot out/fit_curve.svg --png \
+  --json out/fit_curve.json
+
 echo
 echo "== figures"
 "$programs/figure_table" "$data/man.svg" "$data/man_cage.svg" "$data/man_pose.svg" barycentric \
   "$data/cat.svg" "$data/cat_cage.svg" "$data/cat_pose_step.svg" mean-value,harmonic \
   "$data/aleph.svg" "$data/aleph_cage.svg" "$data/aleph_pose.svg" mean-value,harmonic
+
+echo
+echo "== fits of key-frame curves"
+"$programs/bezier_tables"

@@ -1,5 +1,6 @@
 // The clone operator: the rest pose, affine poses, linearity, and what a frame may not do.
 #include "catch.hpp"
+#include "support/allocations.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/adapt/eigen.hpp>
@@ -12,85 +13,8 @@
 #include <cageform/core/threads.hpp>
 
 #include <array>
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
-#include <new>
-
-// ---- every allocation of this program is counted -----------------------------------------------------------
-
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-void* counted_or_null(std::size_t size, std::size_t alignment = 1) noexcept {
-    ++allocations;
-    const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-    return alignment <= alignof(std::max_align_t) ? std::malloc(size != 0 ? size : 1)
-                                                  : std::aligned_alloc(alignment, whole);
-}
-
-void* counted(std::size_t size, std::size_t alignment) {
-    void* const memory = counted_or_null(size, alignment);
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
-}
-
-// Not inlined: GNU would else see memory of a `new` passed to `free` and warn.
-[[gnu::noinline]] void give_back(void* memory) noexcept {
-    std::free(memory);
-}
-
-} // namespace
-
-void* operator new(std::size_t size) {
-    return counted(size, 1);
-}
-void* operator new[](std::size_t size) {
-    return counted(size, 1);
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-    return counted(size, std::size_t(alignment));
-}
-void* operator new[](std::size_t size, std::align_val_t alignment) {
-    return counted(size, std::size_t(alignment));
-}
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    return counted_or_null(size);
-}
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
-    return counted_or_null(size);
-}
-void operator delete(void* p, const std::nothrow_t&) noexcept {
-    give_back(p);
-}
-void operator delete[](void* p, const std::nothrow_t&) noexcept {
-    give_back(p);
-}
-void operator delete(void* p) noexcept {
-    give_back(p);
-}
-void operator delete[](void* p) noexcept {
-    give_back(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-    give_back(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-    give_back(p);
-}
-void operator delete(void* p, std::align_val_t) noexcept {
-    give_back(p);
-}
-void operator delete[](void* p, std::align_val_t) noexcept {
-    give_back(p);
-}
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
-    give_back(p);
-}
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
-    give_back(p);
-}
 
 using namespace cageform_tests;
 using cageform::Binding;

@@ -305,6 +305,87 @@ refuses 'outside the cage' "$table" "$cat" "$data/man_cage.svg" "$data/man_pose.
 refuses 'alternate' "$programs/contact_sheet" -o out.svg lonely
 refuses 'nowhere.svg' "$programs/contact_sheet" -o out.svg caption nowhere.svg
 
+# ---- fit_curve, bezier_tables ----
+curve="$programs/fit_curve"
+cases="$(dirname "$data")/../tests/data/bezier-cases.json"
+works "help of fit_curve" "$curve" --help
+works "help of the tables" "$programs/bezier_tables" --help
+refuses 'no arguments' "$programs/bezier_tables" please
+works "a table of pieces" "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_c0 --knots uniform
+grep -q 'largest error 0.00218169 at time 0.745764; W12 error 0.026167 ' log && ok=yes || ok=no
+report $ok "the errors are those of the case s01"
+works "a plot and a JSON file" "$curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.001 --plot fit.svg --png --json fit.json
+[ -s fit.svg ] && [ -s fit.png ] && [ -s fit.json ] && ok=yes || ok=no
+report $ok "plot, picture and JSON are there"
+for knots in uniform arcs optimal 0,0.3,0.7,1; do
+  for degree in 3 4 5; do
+    pieces='--pieces 3'
+    [ $knots != 0,0.3,0.7,1 ] || pieces=
+    # shellcheck disable=SC2086
+    works "knots $knots, degree $degree" "$curve" --css 0.2,1.3,0.8,1.3 $pieces --knots $knots --degree $degree --conditions end_value,c0,c1
+  done
+done
+for norm in w12 l2 1,0.01; do
+  works "norm $norm" "$curve" --bezier 24,0,31,12,39,9,48,10 --pieces 3 --norm $norm --in-units --plot fit.svg
+done
+works "a vertical tangent" "$curve" --css 0,1,1,0 --tolerance 0.01 --json fit.json
+grep -q '"w12_error": null' fit.json && ok=yes || ok=no
+report $ok "an infinite error is null"
+works "the cases" "$curve" --cases "$cases" --json results.json
+[ "$(grep -c '"result"' results.json)" = "$(grep -c '"expected"' "$cases")" ] && ok=yes || ok=no
+report $ok "a result for every case"
+refuses 'given by one of' "$curve" --pieces 3 --json out.json
+refuses 'given by one of' "$curve" --css 0,0,1,1 --bezier 0,0,0,0,1,1,1,1 --pieces 3 --json out.json
+refuses '--css: 3 numbers' "$curve" --css 0,0,1 --pieces 3 --json out.json
+refuses '--bezier: not a number: "x"' "$curve" --bezier 0,0,0,x,1,1,1,1 --pieces 3 --json out.json
+refuses '--bezier: 9 numbers' "$curve" --bezier 0,0,0,0,1,1,1,1,1 --pieces 3 --json out.json
+refuses '--css: a given value is not a finite number' "$curve" --css 0,nan,1,1 --pieces 3 --json out.json
+refuses '--css: time turns back' "$curve" --css 1.5,0,0,1 --pieces 3 --json out.json
+refuses '--bezier: the second key is not later' "$curve" --bezier 1,0,0.5,0,0.5,1,0,1 --pieces 3 --json out.json
+refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --json out.json
+refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --pieces 3 --tolerance 0.1 --json out.json
+refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces 0 --json out.json
+refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces few --json out.json
+refuses '--tolerance' "$curve" --css 0.4,0,0.6,1 --tolerance 0 --json out.json
+refuses '--tolerance' "$curve" --css 0.4,0,0.6,1 --tolerance nan --json out.json
+refuses 'cannot be met' "$curve" --css 0.85,0,0.15,1 --tolerance 1e-9 --json out.json
+refuses 'unknown condition "smooth"' "$curve" --css 0.4,0,0.6,1 --pieces 3 --conditions end_value,smooth --json out.json
+refuses 'unknown condition ""' "$curve" --css 0.4,0,0.6,1 --pieces 3 --conditions end_value, --json out.json
+refuses 'too many conditions' "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_value,end_d1,end_d2,knot_d1,knot_d2 --json out.json
+refuses 'degree' "$curve" --css 0.4,0,0.6,1 --pieces 3 --degree 7 --json out.json
+refuses 'weights' "$curve" --css 0.4,0,0.6,1 --pieces 3 --norm 0,1 --json out.json
+refuses '--norm: not a number: "sup"' "$curve" --css 0.4,0,0.6,1 --pieces 3 --norm sup --json out.json
+refuses '--knots: not a number: "even"' "$curve" --css 0.4,0,0.6,1 --knots even --json out.json
+refuses '--knots: the knots do not ascend' "$curve" --css 0.4,0,0.6,1 --knots 0,0.7,0.3,1 --json out.json
+refuses '--knots: knots begin at the first key' "$curve" --css 0.4,0,0.6,1 --knots 0.1,0.5,1 --json out.json
+refuses 'slope' "$curve" --css 0,1,0.5,1 --pieces 3 --knots uniform --conditions end_value,knot_value,end_d1 --json out.json
+refuses '--png needs --plot' "$curve" --css 0.4,0,0.6,1 --pieces 3 --png --json out.json
+refuses 'missing/out.svg' "$curve" --css 0.4,0,0.6,1 --pieces 3 --json out.json --plot missing/out.svg
+refuses 'missing/out.json' "$curve" --css 0.4,0,0.6,1 --pieces 3 --plot out.svg --json missing/out.json
+refuses '--cases needs --json' "$curve" --cases "$cases"
+refuses 'nowhere.json: cannot be read' "$curve" --cases nowhere.json --json out.json
+refuses 'folder.csv: is a folder' "$curve" --cases folder.csv --json out.json
+refuses 'empty.csv: is empty' "$curve" --cases empty.csv --json out.json
+echo '{"format": "bezier-sobolev-cases/1", "cases": [' >bad.json
+refuses 'bad.json: ' "$curve" --cases bad.json --json out.json
+echo '[]' >bad.json
+refuses 'bad.json: is not of the format' "$curve" --cases bad.json --json out.json
+echo '{"format": "bezier-sobolev-cases/2", "cases": []}' >bad.json
+refuses 'bad.json: is not of the format' "$curve" --cases bad.json --json out.json
+faulty_case() { # MESSAGE SED-COMMAND   the cases, changed
+  sed "$2" "$cases" >bad.json
+  refuses "$1" "$curve" --cases bad.json --json out.json
+}
+faulty_case 'case s01-inout-two-pieces: unknown condition "end_valu"' '0,/"end_value"/s//"end_valu"/'
+faulty_case 'case s01-inout-two-pieces: unknown mode of knots "uniform"' '0,/"uniform_x"/s//"uniform"/'
+faulty_case 'case s01-inout-two-pieces: control_points: time turns back' '0,/0\.4,/s//4,/'
+faulty_case 'case s01-inout-two-pieces: pieces has to be a whole number' '0,/"pieces": 2/s//"pieces": 0/'
+faulty_case 'case s01-inout-two-pieces: no fit: pieces are of degree' '0,/"degree": 3/s//"degree": 9/'
+faulty_case 'case s04-linear-inner-exact: knots.x: the knots do not ascend' 's/^ *1\.25,/4,/'
+faulty_case 'case number 1: ' '0,/"id"/s//"name"/'
+faulty_case 'case s01-inout-two-pieces: ' '0,/"degree"/s//"grade"/'
+faulty_case 'bad.json: ' '0,/0\.4,/s//NaN,/'
+
 # ---- icons that nobody here drew, where they are installed (package tango-icon-theme) ----
 icons=/usr/share/icons/Tango/scalable
 if [ -d $icons ]; then

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 bool second_file_agrees(const cageform::BindingView<float, 3>& binding);
+bool clip_plays();
 
 namespace {
 
@@ -59,6 +60,7 @@ int main() {
     expect(cageform::clone(binding, pose, out) == Status::pose_not_finite, "an infinite pose is refused");
     expect(out == before, "and leaves the output alone");
     expect(second_file_agrees(binding), "two files with the same headers link and agree");
+    expect(clip_plays(), "a clip plays and goes round");
     if (failures == 0) std::printf("ok\n");
     return failures;
 }

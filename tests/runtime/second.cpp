@@ -1,4 +1,5 @@
 // A second translation unit: inline functions and templates of the headers may be defined twice.
+#include <cageform/animate/clip.hpp>
 #include <cageform/clone/clone.hpp>
 
 #include <vector>
@@ -11,4 +12,17 @@ bool second_file_agrees(const cageform::BindingView<float, 3>& binding) {
         if (out[i] != cageform::block_point<3>(binding.rest, i)) return false;
     }
     return true;
+}
+
+/// A clip of one vertex that goes from (0, 0) to (1, 2) in a second.
+bool clip_plays() {
+    std::vector<cageform::PiecewiseCubic<float>> curves;
+    curves.push_back({{{0.0f, 0.0f, 1.0f, 0.0f, 0.0f}}, 1.0f});
+    curves.push_back({{{0.0f, 0.0f, 2.0f, 0.0f, 0.0f}}, 1.0f});
+    const cageform::CageClip<float, 2> clip(curves, cageform::Extrapolation::cycle,
+                                            cageform::Extrapolation::cycle);
+    auto cursor = clip.make_cursor();
+    std::vector<cageform::Vec<float, 2>> pose(clip.vertex_count());
+    clip.sample(1.25f, cursor, pose);
+    return pose[0] == cageform::Vec<float, 2>{0.25f, 0.5f};
 }

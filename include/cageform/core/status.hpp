@@ -14,7 +14,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     too_few_vertices,    ///< a cage loop of fewer than three vertices
     loops_do_not_match,  ///< the loop sizes do not add up to the number of vertices
     vertex_not_finite,   ///< a cage vertex is NaN or infinite
-    duplicate_vertices,  ///< two consecutive cage vertices coincide
+    duplicate_vertices,  ///< two cage vertices coincide
     cage_self_crossing,  ///< two edges of the cage cross or touch
     cage_has_no_area,    ///< all vertices of a loop lie on one line
     cage_has_no_volume,  ///< a box has no extent along some axis, a mesh no faces
@@ -33,13 +33,26 @@ enum class [[nodiscard]] Status : std::uint8_t{
     solver_not_supported,         ///< the solver asked for is not there for this cage
     resolution_not_supported,     ///< the grid is too small to hold a cage, or too large to index
     tolerance_not_positive,       ///< a solver's tolerance is zero, negative or NaN
-    grid_too_coarse,   ///< no node of the grid feels some handle; SolverReport names it and a resolution
-    rim_not_given,     ///< an unknown cell has no neighbour on some side (SolverReport::culprit)
-    value_not_finite,  ///< a given value is NaN or infinite (SolverReport::culprit)
-    not_converged,     ///< a solver ran out of sweeps or cycles before its tolerance was met
-    pose_size_differs, ///< a pose has another number of points than the binding has handles
-    pose_not_finite,   ///< a pose holds NaN or infinity, or lies too far off to be represented
-    output_too_small,  ///< fewer places in the output than points
+    grid_too_coarse,      ///< no node of the grid feels some handle; SolverReport names it and a resolution
+    rim_not_given,        ///< an unknown cell has no neighbour on some side (SolverReport::culprit)
+    value_not_finite,     ///< a given value is NaN or infinite (SolverReport::culprit)
+    interval_empty,       ///< the second key of a curve is not later than the first
+    curve_turns_back,     ///< time turns back along a curve
+    degree_not_supported, ///< the degree of a fit is not 3, 4 or 5
+    weights_not_positive, ///< the weights of a norm are not positive
+    keys_missing,         ///< a track without keys
+    keys_not_ascending,   ///< a key is not later than the one before
+    knots_not_ascending,  ///< the knots of a fit do not ascend from key to key
+    slope_unbounded,      ///< a condition asks for a slope where the curve has a vertical tangent
+    too_many_conditions,  ///< the conditions of a fit leave no freedom, or repeat each other
+    too_many_trials,      ///< a search among knots would take more trials than it may
+    tolerance_not_met,    ///< a fit would need more pieces than it may have
+    input_malformed,      ///< a text or the sizes of arrays are not as their format asks for
+    handle_not_allowed,   ///< a curve's handle lies where the other program's format has none
+    not_converged,        ///< a solver ran out of sweeps or cycles before its tolerance was met
+    pose_size_differs,    ///< a pose has another number of points than the binding has handles
+    pose_not_finite,      ///< a pose holds NaN or infinity, or lies too far off to be represented
+    output_too_small,     ///< fewer places in the output than points
     out_of_memory,
 };
 
@@ -51,7 +64,7 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::too_few_vertices: return "a cage loop has fewer than three vertices";
     case Status::loops_do_not_match: return "the loop sizes do not add up to the number of vertices";
     case Status::vertex_not_finite: return "a cage vertex is not a finite number";
-    case Status::duplicate_vertices: return "two consecutive cage vertices coincide";
+    case Status::duplicate_vertices: return "two cage vertices coincide";
     case Status::cage_self_crossing: return "two edges of the cage cross or touch";
     case Status::cage_has_no_area: return "a cage loop encloses no area";
     case Status::cage_has_no_volume: return "the cage encloses no volume";
@@ -73,6 +86,19 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::grid_too_coarse: return "the grid is too coarse to see a part of the cage";
     case Status::rim_not_given: return "an unknown cell lies on the rim of the grid";
     case Status::value_not_finite: return "a given value is not a finite number";
+    case Status::interval_empty: return "the second key is not later than the first";
+    case Status::curve_turns_back: return "time turns back along the curve";
+    case Status::degree_not_supported: return "pieces are of degree 3, 4 or 5";
+    case Status::weights_not_positive: return "the weights of the norm are not positive numbers";
+    case Status::keys_missing: return "the track has no keys";
+    case Status::keys_not_ascending: return "a key is not later than the one before it";
+    case Status::knots_not_ascending: return "the knots do not ascend from key to key";
+    case Status::slope_unbounded: return "a condition asks for a slope where the curve's is unbounded";
+    case Status::too_many_conditions: return "too many conditions for the number of pieces";
+    case Status::too_many_trials: return "the search for knots would take too many trials";
+    case Status::tolerance_not_met: return "the tolerance cannot be met with so many pieces";
+    case Status::input_malformed: return "the text or the arrays are not as their format asks for";
+    case Status::handle_not_allowed: return "a handle lies where the format allows none";
     case Status::not_converged: return "the solver did not reach its tolerance";
     case Status::pose_size_differs: return "the pose has another number of points than the cage";
     case Status::pose_not_finite: return "the pose holds a number that is not finite";

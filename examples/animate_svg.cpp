@@ -1,0 +1,325 @@
+// Animates any SVG figure by a cage and a motion of it.
+//
+//     animate_svg cat.svg --cage cat_cage.svg --clip cat_walk.csv --coordinates harmonic -o walk.svg
+//
+// The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser.
+// Curves and long lines are refined so that they follow the shape in all frames, in the same pieces in every
+// frame, as SVG asks. support/clip_file.hpp tells what a clip file holds.
+
+#include "cage_file.hpp"
+#include "clip_file.hpp"
+#include "guard.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+int fail(const std::string& message) {
+    std::cerr << "animate_svg: " << message << '\n';
+    return 1;
+}
+
+/// A shape's segments at equal steps of their parameters, in all frames.
+struct MovedShape {
+    static constexpr std::size_t steps = 24; // of a segment
+    detail::DrawnShape drawn;
+    std::size_t layer = 0; // 0, or that of ClipFile::late before which it is counted
+    std::size_t first = 0; // among all points
+};
+
+Point2 point_on(const Point2& a, const Segment& s, double t) {
+    const double u = 1 - t, b0 = u * u * u, b1 = 3 * u * u * t, b2 = 3 * u * t * t, b3 = t * t * t;
+    return {b0 * a.x + b1 * s.p1.x + b2 * s.p2.x + b3 * s.p3.x,
+            b0 * a.y + b1 * s.p1.y + b2 * s.p2.y + b3 * s.p3.y};
+}
+
+/// The cubic through samples 0, 1/3, 2/3 and 1 of these, or the line from the first to the last.
+Segment segment_through(std::span<const Point2> p, bool line) {
+    const std::size_t n = p.size() - 1;
+    const Point2 a = p[0], b = p[n / 3], c = p[2 * n / 3], d = p[n];
+    if (line)
+        return {
+            {(2 * a.x + d.x) / 3, (2 * a.y + d.y) / 3}, {(a.x + 2 * d.x) / 3, (a.y + 2 * d.y) / 3}, d, true};
+    return {{(-5 * a.x + 18 * b.x - 9 * c.x + 2 * d.x) / 6, (-5 * a.y + 18 * b.y - 9 * c.y + 2 * d.y) / 6},
+            {(2 * a.x - 9 * b.x + 18 * c.x - 5 * d.x) / 6, (2 * a.y - 9 * b.y + 18 * c.y - 5 * d.y) / 6},
+            d,
+            false};
+}
+
+/// How far samples lie from a segment through them, at most. For lines, at any place of the line.
+double miss_of(std::span<const Point2> p, bool line) {
+    const Segment s = segment_through(p, line);
+    const double dx = p.back().x - p[0].x, dy = p.back().y - p[0].y, square = dx * dx + dy * dy;
+    double most = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        double t = double(i) / double(p.size() - 1);
+        if (line && square > 0)
+            t = std::clamp(((p[i].x - p[0].x) * dx + (p[i].y - p[0].y) * dy) / square, 0.0, 1.0);
+        const Point2 q = point_on(p[0], s, t);
+        most = std::max(most, std::hypot(q.x - p[i].x, q.y - p[i].y));
+    }
+    return most;
+}
+
+/// A segment, or a part of one, that is written as one.
+struct Part {
+    std::size_t first = 0, steps = 0; // among all points
+    bool line = false;
+};
+
+using Frames = std::vector<std::vector<Point2>>; // every point in every frame
+
+/// Halves a segment until a line or a cubic is within the tolerance in every frame.
+void split(const Frames& frames, std::size_t first, std::size_t steps, bool was_line, double tolerance,
+           std::vector<Part>& parts) {
+    const auto fits = [&](bool line) {
+        return std::all_of(frames.begin(), frames.end(), [&](const std::vector<Point2>& points) {
+            return miss_of(std::span(points).subspan(first, steps + 1), line) <= tolerance;
+        });
+    };
+    if (was_line && fits(true)) {
+        parts.push_back({first, steps, true});
+    } else if (steps == 3 || fits(false)) {
+        parts.push_back({first, steps, false});
+    } else {
+        split(frames, first, steps / 2, was_line, tolerance, parts);
+        split(frames, first + steps / 2, steps / 2, was_line, tolerance, parts);
+    }
+}
+
+/// A line with tufts of grass, which repeat every `period` units; begins `period` before the view.
+pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
+    const auto view = view_box(document);
+    const double left = view->x - period, right = view->x + view->width, step = period / 4;
+    auto root = detail::root_element(document.xml);
+    auto group = root.prepend_child((detail::name_prefix(root) + "g").c_str());
+    group.append_attribute("fill") = "none";
+    group.append_attribute("stroke") = "#7c8f4e";
+    group.append_attribute("stroke-width") = 4;
+    group.append_attribute("stroke-linecap") = "round";
+    Path path{{{left, y}, {{{left, y}, {right, y}, {right, y}, true}}, false}};
+    constexpr std::array<double, 4> heights{16, 9, 13, 6};
+    for (std::size_t i = 0; left + double(i) * step < right; ++i) {
+        const double x = left + (double(i) + 0.5) * step, height = heights[i % 4];
+        for (const double lean : {-0.5, 0.1, 0.6}) {
+            const Point2 tip{x + lean * height, y + 6 - height};
+            path.push_back({{x + 8 * lean, y + 6}, {{tip, tip, tip, true}}, false});
+        }
+    }
+    group.append_child((detail::name_prefix(root) + "path").c_str()).append_attribute("d") =
+        write_path_data(path, 1).c_str();
+    return group;
+}
+
+struct Settings {
+    std::string figure, cage, clip, out, stills;
+    double rate = 60, tolerance = 0.2;
+    std::size_t still_count = 12;
+    int decimals = 1;
+    CoordinatesChoice choice;
+};
+
+template <class Coordinates>
+int animate(const Settings& settings, SvgDocument document, const CageFile& cage, const ClipFile& file,
+            const Coordinates& coordinates) {
+    const auto clip = make_clip(file, cage.vertices);
+    if (!clip) return fail(to_string(clip.error()));
+
+    // The figure's shapes, and points along them.
+    SvgDocument work = detail::copy_of(document);
+    std::vector<std::string> warnings;
+    detail::adapt_style_sheets(work, warnings);
+    detail::ShapeCollector collector(work, true);
+    if (const auto error = collector.collect()) return fail(to_string(*error));
+    warnings.insert(warnings.end(), collector.warnings.begin(), collector.warnings.end());
+    for (const std::string& warning : warnings) std::cerr << "animate_svg: warning: " << warning << '\n';
+    std::vector<MovedShape> shapes;
+    std::vector<Point2> points;
+    for (detail::DrawnShape& drawn : collector.shapes) {
+        MovedShape shape{std::move(drawn), 0, points.size()};
+        for (pugi::xml_node up = shape.drawn.node; up; up = up.parent()) {
+            for (std::size_t n = 0; n < file.late.size(); ++n) {
+                if (up.attribute("id") && detail::attribute_text(up, "id") == file.late[n].element)
+                    shape.layer = n + 1;
+            }
+        }
+        for (const Subpath& subpath : shape.drawn.path) {
+            Point2 from = subpath.start;
+            points.push_back(from);
+            for (const Segment& s : subpath.segments) {
+                for (std::size_t k = 1; k <= MovedShape::steps; ++k)
+                    points.push_back(point_on(from, s, double(k) / MovedShape::steps));
+                from = s.p3;
+            }
+        }
+        shapes.push_back(std::move(shape));
+    }
+
+    for (std::size_t n = 0; n < file.late.size(); ++n) {
+        if (std::none_of(shapes.begin(), shapes.end(),
+                         [&](const auto& shape) { return shape.layer == n + 1; }))
+            return fail(settings.clip + ": the figure has no shape in \"" + file.late[n].element + '"');
+    }
+
+    const auto [binding, report] = cageform::bind(coordinates, points);
+    if (report.status != cageform::Status::ok) return fail(describe_faults(settings.cage, report));
+    if (!report.outside.empty() || !report.unreached.empty())
+        return fail(settings.figure + ": points lie outside the cage, or are not reached by the grid");
+
+    // All frames. A late layer has a player of its own, so that every player goes forth a frame at a time.
+    const auto count = std::size_t(std::max(1.0, std::round(file.length * settings.rate)));
+    Frames frames(count, std::vector<Point2>(points.size()));
+    std::vector<cageform::Vec<double, 2>> pose(cage.vertices.size());
+    std::vector<Point2> moved(points.size());
+    for (std::size_t layer = 0; layer <= file.late.size(); ++layer) {
+        auto cursor = clip->make_cursor();
+        const double late = layer == 0 ? 0 : file.late[layer - 1].seconds;
+        for (std::size_t f = 0; f < count; ++f) {
+            clip->sample(double(f) * file.length / double(count) - late, cursor, pose);
+            CageFile posed = cage;
+            for (std::size_t b = 0; b < posed.blocks.size(); ++b) {
+                for (std::size_t k = 0; k < posed.handles[b].size(); ++k) {
+                    const auto& p = pose[posed.handles[b][k]];
+                    posed.blocks[b].points[k] = {p[0], p[1]};
+                }
+            }
+            const auto sound = cageform::check(posed.polygon<double>());
+            if (sound.status != cageform::Status::ok)
+                return fail(settings.clip + ": frame " + std::to_string(f) + ": " +
+                            cageform::to_string(sound.status));
+            const auto status = cageform::clone(binding, pose, moved);
+            if (status != cageform::Status::ok)
+                return fail(settings.clip + ": " + cageform::to_string(status));
+            for (const MovedShape& shape : shapes) {
+                if (shape.layer != layer) continue;
+                const std::size_t end = &shape == &shapes.back() ? points.size() : (&shape + 1)->first;
+                for (std::size_t i = shape.first; i < end; ++i) frames[f][i] = moved[i];
+            }
+        }
+    }
+
+    const auto seconds = format_number(file.length, 6) + 's';
+    const std::string prefix = detail::name_prefix(shapes.empty() ? work.xml : shapes[0].drawn.node);
+    const auto play = [&](pugi::xml_node node, const char* element, const char* attribute,
+                          const std::string& values) {
+        auto animation = node.append_child((prefix + element).c_str());
+        animation.append_attribute("attributeName") = attribute;
+        if (std::string_view(element) == "animateTransform") animation.append_attribute("type") = "translate";
+        animation.append_attribute("dur") = seconds.c_str();
+        animation.append_attribute("repeatCount") = "indefinite";
+        animation.append_attribute("values") = values.c_str();
+    };
+    const std::size_t stills = settings.stills.empty() ? 0 : settings.still_count;
+    std::vector<std::vector<std::string>> data(shapes.size()); // of every shape in every frame
+    std::size_t segments = 0;
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        std::vector<std::vector<Part>> parts; // of every subpath
+        std::size_t first = shapes[s].first;
+        for (const Subpath& subpath : shapes[s].drawn.path) {
+            auto& of_subpath = parts.emplace_back();
+            for (const Segment& segment : subpath.segments) {
+                split(frames, first, MovedShape::steps, segment.is_line, settings.tolerance, of_subpath);
+                first += MovedShape::steps;
+            }
+            ++first;
+            segments += of_subpath.size();
+        }
+        for (const auto& at : frames) {
+            Path path;
+            std::size_t start = shapes[s].first;
+            for (std::size_t k = 0; k < parts.size(); ++k) {
+                const Subpath& was = shapes[s].drawn.path[k];
+                Subpath subpath{at[start], {}, was.closed};
+                for (const Part& part : parts[k])
+                    subpath.segments.push_back(
+                        segment_through(std::span(at).subspan(part.first, part.steps + 1), part.line));
+                start += was.segments.size() * MovedShape::steps + 1;
+                path.push_back(std::move(subpath));
+            }
+            const Path local = transformed(std::move(path), shapes[s].drawn.from_root);
+            data[s].push_back(write_path_data(local, settings.decimals));
+        }
+        detail::write_shape(shapes[s].drawn.node, data[s][0]);
+    }
+
+    pugi::xml_node ground;
+    double passed = 0;
+    if (file.ground) {
+        passed = file.ground->speed * file.length;
+        ground = draw_ground(work, file.ground->y, std::fabs(passed) > 0 ? std::fabs(passed) : 100);
+    }
+    // Stills first, by their places; then what moves.
+    for (std::size_t n = 0; n < stills; ++n) {
+        const std::size_t f = n * count / stills;
+        for (std::size_t s = 0; s < shapes.size(); ++s)
+            detail::set_attribute(shapes[s].drawn.node, "d", data[s][f]);
+        if (ground) {
+            const double x = passed * double(f) / double(count);
+            detail::set_attribute(ground, "transform", "translate(" + format_number(x, 2) + ')');
+        }
+        const std::string number = std::to_string(n + 1);
+        const std::string path = settings.stills + (n < 9 ? "0" : "") + number + ".svg";
+        if (const auto error = save_svg(work, path)) return fail(to_string(*error));
+    }
+    if (ground) {
+        ground.remove_attribute("transform");
+        play(ground, "animateTransform", "transform", "0 0;" + format_number(passed, 2) + " 0");
+    }
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        std::string values;
+        for (const std::string& d : data[s]) values += d + ';';
+        detail::set_attribute(shapes[s].drawn.node, "d", data[s][0]);
+        play(shapes[s].drawn.node, "animate", "d", values + data[s][0]); // ends as it begins
+    }
+    if (const auto error = save_svg(work, settings.out)) return fail(to_string(*error));
+    std::cout << settings.out << ": " << count << " frames of " << file.length << " s, " << segments
+              << " segments, " << points.size() << " points bound, clip of " << clip->bytes() << " bytes\n";
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App app("Animates an SVG figure by a cage and a motion of it.");
+    Settings settings;
+    settings.choice.name = "harmonic";
+    app.add_option("figure", settings.figure, "the SVG file to animate")->required();
+    app.add_option("--cage", settings.cage, "its cage, as deform_svg takes it")->required();
+    app.add_option("--clip", settings.clip, "a CSV file of controls and keys: see support/clip_file.hpp")
+        ->required();
+    app.add_option("-o,--output", settings.out, "the SVG file to write")->required();
+    app.add_option("--rate", settings.rate, "frames a second written; a browser goes straight between them")
+        ->check(CLI::Range(1.0, 240.0))
+        ->capture_default_str();
+    app.add_option("--flatness", settings.tolerance, "how far curves may miss the shape, in user units")
+        ->check(CLI::Range(1e-6, 1e100))
+        ->capture_default_str();
+    app.add_option("--stills", settings.stills,
+                   "also write frames to files that begin so: 01.svg, 02.svg, …");
+    app.add_option("--still-count", settings.still_count, "how many, equally far apart")
+        ->check(CLI::Range(1, 99))
+        ->capture_default_str();
+    settings.choice.add_options(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 1;
+    }
+    auto document = load_svg(settings.figure);
+    if (!document) return fail(to_string(document.error()));
+    const auto cage = load_cage(settings.cage);
+    if (!cage) return fail(to_string(cage.error()));
+    const auto file = load_clip(settings.clip, cage->vertices.size());
+    if (!file) return fail(to_string(file.error()));
+    return with_coordinates<double>(settings.choice, *cage, [&](const auto& coordinates) {
+        return animate(settings, std::move(*document), *cage, *file, coordinates);
+    });
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("animate_svg", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,276 @@
+// A cubic Bézier curve as a function of time: the interval between two keys.
+#pragma once
+
+#include <cageform/core/status.hpp>
+#include <cageform/core/vec.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Keys at `points[0]` and `points[3]`, their handles between; axis 0 is time, axis 1 the value. A function of time where
+/// time never turns back along the curve, which is what `check` is for.
+struct BezierCurve {
+    std::array<Vec<double, 2>, 4> points;
+
+    double begin() const noexcept { return points[0][0]; }
+    double end() const noexcept { return points[3][0]; }
+
+    friend bool operator==(const BezierCurve&, const BezierCurve&) = default;
+};
+
+/// What the curve is from a key to the next; on the way in, the next key's own handle or slope counts.
+enum class KeyKind : std::uint8_t {
+    hold,      ///< the value stays until the next key
+    linear,    ///< a straight line
+    hermite,   ///< slopes `in_slope` and `out_slope`, per unit of time
+    tcb,       ///< slopes by tension, continuity and bias (Kochanek & Bartels 1984)
+    bezier,    ///< handles `in_handle` and `out_handle`
+    automatic, ///< slopes that are smooth and go not beyond the keys (Fritsch & Butland 1984)
+};
+
+/// What a curve is as a function of time. `status` is
+///   value_not_finite     a coordinate is NaN or infinite
+///   interval_empty       the second key is not later than the first
+///   curve_turns_back     time turns back between the keys
+struct BezierCheck {
+    Status status = Status::ok;
+    bool vertical_tangent =
+        false; ///< somewhere: the slope is unbounded there, unless it is a handle on its key
+};
+
+namespace detail {
+
+/// Coefficients of t, t², t³; a curve's coordinate from its first key on.
+struct PowerForm {
+    double c1 = 0, c2 = 0, c3 = 0;
+    double last = 0; ///< from the last handle to the last key: a third of the slope there, exactly
+
+    double operator()(double t) const noexcept { return ((c3 * t + c2) * t + c1) * t; }
+    double slope(double t) const noexcept {
+        return (1 - t) * ((1 - t) * c1 + 2 * t * (c1 + c2)) + 3 * last * t * t;
+    }
+    double curvature(double t) const noexcept { return 6 * c3 * t + 2 * c2; }
+};
+
+/// The power form of a coordinate, `scale` times.
+inline PowerForm power_form(const BezierCurve& curve, std::size_t axis, double scale) noexcept {
+    // From differences of neighbours, so that a far away origin costs no digits.
+    std::array<double, 3> step{};
+    for (std::size_t k = 0; k < 3; ++k) step[k] = scale * (curve.points[k + 1][axis] - curve.points[k][axis]);
+    return {3 * step[0], 3 * (step[1] - step[0]), step[0] - 2 * step[1] + step[2], step[2]};
+}
+
+} // namespace detail
+
+/// Whether time never turns back: with u1 and u2 the handles' times in parts of the interval, u1 ≥ 0, u2 ≤ 1, and u1 ≤ u2
+/// or (u1 − u2)² ≤ u1 (1 − u2), which is where the derivative of time, a quadratic, has no sign change in (0, 1).
+inline BezierCheck check(const BezierCurve& curve) noexcept {
+    BezierCheck result;
+    for (const auto& p : curve.points) {
+        if (!is_finite(p)) result.status = Status::value_not_finite;
+    }
+    if (result.status != Status::ok) return result;
+    const double length = curve.end() - curve.begin();
+    if (!(length > 0) || !is_finite(length)) {
+        result.status = Status::interval_empty;
+        return result;
+    }
+    constexpr double rounding = 4 * epsilon<double>; // of what is compared, which is about 1
+    const double u1 = (curve.points[1][0] - curve.begin()) / length;
+    const double rest = (curve.end() - curve.points[2][0]) / length; // 1 - u2
+    const double between = 1 - u1 - rest;                            // u2 - u1
+    const double outside_ellipse = between * between - u1 * rest;
+    const bool turns = u1 < 0 || rest < 0 || (between < 0 && !(outside_ellipse <= rounding));
+    if (turns) result.status = Status::curve_turns_back;
+    result.vertical_tangent = u1 == 0 || rest == 0 || (between < 0 && outside_ellipse >= -rounding);
+    return result;
+}
+
+/// A curve as a function of time, robustly: Newton's method held between bounds by bisection, so that vertical tangents do
+/// no harm. The reference for everything else here; evaluates a sound curve.
+///
+///   accuracy  of time a rounding of the interval's length, of the value what that comes to
+///   cost      some tens of nanoseconds
+class BezierFunction {
+public:
+    explicit BezierFunction(const BezierCurve& curve) noexcept
+        : curve_(curve)
+        , length_(curve.end() - curve.begin())
+        , time_(detail::power_form(curve, 0, 1 / length_))
+        , value_(detail::power_form(curve, 1, 1)) {}
+
+    /// The curve's parameter, in [0, 1], at a time, which is taken into the interval.
+    double parameter(double x) const noexcept {
+        const double part = std::fmin(std::fmax((x - curve_.begin()) / length_, 0.0), 1.0);
+        return parameter_at_part(part);
+    }
+    double operator()(double x) const noexcept {
+        // From the nearer end, so that both keys are met exactly.
+        const double t = parameter(x);
+        return t < 1 ? curve_.points[0][1] + value_(t) : curve_.points[3][1];
+    }
+    /// Infinite at a vertical tangent; where a handle lies on its key, the limit.
+    double derivative(double x) const noexcept { return slope_at(parameter(x)); }
+
+    /// Derivatives by time at a parameter.
+    double slope_at(double t) const noexcept {
+        const double g = time_.slope(t), f = value_.slope(t);
+        if (g == 0 && f == 0) {
+            const double g2 = time_.curvature(t), f2 = value_.curvature(t);
+            if (g2 == 0 && f2 == 0)
+                return value_.c3 / time_.c3 / length_; // both handles of a straight line on their keys
+            return f2 / g2 / length_;
+        }
+        return f / g / length_;
+    }
+    double curvature_at(double t) const noexcept {
+        const double g = time_.slope(t), f = value_.slope(t);
+        return (value_.curvature(t) * g - f * time_.curvature(t)) / (g * g * g) / (length_ * length_);
+    }
+
+    const BezierCurve& curve() const noexcept { return curve_; }
+    double length() const noexcept { return length_; }               ///< of the interval
+    const detail::PowerForm& time() const noexcept { return time_; } ///< from 0 to 1
+    const detail::PowerForm& value() const noexcept { return value_; }
+
+    /// The parameter where `part`, in [0, 1], of the interval has gone by.
+    double parameter_at_part(double part) const noexcept {
+        if (part <= 0) return 0;
+        if (part >= 1) return 1;
+        double low = 0, high = 1, t = part;
+        for (int step = 0; step < 100; ++step) {
+            const double miss = time_(t) - part;
+            if (miss == 0) return t;
+            (miss < 0 ? low : high) = t;
+            const double slope = time_.slope(t);
+            double next = t - miss / slope;
+            if (!(next > low && next < high)) next = 0.5 * (low + high);
+            if (std::fabs(next - t) <= 0.5 * epsilon<double> * t || next == low || next == high) return next;
+            t = next;
+        }
+        return t;
+    }
+
+private:
+    BezierCurve curve_;
+    double length_;
+    detail::PowerForm time_, value_;
+};
+
+/// Newton's method as OpenGEX has it (from where a straight line would be, without bounds), to a tolerance on the curve's
+/// parameter: fast on tame curves, wrong next to vertical tangents. Here to be compared with.
+class NewtonFunction {
+public:
+    explicit NewtonFunction(const BezierCurve& curve, double tolerance = 1e-6) noexcept
+        : function_(curve)
+        , tolerance_(tolerance) {}
+
+    double operator()(double x) const noexcept {
+        const auto& time = function_.time();
+        const double part = (x - function_.curve().begin()) / function_.length();
+        double t = part;
+        for (int step = 0; step < 32; ++step) {
+            const double change = (time(t) - part) / time.slope(t);
+            t -= change;
+            if (std::fabs(change) <= tolerance_) break;
+        }
+        return function_.curve().points[0][1] + function_.value()(t);
+    }
+
+private:
+    BezierFunction function_;
+    double tolerance_;
+};
+
+/// The inverse of time in closed form, one of six families: linear, square root, cube root, sinh, cosh and cos. Which of
+/// the last two holds may change along a curve. Loses digits where the cubic term of time is small (1e-4 is met), so it is no
+/// reference. Here to be compared with.
+class ClosedFormFunction {
+public:
+    explicit ClosedFormFunction(const BezierCurve& curve) noexcept
+        : function_(curve) {
+        const double a = function_.time().c3, b = function_.time().c2, c = function_.time().c1;
+        constexpr double none = 1e-14; // coefficients of time from 0 to 1, by rounding
+        if (std::fabs(a) <= none) {
+            family_ = std::fabs(b) <= none ? Family::linear : Family::square_root;
+            return;
+        }
+        centre_ = -b / (3 * a);
+        const double p = (3 * a * c - b * b) / (3 * a * a);
+        q_ = (2 * b * b * b - 9 * a * b * c) / (27 * a * a * a);
+        if (p == 0) {
+            family_ = Family::cube_root;
+            return;
+        }
+        family_ = p > 0 ? Family::sinh : Family::cosh_or_cos;
+        amplitude_ = p > 0 ? -2 * std::sqrt(p / 3) : 2 * std::sqrt(-p / 3);
+        scale_ = p > 0 ? -3 / (amplitude_ * p) : 3 / (amplitude_ * p);
+        if (a < 0) {
+            turns_ = 1;
+        } else {
+            turns_ = centre_ <= 0.5 ? 0 : 2;
+        }
+    }
+
+    double parameter(double x) const noexcept {
+        const double a = function_.time().c3, b = function_.time().c2, c = function_.time().c1;
+        const double part = (x - function_.curve().begin()) / function_.length();
+        switch (family_) {
+        case Family::linear: return part / c;
+        case Family::square_root:
+            return -c / (2 * b) + std::copysign(std::sqrt(std::fmax(part / b + c * c / (4 * b * b), 0.0)), b);
+        case Family::cube_root: return centre_ + std::cbrt(part / a - q_);
+        case Family::sinh: return centre_ + amplitude_ * std::sinh(std::asinh(scale_ * (q_ - part / a)) / 3);
+        case Family::cosh_or_cos: break;
+        }
+        const double z = scale_ * (q_ - part / a);
+        if (std::fabs(z) > 1)
+            return centre_ + std::copysign(amplitude_ * std::cosh(std::acosh(std::fabs(z)) / 3), z);
+        constexpr double turn = 6.283185307179586;
+        return centre_ + amplitude_ * std::cos((std::acos(z) - turn * turns_) / 3);
+    }
+    double operator()(double x) const noexcept {
+        return function_.curve().points[0][1] + function_.value()(parameter(x));
+    }
+
+private:
+    enum class Family : std::uint8_t { linear, square_root, cube_root, sinh, cosh_or_cos };
+
+    BezierFunction function_;
+    Family family_ = Family::linear;
+    double centre_ = 0, q_ = 0, amplitude_ = 0, scale_ = 0, turns_ = 0;
+};
+
+/// The axis-wise map of a curve to keys at (0, 0) and (1, 1), and back. Where both keys have the same value, time is added
+/// to the value instead, which changes no error of a fit.
+struct NormalForm {
+    BezierCurve curve;
+    double begin = 0, length = 1; ///< of time
+    double value = 0, height = 1; ///< of the first key, and from it to the second; 1 where they are equal
+    bool sheared = false;
+
+    /// A value of the original from a time (in [0, 1]) and value of the normal form.
+    double value_of(double part, double y) const noexcept {
+        return value + height * (sheared ? y - part : y);
+    }
+};
+
+inline NormalForm normal_form(const BezierCurve& curve) noexcept {
+    NormalForm form;
+    form.begin = curve.begin();
+    form.length = curve.end() - curve.begin();
+    form.value = curve.points[0][1];
+    form.sheared = curve.points[3][1] == curve.points[0][1];
+    form.height = form.sheared ? 1 : curve.points[3][1] - curve.points[0][1];
+    for (std::size_t i = 0; i < 4; ++i) {
+        const double part = (curve.points[i][0] - form.begin) / form.length;
+        const double y = (curve.points[i][1] - form.value) / form.height;
+        form.curve.points[i] = {part, form.sheared ? y + part : y};
+    }
+    return form;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,149 @@
+// Polynomials on [0, 1] in Bernstein form: stable products, splits and extremes.
+#pragma once
+
+#include <cageform/config.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// binomials[n][k] = n over k.
+inline constexpr auto binomials = [] {
+    std::array<std::array<double, 16>, 16> table{};
+    for (std::size_t n = 0; n < table.size(); ++n) {
+        table[n][0] = 1;
+        for (std::size_t k = 1; k <= n; ++k)
+            table[n][k] = table[n - 1][k - 1] + (k < n ? table[n - 1][k] : 0);
+    }
+    return table;
+}();
+
+/// Σ c_i B_i of a degree of at most 15: what composing polynomials of degree 5 with cubics comes to.
+struct Bernstein {
+    static constexpr std::size_t most = 15;
+    std::size_t degree = 0;
+    std::array<double, most + 1> c{};
+
+    double operator()(double u) const noexcept {
+        auto b = c;
+        for (std::size_t n = degree; n > 0; --n) {
+            for (std::size_t i = 0; i < n; ++i) b[i] += u * (b[i + 1] - b[i]);
+        }
+        return b[0];
+    }
+    double slope(double u) const noexcept { return derivative()(u); }
+    Bernstein derivative() const noexcept {
+        if (degree == 0) return {};
+        Bernstein d{degree - 1, {}};
+        for (std::size_t i = 0; i < degree; ++i) d.c[i] = double(degree) * (c[i + 1] - c[i]);
+        return d;
+    }
+    /// The same on [0, u] and on [u, 1].
+    std::pair<Bernstein, Bernstein> split(double u) const noexcept {
+        Bernstein low{degree, {}}, high{degree, c};
+        for (std::size_t n = 0; n <= degree; ++n) {
+            low.c[n] = high.c[0];
+            for (std::size_t i = 0; i < degree - n; ++i) high.c[i] += u * (high.c[i + 1] - high.c[i]);
+        }
+        return {low, high};
+    }
+    double largest_coefficient() const noexcept {
+        double most_of = 0;
+        for (std::size_t i = 0; i <= degree; ++i) most_of = std::fmax(most_of, std::fabs(c[i]));
+        return most_of;
+    }
+
+    friend Bernstein operator*(const Bernstein& a, const Bernstein& b) noexcept {
+        Bernstein p{a.degree + b.degree, {}};
+        for (std::size_t i = 0; i <= a.degree; ++i) {
+            for (std::size_t j = 0; j <= b.degree; ++j)
+                p.c[i + j] += binomials[a.degree][i] * a.c[i] * binomials[b.degree][j] * b.c[j];
+        }
+        for (std::size_t k = 0; k <= p.degree; ++k) p.c[k] /= binomials[p.degree][k];
+        return p;
+    }
+    friend Bernstein operator+(Bernstein a, const Bernstein& b) noexcept { // of one degree
+        for (std::size_t i = 0; i <= a.degree; ++i) a.c[i] += b.c[i];
+        return a;
+    }
+};
+
+/// The same polynomial with one degree more each.
+inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
+    while (p.degree < degree) {
+        const std::size_t n = p.degree + 1;
+        Bernstein q{n, {}};
+        q.c[0] = p.c[0];
+        q.c[n] = p.c[n - 1];
+        for (std::size_t i = 1; i < n; ++i)
+            q.c[i] = (double(i) * p.c[i - 1] + double(n - i) * p.c[i]) / double(n);
+        p = q;
+    }
+    return p;
+}
+
+/// The largest |p| on [0, 1] and where it is. Exact to rounding: derivatives are split until their coefficients change sign
+/// once at most, which is where a single extreme lies.
+struct LargestValue {
+    double value = 0, at = 0;
+};
+inline LargestValue largest_absolute(const Bernstein& p) {
+    LargestValue best{std::fabs(p.c[0]), 0};
+    const auto meet = [&](double value, double at) {
+        if (std::fabs(value) > best.value) best = {std::fabs(value), at};
+    };
+    meet(p.c[p.degree], 1);
+    struct Part {
+        Bernstein p;
+        double begin, length;
+    };
+    std::array<Part, 64> stack; // a part is replaced by two of half its length
+    std::size_t count = 0;
+    stack[count++] = {p, 0, 1};
+    const double rounding = 1e-16 * p.largest_coefficient();
+    while (count > 0) {
+        const Part part = stack[--count];
+        if (part.p.largest_coefficient() <= best.value + rounding) continue;
+        const Bernstein slope = part.p.derivative();
+        std::size_t changes = 0;
+        double before = 0;
+        for (std::size_t i = 0; i <= slope.degree; ++i) {
+            if (slope.c[i] == 0) continue;
+            if (before != 0 && (slope.c[i] > 0) != (before > 0)) ++changes;
+            before = slope.c[i];
+        }
+        if (changes == 0) continue; // largest at an end, which has been met
+        if (changes == 1) {
+            double low = 0, high = 1, u = 0.5;
+            const bool falls = before < 0;
+            const Bernstein second = slope.derivative();
+            for (int step = 0; step < 60 && high - low > 1e-12; ++step) {
+                const double s = slope(u);
+                ((s > 0) == falls ? low : high) = u;
+                double next = u - s / second(u);
+                if (!(next > low && next < high)) next = 0.5 * (low + high);
+                if (std::fabs(next - u) < 1e-10) {
+                    u = next;
+                    break;
+                }
+                u = next;
+            }
+            meet(part.p(u), part.begin + u * part.length);
+            continue;
+        }
+        if (part.length < 1e-12 || count + 2 > stack.size()) { // a double extreme: flat to rounding
+            meet(part.p(0.5), part.begin + 0.5 * part.length);
+            continue;
+        }
+        const auto [low, high] = part.p.split(0.5);
+        meet(high.c[0], part.begin + 0.5 * part.length);
+        stack[count++] = {low, part.begin, 0.5 * part.length};
+        stack[count++] = {high, part.begin + 0.5 * part.length, 0.5 * part.length};
+    }
+    return best;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,78 @@
+// Polynomials in Bernstein form, their extremes, and quadrature.
+#include "animate/curves.hpp"
+#include "catch.hpp"
+
+using namespace cageform_tests;
+using cageform::detail::Bernstein;
+
+namespace {
+
+Bernstein random_polynomial(Random& random, std::size_t degree) {
+    Bernstein p{degree, {}};
+    for (std::size_t i = 0; i <= degree; ++i) p.c[i] = random.uniform(-2, 2);
+    return p;
+}
+
+} // namespace
+
+TEST_CASE("Gauss rules are exact up to their degree", "[animate][detail]") {
+    const auto exact_to = [](const auto& rule, std::size_t degree) {
+        for (std::size_t n = 0; n <= degree; ++n) {
+            const double integral = rule(0.0, 1.0, [&](double x) { return std::pow(x, double(n)); });
+            CAPTURE(n);
+            CHECK(integral == Approx(1 / (double(n) + 1)).epsilon(1e-14));
+        }
+    };
+    exact_to(cageform::detail::Gauss<8>::rule(), 15);
+    exact_to(cageform::detail::Gauss<11>::rule(), 21);
+    exact_to(cageform::detail::Gauss<16>::rule(), 31);
+}
+
+TEST_CASE("products, derivatives, elevations and splits of polynomials are those",
+          "[animate][detail][property]") {
+    const auto seed = GENERATE(seeds(50));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 1);
+    const auto p = random_polynomial(random, 1 + random.below(7)),
+               q = random_polynomial(random, 1 + random.below(7));
+    const double at = random.uniform(0, 1);
+    const auto [low, high] = p.split(at);
+    for (int n = 0; n <= 20; ++n) {
+        const double u = double(n) / 20, e = 1e-5;
+        CHECK((p * q)(u) == Approx(p(u) * q(u)).margin(1e-13));
+        CHECK(elevated(p, 9)(u) == Approx(p(u)).margin(1e-13));
+        CHECK(low(u) == Approx(p(at * u)).margin(1e-13));
+        CHECK(high(u) == Approx(p(at + (1 - at) * u)).margin(1e-13));
+        CHECK(p.slope(u) == Approx((p(u + e) - p(u - e)) / (2 * e)).margin(1e-6));
+    }
+}
+
+TEST_CASE("the largest value of a polynomial is what samples find, and no less",
+          "[animate][detail][property]") {
+    const auto seed = GENERATE(seeds(300));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 50);
+    auto p = random_polynomial(random, 1 + random.below(15));
+    if (seed % 5 == 0) { // even about the middle: extremes in pairs
+        for (std::size_t i = 0; i <= p.degree / 2; ++i) p.c[p.degree - i] = p.c[i];
+    }
+    if (seed % 7 == 0) { // a double extreme
+        const double at = random.uniform(0, 1);
+        const Bernstein line{1, {-at, 1 - at}};
+        p = line * line * line * Bernstein{1, {1, 1.5}};
+    }
+    const auto largest = largest_absolute(p);
+    CHECK(std::fabs(p(largest.at)) == Approx(largest.value).margin(1e-14));
+    double sampled = 0;
+    for (int n = 0; n <= 4000; ++n) sampled = std::fmax(sampled, std::fabs(p(double(n) / 4000)));
+    CHECK(largest.value >= sampled - 1e-15);
+    CHECK(largest.value <= sampled + 1e-3);
+}
+
+TEST_CASE("constants and zero have a largest value", "[animate][detail]") {
+    CHECK(largest_absolute(Bernstein{0, {-3}}).value == 3);
+    CHECK(largest_absolute(Bernstein{9, {}}).value == 0);
+    Bernstein constant{14, {}};
+    constant.c.fill(-2);
+    CHECK(largest_absolute(constant).value == 2);
+}
