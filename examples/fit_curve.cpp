@@ -496,6 +496,8 @@ Case run_one(const Arguments& given) {
         one.options.conditions = one.options.conditions | condition_of(name);
     if (given.norm == "l2") {
         one.options.slope_weight = 0;
+    } else if (given.norm == "sup") {
+        one.options.norm = cageform::FitNorm::sup;
     } else if (given.norm != "w12") {
         const auto weights = numbers("--norm", given.norm, 2);
         one.options.value_weight = weights[0];
@@ -564,7 +566,8 @@ int run_program(int argc, char** argv) {
     app.add_option("--conditions", given.conditions,
                    "of end_value, knot_c0, knot_value, end_d1, knot_c1, knot_d1, end_d2, knot_c2, knot_d2")
         ->capture_default_str();
-    app.add_option("--norm", given.norm, "what is least: w12, l2, or W0,W1: the weights of value and slope")
+    app.add_option("--norm", given.norm,
+                   "what is least: w12, l2, sup, or W0,W1: the weights of value and slope")
         ->capture_default_str();
     app.add_flag("--in-units", given.in_units,
                  "weights count in the curve's unit of time, not where the interval is 1 long");

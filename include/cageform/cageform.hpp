@@ -1,4 +1,5 @@
-// Everything but the adapters (cageform/adapt/) and the threads (cageform/core/threads.hpp).
+// Everything for cages but the adapters (cageform/adapt/) and the threads (cageform/core/threads.hpp). Key-frame curves
+// are in cageform/animate/, which stands alone.
 // A game that only plays bindings back includes cageform/clone/clone.hpp alone.
 #pragma once
 

@@ -2,6 +2,7 @@
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/cages.hpp"
+#include "support/keys.hpp"
 
 #include <cageform/animate/clip.hpp>
 #include <cageform/animate/track.hpp>
@@ -22,14 +23,6 @@ using cageform::Status;
 using cageform::Track;
 
 namespace {
-
-Key key(double time, double value, KeyKind kind = KeyKind::automatic) {
-    Key result;
-    result.time = time;
-    result.value = value;
-    result.kind = kind;
-    return result;
-}
 
 template <class T>
 Track<T> track_of(const std::vector<Key>& keys, Extrapolation mode = Extrapolation::constant) {

@@ -182,3 +182,35 @@ TEST_CASE("tolerances that cannot be seen", "[animate][fit][tolerance]") {
     CHECK(cageform::pixel_pitch(1920, 1080, 24) == Approx(25.4 / 91.788).epsilon(1e-4));
     CHECK(cageform::screen_tolerance == Approx(0.00052083).epsilon(1e-4));
 }
+
+TEST_CASE("the sup norm gives a largest error that no small change of a piece lowers",
+          "[animate][fit][sup][property]") {
+    const auto seed = GENERATE(seeds(60));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 70);
+    const auto curve = random_normal_curve(random);
+    auto options = with(end_value | knot_value, 3 + random.below(3));
+    const auto plain = cageform::fit_pieces(curve, cageform::uniform_in_parameter(2), options);
+    options.norm = cageform::FitNorm::sup;
+    const auto refined = cageform::fit_pieces(curve, cageform::uniform_in_parameter(2), options);
+    REQUIRE(refined.status == Status::ok);
+    CHECK(refined.sup_error <= plain.sup_error);
+    CHECK(refined.w12_error() >= plain.w12_error() * (1 - 1e-9));
+    const SobolevFitter fitter(curve, options);
+    for (const auto& [begin, end] : {std::pair(0.0, 0.5), std::pair(0.5, 1.0)}) {
+        const auto piece = fitter.fit_piece(begin, end);
+        const double error = fitter.largest_error(piece);
+        for (int n = 0; n < 60; ++n) {
+            auto other = piece;
+            for (std::size_t k = 1; k < options.degree; ++k)
+                other.polynomial.c[k] += error * random.uniform(-0.3, 0.3);
+            CHECK(fitter.largest_error(other) >= 0.97 * error);
+        }
+    }
+    // It never takes more pieces.
+    const double tolerance = 1e-3;
+    CHECK(fit(curve, tolerance, options).pieces() <=
+          fit(curve, tolerance, with(end_value | knot_value, options.degree)).pieces());
+    options.conditions = end_value | knot_c0;
+    CHECK(fit(curve, tolerance, options).status == Status::norm_not_supported);
+}

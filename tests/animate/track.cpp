@@ -1,6 +1,7 @@
 // Keys to tracks: what every kind means, what is met, what is refused.
 #include "catch.hpp"
 #include "support/cages.hpp"
+#include "support/keys.hpp"
 
 #include <cageform/animate/track.hpp>
 
@@ -17,14 +18,6 @@ using cageform::Status;
 using cageform::TrackOptions;
 
 namespace {
-
-Key key(double time, double value, KeyKind kind = KeyKind::automatic) {
-    Key result;
-    result.time = time;
-    result.value = value;
-    result.kind = kind;
-    return result;
-}
 
 const std::array kinds{KeyKind::hold, KeyKind::linear, KeyKind::hermite,
                        KeyKind::tcb,  KeyKind::bezier, KeyKind::automatic};

@@ -309,6 +309,8 @@ refuses 'nowhere.svg' "$programs/contact_sheet" -o out.svg caption nowhere.svg
 curve="$programs/fit_curve"
 cases="$(dirname "$data")/../tests/data/bezier-cases.json"
 works "help of fit_curve" "$curve" --help
+works "the sup norm" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup
+refuses "not tied together" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup --conditions end_value,knot_c0
 works "help of the tables" "$programs/bezier_tables" --help
 refuses 'no arguments' "$programs/bezier_tables" please
 works "a table of pieces" "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_c0 --knots uniform

@@ -41,7 +41,14 @@ constexpr bool contains(FitCondition set, FitCondition one) noexcept {
     return (unsigned(set) & unsigned(one)) != 0;
 }
 
+/// What a fit makes small.
+enum class FitNorm : std::uint8_t {
+    sobolev, ///< value_weight ∫ (C − f)² + slope_weight ∫ (C' − f')²
+    sup, ///< max |C − f|, from the Sobolev fit on; for pieces that are determined apart. Knots are searched as for sobolev
+};
+
 struct FitOptions {
+    FitNorm norm = FitNorm::sobolev;
     std::size_t degree = 3; ///< of the pieces: 3, 4 or 5
     FitCondition conditions = FitCondition::end_value | FitCondition::knot_value;
     double value_weight = 1; ///< of ∫ (C − f)²
@@ -55,6 +62,7 @@ struct BezierFit {
     /// ok; as check(curve); and
     ///   degree_not_supported      not 3, 4 or 5
     ///   weights_not_positive      value_weight is not positive or slope_weight negative
+    ///   norm_not_supported        the sup norm with conditions that tie pieces together
     ///   knots_not_ascending       knots that do not ascend from 0 to 1, or of which two are one by rounding
     ///   slope_unbounded           a condition asks for a derivative that the curve does not have there
     ///   too_many_conditions       more independent conditions than coefficients, or conditions that repeat each other
@@ -155,6 +163,7 @@ public:
             }
             const SmallVector solution = free.ldlt().solve(missing);
             for (std::size_t i = 0; i < count; ++i) b[left + i] = solution(long(i));
+            if (options_.norm == FitNorm::sup) refine(piece, left, count);
         }
         piece.solved = true;
         return piece;
@@ -271,6 +280,11 @@ private:
     static Status check_all(const BezierCurve& curve, const FitOptions& options) noexcept {
         if (const Status status = check(curve).status; status != Status::ok) return status;
         if (options.degree < 3 || options.degree > 5) return Status::degree_not_supported;
+        using enum FitCondition;
+        const bool tied = contains(options.conditions, knot_c0 | knot_c1 | knot_c2) ||
+                          !contains(options.conditions, end_value) ||
+                          !contains(options.conditions, knot_value);
+        if (options.norm == FitNorm::sup && tied) return Status::norm_not_supported;
         if (!(options.value_weight > 0) || !(options.slope_weight >= 0) || !is_finite(options.value_weight) ||
             !is_finite(options.slope_weight))
             return Status::weights_not_positive;
@@ -305,6 +319,58 @@ private:
         if (count > 1) b[way] = b[0] + c[1] * step / d;
         if (count > 2) b[2 * way] = 2 * b[way] - b[0] + c[2] * step * step / (d * (d - 1));
         return true;
+    }
+
+    /// Moves the free coefficients of a piece towards the least largest error: least squares again and again, each place
+    /// weighted by the errors it has had (Lawson 1961). Keeps what is best.
+    void refine(Piece& piece, std::size_t left, std::size_t count) const {
+        constexpr std::size_t places = 48;
+        const std::size_t d = options_.degree;
+        const double h = piece.x_end - piece.x_begin;
+        std::array<SmallVector, places> basis;
+        std::array<double, places> rest{}, weight{};
+        for (std::size_t k = 0; k < places; ++k) {
+            const double v = 0.5 - 0.5 * std::cos(3.141592653589793 * (double(k) + 0.5) / double(places));
+            const double t = piece.begin + v * (piece.end - piece.begin);
+            const double u = (function_.time()(t) - piece.x_begin) / h;
+            basis[k].resize(long(count));
+            rest[k] = function_.value()(t);
+            weight[k] = 1;
+            for (std::size_t j = 0; j <= d; ++j) {
+                const double value =
+                    detail::binomials[d][j] * std::pow(u, double(j)) * std::pow(1 - u, double(d - j));
+                if (j >= left && j < left + count) {
+                    basis[k](long(j - left)) = value;
+                } else {
+                    rest[k] -= piece.polynomial.c[j] * value;
+                }
+            }
+        }
+        double least = largest_error(piece);
+        for (int round = 0; round < 40; ++round) {
+            Small normal = Small::Zero(long(count), long(count));
+            SmallVector right = SmallVector::Zero(long(count));
+            for (std::size_t k = 0; k < places; ++k) {
+                normal += weight[k] * basis[k] * basis[k].transpose();
+                right += weight[k] * rest[k] * basis[k];
+            }
+            const SmallVector solution = normal.ldlt().solve(right);
+            double largest = 0;
+            std::array<double, places> error{};
+            for (std::size_t k = 0; k < places; ++k) {
+                error[k] = std::fabs(rest[k] - basis[k].dot(solution));
+                largest = std::fmax(largest, error[k]);
+            }
+            if (!(largest > 0)) return;
+            for (std::size_t k = 0; k < places; ++k) weight[k] *= error[k] / largest + 1e-12;
+            if (largest >= least) continue;
+            Piece moved = piece;
+            for (std::size_t i = 0; i < count; ++i) moved.polynomial.c[left + i] = solution(long(i));
+            if (const double exact = largest_error(moved); exact < least) {
+                least = exact;
+                piece = moved;
+            }
+        }
     }
 
     /// The Gram matrix of the Bernstein polynomials on an interval of length h.

@@ -39,6 +39,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     interval_empty,       ///< the second key of a curve is not later than the first
     curve_turns_back,     ///< time turns back along a curve
     degree_not_supported, ///< the degree of a fit is not 3, 4 or 5
+    norm_not_supported,   ///< the sup norm with conditions that tie the pieces of a fit together
     weights_not_positive, ///< the weights of a norm are not positive
     keys_missing,         ///< a track without keys
     keys_not_ascending,   ///< a key is not later than the one before
@@ -89,6 +90,7 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::interval_empty: return "the second key is not later than the first";
     case Status::curve_turns_back: return "time turns back along the curve";
     case Status::degree_not_supported: return "pieces are of degree 3, 4 or 5";
+    case Status::norm_not_supported: return "the sup norm is for pieces that are not tied together";
     case Status::weights_not_positive: return "the weights of the norm are not positive numbers";
     case Status::keys_missing: return "the track has no keys";
     case Status::keys_not_ascending: return "a key is not later than the one before it";
