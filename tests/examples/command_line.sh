@@ -314,7 +314,7 @@ refuses "not tied together" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup
 works "help of the tables" "$programs/bezier_tables" --help
 refuses 'no arguments' "$programs/bezier_tables" please
 works "a table of pieces" "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_c0 --knots uniform
-grep -q 'largest error 0.00218169 at time 0.745764; W12 error 0.026167 ' log && ok=yes || ok=no
+grep -Eq 'largest error 0.00218169 at time 0.(745764|254236); W12 error 0.026167 ' log && ok=yes || ok=no
 report $ok "the errors are those of the case s01"
 works "a plot and a JSON file" "$curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.001 --plot fit.svg --png --json fit.json
 [ -s fit.svg ] && [ -s fit.png ] && [ -s fit.json ] && ok=yes || ok=no
