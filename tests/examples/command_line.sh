@@ -356,7 +356,7 @@ refuses 'unknown condition ""' "$curve" --css 0.4,0,0.6,1 --pieces 3 --condition
 refuses 'too many conditions' "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_value,end_d1,end_d2,knot_d1,knot_d2 --json out.json
 refuses 'degree' "$curve" --css 0.4,0,0.6,1 --pieces 3 --degree 7 --json out.json
 refuses 'weights' "$curve" --css 0.4,0,0.6,1 --pieces 3 --norm 0,1 --json out.json
-refuses '--norm: not a number: "sup"' "$curve" --css 0.4,0,0.6,1 --pieces 3 --norm sup --json out.json
+refuses '--norm: not a number: "most"' "$curve" --css 0.4,0,0.6,1 --pieces 3 --norm most --json out.json
 refuses '--knots: not a number: "even"' "$curve" --css 0.4,0,0.6,1 --knots even --json out.json
 refuses '--knots: the knots do not ascend' "$curve" --css 0.4,0,0.6,1 --knots 0,0.7,0.3,1 --json out.json
 refuses '--knots: knots begin at the first key' "$curve" --css 0.4,0,0.6,1 --knots 0.1,0.5,1 --json out.json
