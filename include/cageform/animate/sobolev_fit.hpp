@@ -306,9 +306,20 @@ private:
         const double length = function_.length();
         c = {t == 1 ? function_.curve().points[3][1] - function_.curve().points[0][1] : function_.value()(t),
              0, 0};
+        // A vertical tangent inside the interval is met but for rounding.
+        constexpr double none = 1e-12;
+        const double rise = std::fabs(function_.value().slope(t));
+        if (vertical_ && count > 1 && function_.time().slope(t) <= none && rise > none * largest_value())
+            return false;
         if (count > 1) c[1] = function_.slope_at(t) * length;
         if (count > 2) c[2] = function_.curvature_at(t) * length * length;
         return is_finite(c[1]) && is_finite(c[2]);
+    }
+    double largest_value() const noexcept { // of the control points, from the first key on
+        double largest = 0;
+        for (const auto& p : function_.curve().points)
+            largest = std::fmax(largest, std::fabs(p[1] - function_.curve().points[0][1]));
+        return largest;
     }
     /// Sets the first coefficients from an end (way 1: the left, -1: the right).
     bool prescribe(double t, double h, std::size_t count, double* b, std::ptrdiff_t way) const noexcept {

@@ -311,7 +311,8 @@ bool nearest_thick_value(std::size_t count, const Cells& cell, const Vec<double,
             found = true;
         }
         std::size_t to = n;
-        for (double inside = -d; std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
+        double inside = -d;
+        for (std::size_t k = 0; k < depth.size(); ++k) {
             if (!(inside > 0) || inside <= depth[k]) continue;
             std::swap(inside, depth[k]);
             std::swap(to, deepest[k]);
