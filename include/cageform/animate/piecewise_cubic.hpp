@@ -28,6 +28,25 @@ struct CubicPiece {
     }
 };
 
+namespace detail {
+
+/// The last of `count` ascending times begin(0), begin(1), … that is not later than `x`; 0 where all are later. Without branches
+/// on x.
+template <Scalar T, class Begin>
+std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
+    std::size_t first = 0;
+    while (count > 8) {
+        const std::size_t half = count / 2;
+        first += begin(first + half) <= x ? half : 0;
+        count -= half;
+    }
+    std::size_t found = first; // the last few at once
+    for (std::size_t i = 1; i < count; ++i) found += begin(first + i) <= x ? 1 : 0;
+    return found;
+}
+
+} // namespace detail
+
 /// A function of time made of cubic pieces, in the units of its keys. Six scalars a piece. Before the first piece and after
 /// the end the nearest value is held; see `Track` for other ways to go on.
 template <Scalar T>
@@ -63,16 +82,8 @@ public:
 
     /// The piece at a time, for a curve that is not empty: the last that begins not later. O(log #pieces).
     std::size_t locate(T x) const noexcept {
-        const T* const begin = begins_.data();
-        std::size_t first = 0, count = pieces_.size();
-        while (count > 8) {
-            const std::size_t half = count / 2;
-            first += begin[first + half] <= x ? half : 0;
-            count -= half;
-        }
-        std::size_t found = first; // the last few at once
-        for (std::size_t i = 1; i < count; ++i) found += begin[first + i] <= x ? 1 : 0;
-        return found;
+        return detail::last_up_to(x, pieces_.size(),
+                                  [begin = begins_.data()](std::size_t i) { return begin[i]; });
     }
     /// The same where it is likely to be `hint` or the next piece, as in forward play: O(1) then.
     std::size_t locate(T x, std::size_t hint) const noexcept {
@@ -163,12 +174,8 @@ public:
     T operator()(T x) const noexcept {
         if (x >= end_) return end_value_;
         const T inside = x < pieces_.front().begin ? pieces_.front().begin : x;
-        std::size_t first = 0, count = pieces_.size();
-        while (count > 1) {
-            const std::size_t half = count / 2;
-            first += pieces_[first + half].begin <= inside ? half : 0;
-            count -= half;
-        }
+        const std::size_t first =
+            detail::last_up_to(inside, pieces_.size(), [&](std::size_t i) { return pieces_[i].begin; });
         const Piece& p = pieces_[first];
         const T until = first + 1 < pieces_.size() ? pieces_[first + 1].begin : end_;
         const T u = (inside - p.begin) / (until - p.begin), v = 1 - u;
@@ -348,12 +355,9 @@ private:
         for (std::size_t k = 0; k < size(); ++k) {
             const std::size_t first = first_[k], last = (k + 1 < size() ? first_[k + 1] : pieces_.size()) - 1;
             // Among the pieces between the constant ones, the last that begins up to x; a constant one outside.
-            std::size_t found = first + 1, count = last - first - 1;
-            while (count > 1) {
-                const std::size_t half = count / 2;
-                found += pieces_[found + half].begin <= x ? half : 0;
-                count -= half;
-            }
+            std::size_t found = first + 1 + detail::last_up_to(x, last - first - 1, [&](std::size_t i) {
+                                    return pieces_[first + 1 + i].begin;
+                                });
             if (x < pieces_[first + 1].begin) found = first;
             if (x >= ends_[k]) found = last;
             load(cursor, k, found);

@@ -168,12 +168,21 @@ inline std::array<double, 3> nearest_on_wall(const Vec<double, 3>& p,
     return nearest_on_triangle(p, wall[0], wall[1], wall[2]);
 }
 
+/// The place with these weights of a wall's vertices.
+template <std::size_t D>
+Vec<double, D> place_on_wall(const std::array<double, D>& weights,
+                             const std::array<Vec<double, D>, D>& wall) noexcept {
+    Vec<double, D> x{};
+    for (std::size_t k = 0; k < D; ++k) x = x + weights[k] * wall[k];
+    return x;
+}
+
 /// The distance of two segments, 0 where they cross in the plane.
 template <std::size_t D>
 double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const Vec<double, D>& c,
                         const Vec<double, D>& d) noexcept {
     const auto to = [](const Vec<double, D>& p, const Vec<double, D>& s, const Vec<double, D>& t) {
-        return length(p - (s + part_of_segment(p, s, t) * (t - s)));
+        return length(p - nearest_on_segment(p, s, t));
     };
     double least = std::min({to(a, c, d), to(b, c, d), to(c, a, b), to(d, a, b)});
     // Nearer than at the ends only where the common perpendicular meets both.
@@ -196,8 +205,7 @@ inline double distance_to_wall(const Vec<double, 3>& a, const Vec<double, 3>& b,
     if (pierces(a, b, wall[0], wall[1], wall[2])) return 0;
     double least = std::numeric_limits<double>::infinity();
     for (const auto& p : {a, b}) {
-        const auto w = nearest_on_wall(p, wall);
-        least = std::min(least, length(p - (w[0] * wall[0] + w[1] * wall[1] + w[2] * wall[2])));
+        least = std::min(least, length(p - place_on_wall(nearest_on_wall(p, wall), wall)));
     }
     for (std::size_t k = 0; k < 3; ++k)
         least = std::min(least, segment_distance(a, b, wall[k], wall[(k + 1) % 3]));
@@ -260,8 +268,7 @@ inline bool walls_touch(const std::array<std::uint32_t, 3>& a, const std::array<
         // With a shared edge: folded flat onto each other?
         for (std::size_t k = 0; k < 3 && shared == 2; ++k) {
             if (common(g, f[k])) continue;
-            const auto w = nearest_on_wall(at_f[k], at_g);
-            if (length(at_f[k] - (w[0] * at_g[0] + w[1] * at_g[1] + w[2] * at_g[2])) <= tolerance)
+            if (length(at_f[k] - place_on_wall(nearest_on_wall(at_f[k], at_g), at_g)) <= tolerance)
                 return true;
         }
     }
@@ -303,8 +310,7 @@ bool nearest_thick_value(std::size_t count, const Cells& cell, const Vec<double,
     std::size_t nearest = 0;
     for (std::size_t n = 0; n < count; ++n) {
         const auto& one = cell(n);
-        const double s = detail::part_of_segment(p, one.a, one.b);
-        const double d = detail::length(one.a + s * (one.b - one.a) - p) - one.radius;
+        const double d = detail::length(detail::nearest_on_segment(p, one.a, one.b) - p) - one.radius;
         if (d <= least) {
             least = d;
             nearest = n;
@@ -354,8 +360,7 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
     for (const auto& wall : cage.cells().walls) {
         const auto corner = detail::corners_of_wall(cage.vertices(), wall);
         const auto w = detail::nearest_on_wall(q, corner);
-        Vec<double, D> x{};
-        for (std::size_t k = 0; k < D; ++k) x = x + w[k] * corner[k];
+        const auto x = detail::place_on_wall(w, corner);
         if (detail::length(x - q) >= least) continue;
         least = detail::length(x - q);
         place = vec_cast<T>(x);
@@ -388,14 +393,12 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
     const auto q = vec_cast<double>(p);
     for (const auto& wall : cage.cells().walls) {
         const auto corner = detail::corners_of_wall(cage.vertices(), wall);
-        const auto w = detail::nearest_on_wall(q, corner);
-        Vec<double, D> x{};
-        for (std::size_t k = 0; k < D; ++k) x = x + w[k] * corner[k];
+        const auto x = detail::place_on_wall(detail::nearest_on_wall(q, corner), corner);
         if (detail::length(x - q) <= double(tolerance)) return PointState::on_boundary;
     }
     for (const auto& cell : cage.cells().thick) {
         const auto a = vec_cast<double>(cage[cell.i]), b = vec_cast<double>(cage[cell.j]);
-        if (detail::length(a + detail::part_of_segment(q, a, b) * (b - a) - q) <= cell.radius)
+        if (detail::length(detail::nearest_on_segment(q, a, b) - q) <= cell.radius)
             return PointState::on_boundary;
     }
     return state;
@@ -501,8 +504,8 @@ CageReport check(const CellComplex<T, D>& cage) {
                 const auto from = at(a.i), to = at(a.j);
                 for (const auto end : {b.i, b.j}) {
                     if (end == a.i || end == a.j) continue;
-                    const double s = detail::part_of_segment(at(end), from, to);
-                    if (detail::length(from + s * (to - from) - at(end)) <= a.radius + tolerance) return true;
+                    const auto nearest = detail::nearest_on_segment(at(end), from, to);
+                    if (detail::length(nearest - at(end)) <= a.radius + tolerance) return true;
                 }
                 return false;
             };

@@ -124,8 +124,7 @@ namespace detail {
 inline bool segments_touch(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c,
                            const Vec<double, 2>& d, double tolerance) noexcept {
     const auto distance = [](const Vec<double, 2>& p, const Vec<double, 2>& s, const Vec<double, 2>& t) {
-        const auto r = s + part_of_segment(p, s, t) * (t - s) - p;
-        return std::sqrt(dot(r, r));
+        return length(nearest_on_segment(p, s, t) - p);
     };
     const auto side = [](const Vec<double, 2>& s, const Vec<double, 2>& t, const Vec<double, 2>& p) {
         return cross(t - s, p - s) > 0;

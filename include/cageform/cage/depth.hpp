@@ -49,11 +49,8 @@ template <Scalar T>
 class Depth<TriangleMesh<T>> {
 public:
     explicit Depth(const TriangleMesh<T>& mesh) {
-        const auto shells = shells_of(mesh);
-        for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
-            std::array<Vec<double, 3>, 3> corner;
-            for (std::size_t k = 0; k < 3; ++k) corner[k] = vec_cast<double>(mesh[mesh.faces()[f][k]]);
-            if (shells.turned[shells.of_face[f]]) std::swap(corner[1], corner[2]);
+        for (const auto& face : outward_faces(mesh)) {
+            const auto corner = detail::corners_of_wall(mesh.vertices(), face);
             const auto normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
             faces_.push_back({corner, (1 / detail::length(normal)) * normal});
         }

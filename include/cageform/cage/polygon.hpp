@@ -139,6 +139,13 @@ double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const V
     return length2 > 0 ? std::fmin(std::fmax(dot(p - a, e) / length2, 0.0), 1.0) : 0.0;
 }
 
+/// The place of that segment nearest to `p`.
+template <std::size_t D>
+Vec<double, D> nearest_on_segment(const Vec<double, D>& p, const Vec<double, D>& a,
+                                  const Vec<double, D>& b) noexcept {
+    return a + part_of_segment(p, a, b) * (b - a);
+}
+
 } // namespace detail
 
 /// A power of two that makes the diagonal at most 1: scaling by it is exact.

@@ -299,6 +299,17 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
     return shells;
 }
 
+/// The faces, those of turned shells turned round: all counter-clockwise seen from outside the cage. Cost as `shells_of`.
+template <Scalar T>
+std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>& mesh) {
+    const auto shells = shells_of(mesh);
+    std::vector<typename TriangleMesh<T>::Face> faces(mesh.faces().begin(), mesh.faces().end());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (shells.turned[shells.of_face[f]]) std::swap(faces[f][1], faces[f][2]);
+    }
+    return faces;
+}
+
 /// Inside where the winding number rounds to an odd one (so a cavity is outside whichever way it turns); on the boundary
 /// when within `tolerance` of a face. O(#F).
 template <Scalar T>

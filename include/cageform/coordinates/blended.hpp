@@ -137,18 +137,7 @@ private:
             const Evaluation part = f(k, some);
             total.status = part.status;
             SolverReport& sum = total.solver;
-            sum.cells += part.solver.cells;
-            sum.cycles = std::max(sum.cycles, part.solver.cycles);
-            sum.convergence_factor = std::max(sum.convergence_factor, part.solver.convergence_factor);
-            sum.error_estimate = std::max(sum.error_estimate, part.solver.error_estimate);
-            sum.error_bound = std::max(sum.error_bound, part.solver.error_bound);
-            sum.bytes = std::max(sum.bytes, part.solver.bytes);
-            sum.crowded_cells += part.solver.crowded_cells;
-            sum.solves += part.solver.solves;
-            sum.sweeps += part.solver.sweeps;
-            sum.unconverged += part.solver.unconverged;
-            sum.largest_mean_change = std::max(sum.largest_mean_change, part.solver.largest_mean_change);
-            sum.seconds += part.solver.seconds;
+            sum.add(part.solver);
             if (part.solver.unseen_handle != SolverReport::none) {
                 sum.unseen_handle = first_[k] + part.solver.unseen_handle;
                 sum.sufficient_resolution = part.solver.sufficient_resolution;

@@ -109,10 +109,7 @@ private:
             edges_.push_back(
                 {vec_cast<T>(a), vec_cast<T>(unit(b - a)), static_cast<T>(detail::length(b - a))});
         }
-        const auto shells = shells_of(cage_);
-        for (std::size_t f = 0; f < cage_.faces().size(); ++f) {
-            auto corners = cage_.faces()[f];
-            if (shells.turned[shells.of_face[f]]) std::swap(corners[1], corners[2]);
+        for (const auto& corners : outward_faces(cage_)) {
             Face face;
             face.corner = corners;
             const std::array<Vec<double, 3>, 3> c{at[corners[0]], at[corners[1]], at[corners[2]]};

@@ -121,7 +121,7 @@ public:
     /// are left as they are: the grid is too coarse for them anyway.
     template <class Cage>
     CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem) {
-        for (const auto& c : whole.vertices()) vertices_.push_back(lattice.in_cells(vec_cast<double>(c)));
+        vertices_ = lattice.in_cells(whole.vertices());
         const auto& polygon = boundary_of(whole);
         const auto& cells = interior_cells(whole);
         // Edges out of every vertex: first and last those that bound its inside, counter-clockwise; none of a vertex inside.
@@ -165,8 +165,8 @@ public:
                     radius = std::min(radius, detail::length(vertices_[j] - vertices_[k]));
                     return;
                 }
-                const double s = detail::part_of_segment(vertices_[i], vertices_[j], vertices_[k]);
-                const auto d = vertices_[j] + s * (vertices_[k] - vertices_[j]) - vertices_[i];
+                const auto d =
+                    detail::nearest_on_segment(vertices_[i], vertices_[j], vertices_[k]) - vertices_[i];
                 radius = std::min(radius, detail::length(d) - margin);
             };
             polygon.for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });

@@ -1,14 +1,13 @@
 // What a computation that may take long is told and tells: threads, progress, its outcome.
 #pragma once
 
+#include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/parallel.hpp>
 #include <cageform/core/status.hpp>
 
 #include <algorithm>
 #include <cstddef>
 #include <functional>
-#include <new>
-#include <stdexcept>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -45,6 +44,23 @@ struct SolverReport {
     std::size_t unconverged = 0;    ///< functions whose tolerance was not met
     double largest_mean_change = 0; ///< of the averaging solver's last sweep, over all functions
     double seconds = 0;             ///< wall-clock time
+
+    /// Adds what the solver did for other functions: counts and times add up, of the rest the worst is kept. Culprits and
+    /// unseen handles are left as they are.
+    void add(const SolverReport& part) noexcept {
+        cells += part.cells;
+        cycles = std::max(cycles, part.cycles);
+        convergence_factor = std::max(convergence_factor, part.convergence_factor);
+        error_estimate = std::max(error_estimate, part.error_estimate);
+        error_bound = std::max(error_bound, part.error_bound);
+        bytes = std::max(bytes, part.bytes);
+        crowded_cells += part.crowded_cells;
+        solves += part.solves;
+        sweeps += part.sweeps;
+        unconverged += part.unconverged;
+        largest_mean_change = std::max(largest_mean_change, part.largest_mean_change);
+        seconds += part.seconds;
+    }
 };
 
 /// Outcome of evaluating a coordinate type for a batch of points.
@@ -78,23 +94,6 @@ Status for_each_block(std::size_t blocks, const EvaluateOptions& options, const 
             return Status::cancelled;
     }
     return Status::ok;
-}
-
-/// Runs `f`; an allocation that fails becomes Status::out_of_memory (without exceptions it ends the program,
-/// as the standard library has it).
-template <class F>
-Status guard_memory(F&& f) {
-#if defined(__cpp_exceptions)
-    try {
-        return f();
-    } catch (const std::bad_alloc&) {
-        return Status::out_of_memory;
-    } catch (const std::length_error&) {
-        return Status::out_of_memory;
-    }
-#else
-    return f();
-#endif
 }
 
 } // namespace detail

@@ -63,6 +63,13 @@ struct Lattice : CellBox<D> {
     }
     /// Position in units of cells, 0 at the beginning of cell 0 and 0.5 at its centre.
     Vec<T, D> in_cells(const Vec<T, D>& p) const noexcept { return (T(1) / spacing) * (p - origin); }
+    template <Scalar S>
+    std::vector<Vec<T, D>> in_cells(std::span<const Vec<S, D>> points) const {
+        std::vector<Vec<T, D>> all;
+        all.reserve(points.size());
+        for (const auto& p : points) all.push_back(in_cells(vec_cast<T>(p)));
+        return all;
+    }
 };
 
 /// Empty cells left around a cage on every side, so that the exterior is connected.

@@ -19,7 +19,7 @@ public:
     template <class Cage>
     MeshBoundary(const Cage& whole, const Lattice<double, 3>& lattice)
         : lattice_(lattice)
-        , vertices_(in_cells(whole.vertices(), lattice))
+        , vertices_(lattice.in_cells(whole.vertices()))
         , thick_(interior_cells(whole).thick, vertices_, lattice) {
         const auto faces = boundary_of(whole).faces();
         faces_.assign(faces.begin(), faces.end());
@@ -143,12 +143,6 @@ private:
     using Face = typename TriangleMesh<T>::Face;
     using Pass = std::pair<std::uint64_t, std::uint32_t>;
 
-    static std::vector<Vec<double, 3>> in_cells(std::span<const Vec<T, 3>> vertices,
-                                                const Lattice<double, 3>& lattice) {
-        std::vector<Vec<double, 3>> all;
-        for (const auto& v : vertices) all.push_back(lattice.in_cells(vec_cast<double>(v)));
-        return all;
-    }
     static std::uint64_t cell(std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
         const auto part = [](std::int32_t i) { return std::uint64_t(std::uint32_t(i) & 0x1FFFFFu); };
         return (part(z) << 42) | (part(y) << 21) | part(x);

@@ -20,8 +20,8 @@ public:
     template <class Cage>
     PolygonBoundary(const Cage& whole, const Lattice<double, 2>& lattice)
         : lattice_(lattice)
-        , thick_(interior_cells(whole).thick, in_cells(whole.vertices(), lattice), lattice) {
-        const auto vertices = in_cells(whole.vertices(), lattice);
+        , thick_(interior_cells(whole).thick, lattice.in_cells(whole.vertices()), lattice) {
+        const auto vertices = lattice.in_cells(whole.vertices());
         const auto add = [&](std::size_t i, std::size_t j, bool turns) {
             edges_.push_back({std::uint32_t(i), std::uint32_t(j), vertices[i], vertices[j], turns});
         };
@@ -156,12 +156,6 @@ private:
     using Pass = std::pair<std::uint64_t, std::uint32_t>;
     using PassIterator = typename std::vector<Pass>::const_iterator;
 
-    static std::vector<Vec<double, 2>> in_cells(std::span<const Vec<T, 2>> vertices,
-                                                const Lattice<double, 2>& lattice) {
-        std::vector<Vec<double, 2>> all;
-        for (const auto& v : vertices) all.push_back(lattice.in_cells(vec_cast<double>(v)));
-        return all;
-    }
     static std::uint64_t cell(std::int32_t x, std::int32_t y) noexcept {
         return (std::uint64_t(std::uint32_t(y)) << 32) | std::uint32_t(x);
     }

@@ -102,8 +102,8 @@ public:
         for_each_node_about(cell, D, [&](const Index& index) {
             auto middle = place(index);
             for (std::size_t k = 0; k < D; ++k) middle[k] += 0.5;
-            const double s = detail::part_of_segment(middle, cell.a, cell.b);
-            if (detail::length(cell.a + s * (cell.b - cell.a) - middle) <= reach) f(index);
+            if (detail::length(detail::nearest_on_segment(middle, cell.a, cell.b) - middle) <= reach)
+                f(index);
         });
     }
 

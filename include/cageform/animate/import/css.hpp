@@ -210,7 +210,7 @@ inline CssText to_css(const BezierCurve& curve) noexcept {
         before = ", ";
     }
     append(")");
-    result.status = detail::allocating([&] {
+    result.status = detail::guard_memory([&] {
         result.text.assign(buffer.data(), end);
         return Status::ok;
     });

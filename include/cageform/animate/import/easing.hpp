@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cageform/animate/bezier.hpp>
+#include <cageform/core/detail/guard_memory.hpp>
 
 #include <bit>
 #include <cstdint>
 #include <limits>
-#include <new>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -125,20 +125,6 @@ inline UnitHandles unit_handles(const BezierCurve& curve) noexcept {
     }
     if (!is_finite(result.first[1]) || !is_finite(result.second[1])) result.status = Status::value_not_finite;
     return result;
-}
-
-/// Runs `f`, which returns a Status; an allocation that fails becomes out_of_memory.
-template <class F>
-Status allocating(F&& f) noexcept {
-#if defined(__cpp_exceptions)
-    try {
-        return f();
-    } catch (const std::bad_alloc&) {
-        return Status::out_of_memory;
-    }
-#else
-    return f();
-#endif
 }
 
 } // namespace detail

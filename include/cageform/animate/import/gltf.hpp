@@ -57,7 +57,7 @@ inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<
             return failed(Status::value_not_finite, k);
         if (k > 0 && !(times[k] > times[k - 1])) return failed(Status::keys_not_ascending, k);
     }
-    const Status status = detail::allocating([&] {
+    const Status status = detail::guard_memory([&] {
         result.curves.resize((keys - 1) * components);
         return Status::ok;
     });
@@ -103,7 +103,7 @@ inline GltfTrack to_gltf_cubicspline(std::span<const BezierCurve> curves, std::s
     if (components == 0 || curves.empty() || curves.size() % components != 0)
         return failed(Status::input_malformed, 0);
     const std::size_t intervals = curves.size() / components;
-    const Status status = detail::allocating([&] {
+    const Status status = detail::guard_memory([&] {
         result.times.resize(intervals + 1);
         result.values.resize(3 * (intervals + 1) * components);
         return Status::ok;

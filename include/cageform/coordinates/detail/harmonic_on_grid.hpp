@@ -233,12 +233,7 @@ private:
                 take(group, block, at_corners);
                 progress.end_group();
                 const std::lock_guard lock(report_access);
-                report.solves += part.solves;
-                report.unconverged += part.unconverged;
-                report.cycles = std::max(report.cycles, part.cycles);
-                report.convergence_factor = std::max(report.convergence_factor, part.convergence_factor);
-                report.error_estimate = std::max(report.error_estimate, part.error_estimate);
-                report.error_bound = std::max(report.error_bound, part.error_bound);
+                report.add(part);
             }
             const std::lock_guard lock(report_access);
             spare.push_back(std::move(block));

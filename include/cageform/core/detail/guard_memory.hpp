@@ -1,0 +1,28 @@
+// Allocations that fail as a status.
+#pragma once
+
+#include <cageform/core/status.hpp>
+
+#include <new>
+#include <stdexcept>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Runs `f`; an allocation that fails becomes Status::out_of_memory (without exceptions it ends the program,
+/// as the standard library has it).
+template <class F>
+Status guard_memory(F&& f) {
+#if defined(__cpp_exceptions)
+    try {
+        return f();
+    } catch (const std::bad_alloc&) {
+        return Status::out_of_memory;
+    } catch (const std::length_error&) {
+        return Status::out_of_memory;
+    }
+#else
+    return f();
+#endif
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
