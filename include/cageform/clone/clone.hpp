@@ -2,91 +2,45 @@
 #pragma once
 
 #include <cageform/binding/binding.hpp>
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/clone/detail/row_sums.hpp>
+#include <cageform/clone/detail/target.hpp>
 #include <cageform/core/parallel.hpp>
 #include <cageform/core/status.hpp>
-#include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Handles are taken in groups whose displacements fit into the first cache level, so nothing is allocated
-/// whatever their number.
-inline constexpr std::size_t handle_group = 256;
-
-/// Adds the weighted displacements of `size` handles to the sums of `Blocks` blocks. The blocks go side by side
-/// so that their additions do not wait for each other.
-template <std::size_t Blocks, Scalar T, std::size_t D>
-void add_displacements(const Lanes<T>* weight, std::size_t block_stride, const Vec<T, D>* displacement,
-                       std::size_t size, Lanes<T> (*sums)[D]) noexcept {
-    Pack<T> sum[Blocks][D];
-    for (std::size_t b = 0; b < Blocks; ++b) {
-        for (std::size_t k = 0; k < D; ++k) sum[b][k] = Pack<T>::load(sums[b][k]);
-    }
-    for (std::size_t i = 0; i < size; ++i) {
-        for (std::size_t b = 0; b < Blocks; ++b) {
-            const Pack<T> w = Pack<T>::load(weight[b * block_stride + i]);
-            for (std::size_t k = 0; k < D; ++k) sum[b][k] = sum[b][k] + w * Pack<T>(displacement[i][k]);
-        }
-    }
-    for (std::size_t b = 0; b < Blocks; ++b) {
-        for (std::size_t k = 0; k < D; ++k) sum[b][k].store(sums[b][k]);
-    }
-}
-
 /// Points of blocks [begin, end) of a clone.
 template <Scalar T, std::size_t D, class Pose, class Out>
-void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, std::size_t begin,
-                  std::size_t end) noexcept {
-    constexpr std::size_t lanes = lane_count<T>;
-    // As many blocks side by side as keep their sums in registers.
-    constexpr std::size_t wanted = 12 / (D * Pack<T>::count);
-    constexpr std::size_t together = wanted > 1 ? wanted : 1;
-    constexpr std::size_t tile = 4 * together;
-    const std::size_t handles = binding.handle_count();
-    Vec<T, D> displacement[handle_group];
-    Lanes<T> sums[tile][D];
-    std::size_t loaded = handles; // first handle of the group in `displacement`; none yet
-
-    for (std::size_t first = begin; first < end; first += tile) {
-        const std::size_t blocks = end - first < tile ? end - first : tile;
-        for (std::size_t b = 0; b < blocks; ++b) {
-            for (std::size_t k = 0; k < D; ++k) sums[b][k] = binding.rest.block(first + b)[k];
-        }
-        for (std::size_t h = 0; h < handles; h += handle_group) {
-            const std::size_t size = handles - h < handle_group ? handles - h : handle_group;
-            if (loaded != h) {
-                for (std::size_t i = 0; i < size; ++i) {
-                    displacement[i] = to_vec<T>(pose[h + i]) - binding.rest_handles[h + i];
-                }
-                loaded = h;
-            }
-            std::size_t b = 0;
-            for (; b + together <= blocks; b += together) {
-                add_displacements<together>(binding.weights.block(first + b) + h, handles, displacement, size,
-                                            sums + b);
-            }
-            for (; b < blocks; ++b) {
-                add_displacements<1>(binding.weights.block(first + b) + h, handles, displacement, size,
-                                     sums + b);
-            }
-        }
-        for (std::size_t b = 0; b < blocks; ++b) {
-            const std::size_t p = (first + b) * lanes;
-            const std::size_t used = binding.point_count() - p < lanes ? binding.point_count() - p : lanes;
-            for (std::size_t lane = 0; lane < used; ++lane) {
-                // An unmoved point keeps its bits: −0 plus nothing would be +0.
-                Vec<T, D> moved{};
-                for (std::size_t k = 0; k < D; ++k) {
-                    const T rest = binding.rest.block(first + b)[k][lane];
-                    moved[k] = sums[b][k][lane] == rest ? rest : sums[b][k][lane];
-                }
-                store_point(out, p + lane, moved);
-            }
-        }
-    }
+void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out,
+                  const CloneOptions<T>& options, std::size_t begin, std::size_t end) noexcept {
+    const CloneTarget<T, D, Out> target{binding.rest.data, nullptr, binding.point_count(), options, out};
+    const Displacements<T, D, Pose> displacements(binding.rest_handles, binding.handle_count(), pose);
+    displacements.with([&](const auto& displacement) {
+        sum_dense<WeightFormat::scalar, T, D>(reinterpret_cast<const std::byte*>(binding.weights.data),
+                                              binding.handle_count(), binding.weights.blocks(), displacement,
+                                              begin, end,
+                                              [&](std::size_t b, Lanes<T>* sums) { target.write(b, sums); });
+    });
 }
+
+/// Whether a pose and an output fit a binding of any kind.
+template <class View, class Pose, class Out>
+Status check_clone(const View& binding, const Pose& pose, const Out& out,
+                   const CloneOptions<typename View::scalar>& options) noexcept {
+    if (std::size(pose) != binding.handle_count()) return Status::pose_size_differs;
+    if (std::size(out) < binding.point_count()) return Status::output_too_small;
+    if (options.mask.size() != 0 && options.mask.size() < binding.point_count())
+        return Status::mask_too_small;
+    for (std::size_t i = 0; i < binding.handle_count(); ++i) {
+        if (!is_finite(to_vec<typename View::scalar>(pose[i]) - binding.rest_handles[i]))
+            return Status::pose_not_finite;
+    }
+    return Status::ok;
+}
+
+inline constexpr std::size_t clone_grain = 256; ///< blocks
 
 } // namespace detail
 
@@ -96,7 +50,8 @@ void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, 
 ///   out           any MutablePointRange of at least #points places; the rest of it is left alone. May not
 ///                 overlap the pose.
 ///   parallel_for  see core/parallel.hpp; the result does not depend on it
-///   returns       pose_size_differs, pose_not_finite, output_too_small (`out` is then untouched), or ok
+///   options       a mask, and what the displacements are added to
+///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is then untouched), or ok
 ///   cost          reads every weight once: #points × (#handles + D) scalars; no allocation
 ///
 /// The pose at rest gives the bound points bit for bit. An affine pose moves every bound point by the same
@@ -105,17 +60,15 @@ void clone_blocks(const BindingView<T, D>& binding, const Pose& pose, Out& out, 
 template <Scalar T, std::size_t D, PointRange Pose, class Out, class Parallel = SerialFor>
     requires(MutablePointRange<std::remove_reference_t<Out>>&& range_dimension<Pose> == D &&
              range_dimension<std::remove_reference_t<Out>> == D)
-Status clone(const BindingView<T, D>& binding, const Pose& pose, Out&& out, const Parallel& parallel_for = {})
+Status clone(const BindingView<T, D>& binding, const Pose& pose, Out&& out, const Parallel& parallel_for = {},
+             const CloneOptions<T>& options = {})
 noexcept {
-    if (std::size(pose) != binding.handle_count()) return Status::pose_size_differs;
-    if (std::size(out) < binding.point_count()) return Status::output_too_small;
-    for (std::size_t i = 0; i < binding.handle_count(); ++i) {
-        if (!is_finite(to_vec<T>(pose[i]) - binding.rest_handles[i])) return Status::pose_not_finite;
-    }
-    constexpr std::size_t grain = 256;
-    parallel_for(block_count<T>(binding.point_count()), grain, [&](std::size_t begin, std::size_t end) {
-        detail::clone_blocks(binding, pose, out, begin, end);
-    });
+    const Status status = detail::check_clone(binding, pose, out, options);
+    if (status != Status::ok) return status;
+    parallel_for(block_count<T>(binding.point_count()), detail::clone_grain,
+                 [&](std::size_t begin, std::size_t end) {
+                     detail::clone_blocks(binding, pose, out, options, begin, end);
+                 });
     return Status::ok;
 }
 
@@ -123,9 +76,10 @@ noexcept {
 template <Scalar T, std::size_t D, PointRange Pose, class Out, class Parallel = SerialFor>
     requires(MutablePointRange<std::remove_reference_t<Out>>&& range_dimension<Pose> == D &&
              range_dimension<std::remove_reference_t<Out>> == D)
-Status clone(const Binding<T, D>& binding, const Pose& pose, Out&& out, const Parallel& parallel_for = {})
+Status clone(const Binding<T, D>& binding, const Pose& pose, Out&& out, const Parallel& parallel_for = {},
+             const CloneOptions<T>& options = {})
 noexcept {
-    return clone(binding.view(), pose, out, parallel_for);
+    return clone(binding.view(), pose, out, parallel_for, options);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

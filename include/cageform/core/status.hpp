@@ -54,6 +54,21 @@ enum class [[nodiscard]] Status : std::uint8_t{
     pose_size_differs,    ///< a pose has another number of points than the binding has handles
     pose_not_finite,      ///< a pose holds NaN or infinity, or lies too far off to be represented
     output_too_small,     ///< fewer places in the output than points
+    mask_too_small,       ///< fewer numbers in the mask than points
+    too_many_handles,     ///< more handles than a format can count
+    too_few_weights,      ///< fewer weights a point than linear precision takes
+    too_few_influences,   ///< a skin of no influence a point
+    order_not_a_permutation, ///< an order of points leaves one out or names one twice
+    weight_not_finite,       ///< a weight of a binding is NaN or infinite
+    binding_empty,           ///< a binding without points, where other points are to go by it
+    not_a_blob, ///< memory that does not begin as a packed binding does, or is not aligned to 64 bytes
+    blob_version_differs,   ///< a packed binding of another version of the format or byte order
+    blob_kind_differs,      ///< a packed binding of another scalar or dimension
+    blob_truncated,         ///< less memory than the packed binding says it takes
+    blob_malformed,         ///< parts of a packed binding overlap its ends, or point beyond each other
+    blob_corrupt,           ///< the checksum of a packed binding differs
+    blob_of_another_cage,   ///< made for a cage of another hash
+    blob_of_another_figure, ///< made for a figure of another hash
     out_of_memory,
 };
 
@@ -105,6 +120,21 @@ constexpr const char* to_string(Status status) noexcept {
     case Status::pose_size_differs: return "the pose has another number of points than the cage";
     case Status::pose_not_finite: return "the pose holds a number that is not finite";
     case Status::output_too_small: return "the output has fewer places than there are points";
+    case Status::mask_too_small: return "the mask has fewer numbers than there are points";
+    case Status::too_many_handles: return "more handles than the format can count";
+    case Status::too_few_weights: return "linear precision takes more weights a point";
+    case Status::too_few_influences: return "a skin needs at least one influence a point";
+    case Status::order_not_a_permutation: return "the order leaves a point out or names one twice";
+    case Status::weight_not_finite: return "a weight of the binding is not a finite number";
+    case Status::binding_empty: return "the binding has no points to go by";
+    case Status::not_a_blob: return "the memory holds no packed binding, or is not aligned to 64 bytes";
+    case Status::blob_version_differs: return "the packed binding is of another version or byte order";
+    case Status::blob_kind_differs: return "the packed binding is of another scalar or dimension";
+    case Status::blob_truncated: return "the packed binding is cut off";
+    case Status::blob_malformed: return "the packed binding contradicts itself";
+    case Status::blob_corrupt: return "the checksum of the packed binding differs";
+    case Status::blob_of_another_cage: return "the packed binding was made for another cage";
+    case Status::blob_of_another_figure: return "the packed binding was made for another figure";
     case Status::out_of_memory: return "out of memory";
     }
     return "unknown status";

@@ -39,6 +39,19 @@ public:
     void store(std::size_t i, const value_type& p) const noexcept requires(!std::is_const_v<T>) {
         for (std::size_t k = 0; k < D; ++k) *at(i, k) = p[k];
     }
+    /// Where one component of the points lies side by side in memory, point 0's; null where they lie apart.
+    T* plain_axis(std::size_t axis) const noexcept {
+        return point_stride_ == sizeof(T) ? at(0, axis) : nullptr;
+    }
+    /// Where all numbers lie one after the other, x y z x y z …; else null.
+    constexpr T* plain_numbers() const noexcept {
+        return axis_stride_ == sizeof(T) && point_stride_ == D * sizeof(T) ? data_ : nullptr;
+    }
+
+    /// `count` points from point `first` on: where one of several figures stands in a common buffer.
+    StridedPoints subview(std::size_t first, std::size_t count) const noexcept {
+        return {at(first, 0), count, point_stride_, axis_stride_};
+    }
 
 private:
     using Byte = std::conditional_t<std::is_const_v<T>, const std::byte, std::byte>;

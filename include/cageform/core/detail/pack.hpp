@@ -5,6 +5,12 @@
 
 #include <cstring>
 
+#if defined(__GNUC__)
+#define CAGEFORM_DETAIL_INLINE __attribute__((always_inline))
+#else
+#define CAGEFORM_DETAIL_INLINE
+#endif
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 #if CAGEFORM_REGISTER_BYTES != 0
@@ -19,6 +25,41 @@ struct RegisterOf {
     using type = T;
 };
 #endif
+
+/// Leaves a number or register as it is, in a way that compilers cannot look through; takes no instruction. Where they
+/// must not merge what comes before with what comes after.
+template <class R>
+void conceal([[maybe_unused]] R& r) noexcept {
+#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
+    __asm__("" : "+v"(r));
+#elif defined(__GNUC__) && defined(__aarch64__)
+    __asm__("" : "+w"(r));
+#elif defined(CAGEFORM_DETERMINISTIC)
+#error "CAGEFORM_DETERMINISTIC knows GNU and clang on x86 and 64-bit ARM"
+#endif
+}
+
+/// a · b of numbers or registers; under CAGEFORM_DETERMINISTIC rounded before it meets a sum.
+template <class R>
+R product(R a, R b) noexcept {
+    R ab = a * b;
+#if defined(CAGEFORM_DETERMINISTIC)
+    conceal(ab); // or it would become one instruction with the sum, by each compiler's own rules
+#endif
+    return ab;
+}
+
+/// a · b + c of numbers or registers, rounded as `multiply_add` of packs says.
+template <class R>
+R multiply_add(R a, R b, R c) noexcept {
+#if defined(CAGEFORM_DETERMINISTIC)
+    return product(a, b) + c;
+#elif defined(__clang__) && (defined(__FMA__) || defined(__aarch64__))
+    return __builtin_elementwise_fma(a, b, c); // clang does not merge across functions by itself
+#else
+    return a * b + c;
+#endif
+}
 
 /// `lane_count<T>` numbers held in registers, with elementwise arithmetic. The loops below run over
 /// registers (one to four), never over lanes, and disappear.
@@ -48,11 +89,15 @@ struct Pack {
         for (std::size_t k = 0; k < count; ++k) r[k] = x - Register{};
     }
     static Pack load(const Lanes<T>& lanes) noexcept {
-        Pack p;
-        std::memcpy(&p.r, &lanes.v, sizeof(p.r));
+        Pack p; // register by register: as a whole GNU would copy in pieces of another width
+        for (std::size_t k = 0; k < count; ++k)
+            std::memcpy(&p.r[k], lanes.v + k * (64 / sizeof(T) / count), sizeof(Register));
         return p;
     }
-    void store(Lanes<T>& lanes) const noexcept { std::memcpy(&lanes.v, &r, sizeof(r)); }
+    void store(Lanes<T>& lanes) const noexcept {
+        for (std::size_t k = 0; k < count; ++k)
+            std::memcpy(lanes.v + k * (64 / sizeof(T) / count), &r[k], sizeof(Register));
+    }
 
     friend Pack operator+(Pack a, const Pack& b) noexcept {
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] + b.r[k];
@@ -63,7 +108,7 @@ struct Pack {
         return a;
     }
     friend Pack operator*(Pack a, const Pack& b) noexcept {
-        for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] * b.r[k];
+        for (std::size_t k = 0; k < count; ++k) a.r[k] = product(a.r[k], b.r[k]);
         return a;
     }
     friend Pack operator/(Pack a, const Pack& b) noexcept {
@@ -88,18 +133,26 @@ Pack<T> select(const typename Pack<T>::Mask& m, Pack<T> a, const Pack<T>& b) noe
     return a;
 }
 
+/// a · b + c. One rounding or two, as the compiler and its target have it; under CAGEFORM_DETERMINISTIC always two.
+template <Scalar T>
+Pack<T> multiply_add(const Pack<T>& a, const Pack<T>& b, Pack<T> c) noexcept {
+    for (std::size_t k = 0; k < Pack<T>::count; ++k) c.r[k] = multiply_add(a.r[k], b.r[k], c.r[k]);
+    return c;
+}
+
 template <Scalar T>
 Pack<T> abs(const Pack<T>& a) noexcept {
     return select<T>(a < Pack<T>(T(0)), Pack<T>(T(0)) - a, a);
 }
 
+// Named in parentheses, for windows.h defines macros of these names.
 template <Scalar T>
-Pack<T> max(const Pack<T>& a, const Pack<T>& b) noexcept {
+Pack<T>(max)(const Pack<T>& a, const Pack<T>& b) noexcept {
     return select<T>(a < b, b, a);
 }
 
 template <Scalar T>
-Pack<T> min(const Pack<T>& a, const Pack<T>& b) noexcept {
+Pack<T>(min)(const Pack<T>& a, const Pack<T>& b) noexcept {
     return select<T>(a < b, a, b);
 }
 

@@ -1,0 +1,278 @@
+// A packed binding in memory: what is written to a file, mapped, and cloned from where it lies.
+//
+// Little or big endian as the machine that made it, told by a tag; every part begins at a multiple of 64 bytes from the
+// beginning; offsets, no pointers. L = 64 / sizeof(T) points make a block (16 for float, 8 for double), B = ⌈#points / L⌉.
+//
+//     BlobHeader
+//     weights       #rows × L of the format: a row holds the weights of a block's points for one handle, block by block
+//     row_begin     B + 1 × uint32, row_handle  #rows × uint16     only of sparse bindings; else #rows = B · #handles
+//     order         #points × uint32: the point at each place      only where points are not in their own order
+//     scale         B × T, lack  B × (D + 1) × L × T, affine_fit  #handles × (D + 1) × T     not with scalar weights
+//     rest          B × D × L × T
+//     rest_handles  #handles × D × T
+//
+// The same bytes serve as buffers of a GPU (clone/glsl.hpp).
+#pragma once
+
+#include <cageform/binding/packed_binding.hpp>
+#include <cageform/core/status.hpp>
+
+#include <cstring>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 for a part that is not there.
+struct BlobHeader {
+    static constexpr std::uint64_t magic_number = 0x6D726F6665676163u; // "cageform" in little endian
+    static constexpr std::uint32_t current_version = 1, endian_tag = 0x01020304u;
+
+    std::uint64_t magic = magic_number;
+    std::uint32_t version = current_version;
+    std::uint32_t endian = endian_tag;
+    std::uint64_t bytes = 0;    ///< of the whole blob, a multiple of 64
+    std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
+    std::uint32_t scalar_bytes = 0, dimension = 0, format = 0, reserved = 0;
+    std::uint64_t handles = 0, points = 0, rows = 0;
+    std::uint64_t cage_hash = 0, figure_hash = 0;
+    std::uint64_t weights = 0, row_begin = 0, row_handle = 0, order = 0, scale = 0, lack = 0, affine_fit = 0,
+                  rest = 0, rest_handles = 0;
+    std::uint64_t padding[4] = {};
+};
+static_assert(sizeof(BlobHeader) == 192);
+
+/// 64 bits that differ, surely where one word of eight bytes differs and most likely otherwise. No defence against forgery.
+/// `seed` chains several pieces. About 20 GB/s.
+inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t seed = 0) noexcept {
+    // Eight sums beside each other, each step of which can be undone, so that no difference is lost on the way.
+    constexpr std::uint64_t prime = 0x9E3779B97F4A7C15u;
+    std::uint64_t sums[8];
+    for (std::size_t j = 0; j < 8; ++j) sums[j] = seed + (j + 1) * prime;
+    const auto add = [&](std::size_t j, std::uint64_t word) {
+        sums[j] = (sums[j] ^ word) * prime;
+        sums[j] ^= sums[j] >> 32;
+    };
+    std::size_t i = 0;
+    for (; i + 64 <= bytes.size(); i += 64) {
+        std::uint64_t words[8];
+        std::memcpy(words, bytes.data() + i, 64);
+        for (std::size_t j = 0; j < 8; ++j) add(j, words[j]);
+    }
+    for (std::size_t j = 0; i < bytes.size(); i += 8, ++j) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + i, bytes.size() - i < 8 ? bytes.size() - i : 8);
+        add(j, word);
+    }
+    std::uint64_t hash = bytes.size() * prime;
+    for (const std::uint64_t sum : sums) {
+        hash = (hash ^ sum) * prime;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+/// The same of anything that lies in a row: the vertices of a cage, the faces of a figure.
+template <class X>
+    requires std::is_trivially_copyable_v<X> std::uint64_t hash_memory(std::span<const X> values,
+                                                                       std::uint64_t seed = 0)
+noexcept {
+    return hash_memory(std::as_bytes(values), seed);
+}
+
+/// How closely a blob is looked at before it is used.
+enum class BlobCheck : std::uint8_t {
+    all,       ///< the checksum too: reads every byte once
+    structure, ///< everything that could make a clone read or write where it may not
+};
+
+struct BlobExpectation {
+    std::uint64_t cage_hash = 0;   ///< refuses blobs of other cages; 0: any
+    std::uint64_t figure_hash = 0; ///< refuses blobs of other figures; 0: any
+    BlobCheck check = BlobCheck::all;
+};
+
+/// `binding` points into the blob; it is empty unless `status` is ok.
+template <Scalar T, std::size_t D>
+struct OpenedBlob {
+    Status status = Status::ok;
+    PackedBindingView<T, D> binding;
+    std::uint64_t cage_hash = 0, figure_hash = 0;
+    std::size_t bytes = 0; ///< of the blob; the next one may begin there
+};
+
+namespace detail {
+
+template <Scalar T, std::size_t D>
+PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& header) noexcept {
+    PackedBindingView<T, D> view;
+    view.format = static_cast<WeightFormat>(header.format);
+    view.handles = static_cast<std::size_t>(header.handles);
+    view.points = static_cast<std::size_t>(header.points);
+    const auto find = [data]<class X>(const X*& part, std::uint64_t offset) {
+        if (offset != 0) part = reinterpret_cast<const X*>(data + offset);
+    };
+    find(view.weights, header.weights);
+    find(view.row_begin, header.row_begin);
+    find(view.row_handle, header.row_handle);
+    find(view.order, header.order);
+    find(view.scale, header.scale);
+    find(view.lack, header.lack);
+    find(view.affine_fit, header.affine_fit);
+    find(view.rest, header.rest);
+    find(view.rest_handles, header.rest_handles);
+    return view;
+}
+
+/// Visits the parts of a blob: visit(offset, bytes a part takes, wanted).
+template <Scalar T, std::size_t D, class Header, class Visit>
+void for_each_blob_part(Header& header, const Visit& visit) noexcept {
+    const std::uint64_t points = header.points, rows = header.rows, handles = header.handles;
+    const std::uint64_t lanes = lane_count<T>, blocks = (points + lanes - 1) / lanes;
+    const auto format = static_cast<WeightFormat>(header.format);
+    const bool sparse = header.row_begin != 0, rounded = format != WeightFormat::scalar;
+    visit(header.weights, rows * (lanes * weight_bytes<T>(format)), true);
+    visit(header.row_begin, (blocks + 1) * 4, sparse);
+    visit(header.row_handle, rows * 2, sparse);
+    visit(header.order, points * 4, header.order != 0);
+    visit(header.scale, blocks * sizeof(T), rounded);
+    visit(header.lack, blocks * ((D + 1) * sizeof(Lanes<T>)), rounded);
+    visit(header.affine_fit, handles * ((D + 1) * sizeof(T)), rounded);
+    visit(header.rest, blocks * (D * sizeof(Lanes<T>)), true);
+    visit(header.rest_handles, handles * (D * sizeof(T)), true);
+}
+
+/// Counts that 32 bits hold keep the products of `for_each_blob_part` below 2^64; rows of dense blobs are checked by division.
+template <Scalar T, std::size_t D>
+Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
+    constexpr std::uint64_t most = 0xFFFFFFFFu;
+    if (header.format > std::uint32_t(WeightFormat::int8)) return Status::blob_malformed;
+    if (header.points > most || header.handles > most) return Status::blob_malformed;
+    const std::uint64_t blocks = (header.points + lane_count<T> - 1) / lane_count<T>;
+    if (header.row_begin != 0 ? header.rows > most
+                              : (header.handles != 0 && blocks > header.bytes / header.handles) ||
+                                    header.rows != blocks * header.handles)
+        return Status::blob_malformed;
+    if (header.rows > header.bytes) return Status::blob_malformed;
+    Status status = Status::ok;
+    for_each_blob_part<T, D>(header, [&](std::uint64_t offset, std::uint64_t bytes, bool wanted) {
+        const bool there = offset != 0;
+        if (there != wanted || offset % 64 != 0 || (there && offset < sizeof(BlobHeader)) ||
+            offset > header.bytes || (there && bytes > header.bytes - offset))
+            status = Status::blob_malformed;
+    });
+    if (status != Status::ok) return status;
+
+    const auto view = view_blob<T, D>(data, header);
+    if (view.row_begin != nullptr) {
+        if (view.row_begin[0] != 0 || view.row_begin[blocks] != header.rows) return Status::blob_malformed;
+        for (std::uint64_t b = 0; b < blocks; ++b) {
+            if (view.row_begin[b] > view.row_begin[b + 1]) return Status::blob_malformed;
+        }
+        std::uint32_t highest = 0;
+        for (std::uint64_t r = 0; r < header.rows; ++r)
+            highest = view.row_handle[r] > highest ? view.row_handle[r] : highest;
+        if (header.rows > 0 && highest >= header.handles) return Status::blob_malformed;
+    }
+    if (view.order != nullptr) {
+        std::uint32_t highest = 0;
+        for (std::uint64_t i = 0; i < header.points; ++i)
+            highest = view.order[i] > highest ? view.order[i] : highest;
+        if (header.points > 0 && highest >= header.points) return Status::blob_malformed;
+    }
+    return Status::ok;
+}
+
+} // namespace detail
+
+/// Makes use of a blob where it lies, in a mapped file for instance; `data` must stay as it is while the binding is used.
+///
+///   data     at least the blob, aligned to 64 bytes; what follows it is left alone
+///   returns  not_a_blob, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt, blob_malformed,
+///            blob_of_another_cage, blob_of_another_figure, or ok. A clone by what was opened never reads or writes out of
+///            bounds, whatever the bytes; with BlobCheck::all they are also those that were written.
+///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all everything once
+template <Scalar T, std::size_t D>
+OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectation& expected = {}) noexcept {
+    const auto refused = [](Status status) {
+        OpenedBlob<T, D> result;
+        result.status = status;
+        return result;
+    };
+    BlobHeader header;
+    if (data.size() < 16 || reinterpret_cast<std::uintptr_t>(data.data()) % 64 != 0)
+        return refused(Status::not_a_blob);
+    std::memcpy(&header, data.data(), data.size() < sizeof(header) ? data.size() : sizeof(header));
+    const auto swapped = [](std::uint64_t x) {
+        std::uint64_t turned = 0;
+        for (int byte = 0; byte < 8; ++byte, x >>= 8) turned = (turned << 8) | (x & 0xFFu);
+        return turned;
+    };
+    if (header.magic == swapped(BlobHeader::magic_number)) return refused(Status::blob_version_differs);
+    if (header.magic != BlobHeader::magic_number) return refused(Status::not_a_blob);
+    if (header.version != BlobHeader::current_version || header.endian != BlobHeader::endian_tag)
+        return refused(Status::blob_version_differs);
+    if (data.size() < sizeof(header) || header.bytes > data.size()) return refused(Status::blob_truncated);
+    if (header.bytes < sizeof(header) || header.bytes % 64 != 0) return refused(Status::blob_malformed);
+    constexpr std::size_t checked_from = 32;
+    if (expected.check == BlobCheck::all &&
+        hash_memory(data.subspan(checked_from, std::size_t(header.bytes) - checked_from)) != header.checksum)
+        return refused(Status::blob_corrupt);
+    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
+    const Status status = detail::check_blob<T, D>(data.data(), header);
+    if (status != Status::ok) return refused(status);
+    if (expected.cage_hash != 0 && header.cage_hash != expected.cage_hash)
+        return refused(Status::blob_of_another_cage);
+    if (expected.figure_hash != 0 && header.figure_hash != expected.figure_hash)
+        return refused(Status::blob_of_another_figure);
+    return {Status::ok, detail::view_blob<T, D>(data.data(), header), header.cage_hash, header.figure_hash,
+            std::size_t(header.bytes)};
+}
+
+/// The owner of a blob; made by `pack`. Copies and moves are whole bindings.
+template <Scalar T, std::size_t D>
+class PackedBinding {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    PackedBinding() = default;
+    /// Makes room for a blob: sets the offsets and the size of `header`, in which a part is wanted that is not zero. The
+    /// parts are to be written through `part`, and `seal` ends it. std::bad_alloc where there is no memory.
+    explicit PackedBinding(BlobHeader header) {
+        header.scalar_bytes = sizeof(T);
+        header.dimension = D;
+        std::uint64_t end = sizeof(BlobHeader);
+        detail::for_each_blob_part<T, D>(header,
+                                         [&end](std::uint64_t& offset, std::uint64_t bytes, bool wanted) {
+                                             offset = wanted ? end : 0;
+                                             if (wanted) end += (bytes + 63) / 64 * 64;
+                                         });
+        header.bytes = end;
+        memory_.resize(std::size_t(end / 64));
+        std::memset(data(), 0, std::size_t(end));
+        std::memcpy(data(), &header, sizeof(header));
+    }
+    void seal() noexcept {
+        BlobHeader header;
+        std::memcpy(&header, data(), sizeof(header));
+        header.checksum = hash_memory(bytes().subspan(32));
+        std::memcpy(data(), &header, sizeof(header));
+    }
+
+    /// What to write to a file; aligned to 64 bytes.
+    std::span<const std::byte> bytes() const noexcept { return std::as_bytes(std::span(memory_)); }
+    PackedBindingView<T, D> view() const noexcept {
+        if (memory_.empty()) return {};
+        BlobHeader header;
+        std::memcpy(&header, bytes().data(), sizeof(header));
+        return detail::view_blob<T, D>(bytes().data(), header);
+    }
+
+private:
+    std::byte* data() noexcept { return std::as_writable_bytes(std::span(memory_)).data(); }
+
+    std::vector<Lanes<double>> memory_; // of 64 bytes each
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

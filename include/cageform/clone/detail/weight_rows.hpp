@@ -1,0 +1,62 @@
+// Rows of weights in their formats, as registers of numbers.
+#pragma once
+
+#include <cageform/binding/packed_binding.hpp>
+#include <cageform/core/detail/pack.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+#if CAGEFORM_REGISTER_BYTES != 0
+/// Vectors of whole numbers with as many lanes as a register of T has.
+template <class Whole, class T>
+struct WholeOf {
+    typedef Whole type __attribute__((vector_size(register_bytes / sizeof(T) * sizeof(Whole))));
+};
+template <class To, class From>
+To convert_lanes(From from) noexcept {
+    return __builtin_convertvector(from, To);
+}
+#else
+template <class Whole, class T>
+struct WholeOf {
+    using type = Whole;
+};
+template <class To, class From>
+To convert_lanes(From from) noexcept {
+    return static_cast<To>(from);
+}
+#endif
+template <class Whole, class T>
+using Wholes = typename WholeOf<Whole, T>::type;
+
+/// One register of numbers from the bytes of a format.
+template <WeightFormat Format, Scalar T>
+typename Pack<T>::Register load_weights(const std::byte* bytes) noexcept {
+    using Register = typename Pack<T>::Register;
+    if constexpr (Format == WeightFormat::scalar) {
+        Register r;
+        std::memcpy(&r, bytes, sizeof(r));
+        return r;
+    } else if constexpr (Format == WeightFormat::int16) {
+        Wholes<std::int16_t, T> q;
+        std::memcpy(&q, bytes, sizeof(q));
+        return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(q));
+    } else if constexpr (Format == WeightFormat::int8) {
+        Wholes<std::int8_t, T> q;
+        std::memcpy(&q, bytes, sizeof(q));
+        const auto wider =
+            convert_lanes<Wholes<std::int16_t, T>>(q); // in two steps: GNU has instructions for those
+        return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(wider));
+    } else {
+        // The exponent moves to its place in a float; what its bias differs by is multiplied in.
+        Wholes<std::uint16_t, T> h;
+        std::memcpy(&h, bytes, sizeof(h));
+        const auto wide = convert_lanes<Wholes<std::uint32_t, T>>(h);
+        const Wholes<std::uint32_t, T> bits = ((wide & 0x7FFFu) << 13) | ((wide & 0x8000u) << 16);
+        Wholes<float, T> f;
+        std::memcpy(&f, &bits, sizeof(f));
+        return convert_lanes<Register>(f) * T(0x1p112f);
+    }
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

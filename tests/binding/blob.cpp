@@ -1,0 +1,259 @@
+// Blobs: opened where they lie, refused by name when anything is wrong, harmless whatever the bytes.
+#include "../support/packed.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <set>
+
+using namespace cageform_tests;
+using cageform::BlobCheck;
+using cageform::BlobHeader;
+using cageform::open_blob;
+
+namespace {
+
+/// Memory aligned as blobs want it.
+class Aligned {
+public:
+    explicit Aligned(std::span<const std::byte> bytes)
+        : lines_((bytes.size() + 63) / 64)
+        , size_(bytes.size()) {
+        std::memcpy(data(), bytes.data(), bytes.size());
+    }
+    std::byte* data() { return reinterpret_cast<std::byte*>(lines_.data()); }
+    std::span<std::byte> bytes() { return {data(), size_}; }
+    template <class X>
+    void set(std::size_t offset, X x) {
+        std::memcpy(data() + offset, &x, sizeof(x));
+    }
+    BlobHeader header() {
+        BlobHeader header;
+        std::memcpy(&header, data(), sizeof(header));
+        return header;
+    }
+    /// With the checksum that its bytes have.
+    void seal() {
+        set(offsetof(BlobHeader, checksum),
+            cageform::hash_memory(std::span<const std::byte>(bytes()).subspan(32)));
+    }
+
+private:
+    std::vector<cageform::Lanes<double>> lines_;
+    std::size_t size_;
+};
+
+cageform::PackedBinding<float, 3> small_blob(WeightFormat format = WeightFormat::int16,
+                                             std::size_t largest = 4) {
+    auto result = cageform::pack(random_binding<float, 3>(37, 9, 1), {.format = format, .largest = largest});
+    REQUIRE(result.report.status == Status::ok);
+    return std::move(result.binding);
+}
+
+Status status_of(std::span<const std::byte> bytes, const cageform::BlobExpectation& expected = {}) {
+    return open_blob<float, 3>(bytes, expected).status;
+}
+
+} // namespace
+
+TEST_CASE("a blob is used where it lies, and wherever it is moved to", "[blob]") {
+    for (const auto format :
+         {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
+        for (const std::size_t largest : {0u, 4u}) {
+            const auto packed = small_blob(format, largest);
+            Aligned elsewhere(packed.bytes());
+            const auto opened = open_blob<float, 3>(elsewhere.bytes());
+            REQUIRE(opened.status == Status::ok);
+            CHECK(opened.bytes == packed.bytes().size());
+            CHECK(static_cast<const void*>(opened.binding.weights) >= elsewhere.data());
+            const auto pose = random_points<float, 3>(9, 10, 2);
+            std::vector<Vec<float, 3>> a(37), b(37);
+            CHECK(cageform::clone(packed.view(), pose, a) == Status::ok);
+            CHECK(cageform::clone(opened.binding, pose, b) == Status::ok);
+            CHECK(a == b);
+        }
+    }
+}
+
+TEST_CASE("blobs one after the other in a file are opened in turn", "[blob]") {
+    const auto first = small_blob(), second = small_blob(WeightFormat::half, 0);
+    std::vector<std::byte> file(first.bytes().begin(), first.bytes().end());
+    file.insert(file.end(), second.bytes().begin(), second.bytes().end());
+    Aligned memory(file);
+    const auto one = open_blob<float, 3>(memory.bytes());
+    REQUIRE(one.status == Status::ok);
+    const auto two = open_blob<float, 3>(memory.bytes().subspan(one.bytes));
+    REQUIRE(two.status == Status::ok);
+    CHECK(two.binding.format == WeightFormat::half);
+    CHECK(one.bytes + two.bytes == file.size());
+}
+
+TEST_CASE("a blob of another cage or figure is refused by name", "[blob][status]") {
+    auto result = cageform::pack(random_binding<float, 3>(5, 9, 1), {.cage_hash = 11, .figure_hash = 12});
+    const auto bytes = result.binding.bytes();
+    CHECK(status_of(bytes, {.cage_hash = 11, .figure_hash = 12}) == Status::ok);
+    CHECK(status_of(bytes, {.cage_hash = 13}) == Status::blob_of_another_cage);
+    CHECK(status_of(bytes, {.cage_hash = 11, .figure_hash = 13}) == Status::blob_of_another_figure);
+
+    // Without hashes of one's own they are those of what was bound.
+    const auto binding = random_binding<float, 3>(5, 9, 1);
+    std::vector<Vec<float, 3>> handles, points;
+    for (std::size_t h = 0; h < 9; ++h) handles.push_back(binding.rest_handle(h));
+    for (std::size_t i = 0; i < 5; ++i) points.push_back(binding.rest_point(i));
+    const auto hash = [](const auto& values) {
+        return cageform::hash_memory(std::span(values.data(), values.size()));
+    };
+    const auto opened = open_blob<float, 3>(cageform::pack(binding).binding.bytes());
+    CHECK(opened.cage_hash == hash(handles));
+    CHECK(opened.figure_hash == hash(points));
+    points[3][1] += 1;
+    CHECK(opened.figure_hash != hash(points));
+}
+
+TEST_CASE("a blob of another kind is refused by name", "[blob][status]") {
+    const auto packed = small_blob();
+    CHECK(open_blob<double, 3>(packed.bytes()).status == Status::blob_kind_differs);
+    CHECK(open_blob<float, 2>(packed.bytes()).status == Status::blob_kind_differs);
+
+    const std::vector<std::byte> text(1000, std::byte{'x'});
+    CHECK(status_of(Aligned(text).bytes()) == Status::not_a_blob);
+    CHECK(status_of({}) == Status::not_a_blob);
+    Aligned shifted(packed.bytes());
+    CHECK(status_of(shifted.bytes().subspan(8)) == Status::not_a_blob);
+
+    Aligned newer(packed.bytes());
+    newer.set(offsetof(BlobHeader, version), std::uint32_t(2));
+    CHECK(status_of(newer.bytes()) == Status::blob_version_differs);
+    Aligned turned(packed.bytes()); // as a machine of the other byte order writes it
+    std::reverse(turned.data(), turned.data() + 8);
+    CHECK(status_of(turned.bytes()) == Status::blob_version_differs);
+    Aligned tag(packed.bytes());
+    tag.set(offsetof(BlobHeader, endian), std::uint32_t(0x04030201));
+    CHECK(status_of(tag.bytes()) == Status::blob_version_differs);
+}
+
+TEST_CASE("a blob cut off anywhere is refused", "[blob][status]") {
+    const auto packed = small_blob();
+    for (std::size_t size = 0; size < packed.bytes().size(); ++size) {
+        Aligned memory(packed.bytes().first(size)); // exactly as long: a sanitizer sees what is read beyond
+        const Status status = status_of(memory.bytes());
+        CAPTURE(size);
+        CHECK(status == (size < 16 ? Status::not_a_blob : Status::blob_truncated));
+    }
+}
+
+TEST_CASE("a blob with any bit flipped is refused", "[blob][status]") {
+    const auto packed = small_blob();
+    Aligned memory(packed.bytes());
+    std::size_t accepted = 0;
+    for (std::size_t byte = 0; byte < packed.bytes().size(); ++byte) {
+        for (int bit = 0; bit < 8; ++bit) {
+            memory.data()[byte] ^= std::byte(1 << bit);
+            if (status_of(memory.bytes()) == Status::ok) ++accepted;
+            memory.data()[byte] ^= std::byte(1 << bit);
+        }
+    }
+    CHECK(accepted == 0);
+    CHECK(status_of(memory.bytes()) == Status::ok);
+}
+
+TEST_CASE("every contradiction in a blob is found though its checksum is right", "[blob][status]") {
+    const auto packed = small_blob();
+    const Aligned sound(packed.bytes());
+    const auto refused = [&](auto change) {
+        Aligned memory = sound;
+        change(memory, memory.header());
+        memory.seal();
+        return status_of(memory.bytes()) == Status::blob_malformed &&
+               status_of(memory.bytes(), {.check = BlobCheck::structure}) == Status::blob_malformed;
+    };
+    // The offsets of the header, one after the other: out of the blob, out of line, into the header, missing.
+    for (std::size_t field = offsetof(BlobHeader, weights); field <= offsetof(BlobHeader, rest_handles);
+         field += 8) {
+        CAPTURE(field);
+        const auto set = [field](std::uint64_t x) {
+            return [field, x](Aligned& m, const BlobHeader&) { m.set(field, x); };
+        };
+        CHECK(refused(set(packed.bytes().size() + 64)));
+        CHECK(refused(set(~std::uint64_t{63})));
+        CHECK(refused(set(packed.bytes().size() / 64 * 64 - 4)));
+        CHECK(refused(set(64)));
+        if (field != offsetof(BlobHeader, order)) CHECK(refused(set(0)));
+    }
+    for (const std::size_t field :
+         {offsetof(BlobHeader, handles), offsetof(BlobHeader, points), offsetof(BlobHeader, rows)}) {
+        CAPTURE(field);
+        for (const std::uint64_t x :
+             {std::uint64_t(1) << 20, ~std::uint64_t{0}, std::uint64_t(1) << 32, std::uint64_t(1) << 60})
+            CHECK(refused([field, x](Aligned& m, const BlobHeader&) { m.set(field, x); }));
+    }
+    CHECK(refused(
+        [](Aligned& m, const BlobHeader&) { m.set(offsetof(BlobHeader, format), std::uint32_t(4)); }));
+    CHECK(
+        refused([](Aligned& m, const BlobHeader& h) { m.set(std::size_t(h.row_begin), std::uint32_t(1)); }));
+    CHECK(refused(
+        [](Aligned& m, const BlobHeader& h) { m.set(std::size_t(h.row_begin) + 4, std::uint32_t(9999)); }));
+    CHECK(refused(
+        [](Aligned& m, const BlobHeader& h) { m.set(std::size_t(h.row_handle) + 2, std::uint16_t(9)); }));
+    CHECK(
+        refused([](Aligned& m, const BlobHeader& h) { m.set(std::size_t(h.order) + 8, std::uint32_t(37)); }));
+    Aligned untouched = sound;
+    untouched.seal();
+    CHECK(status_of(untouched.bytes()) == Status::ok);
+}
+
+TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[blob][hostile]") {
+    // Under the sanitizers this is what counts; here that nothing hangs and that some variants get through.
+    std::vector<Aligned> sound;
+    for (const auto format :
+         {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
+        sound.emplace_back(small_blob(format, 4).bytes());
+        sound.emplace_back(small_blob(format, 0).bytes());
+    }
+    Random random(GENERATE(range(0, 4)));
+    std::size_t opened_count = 0;
+    for (int round = 0; round < 20000; ++round) {
+        Aligned memory = sound[random.below(sound.size())];
+        const std::size_t changes = 1 + random.below(4);
+        for (std::size_t n = 0; n < changes; ++n) {
+            // Mostly the header and the tables; small and huge numbers rather than noise.
+            const std::size_t reach = random.below(2) == 0 ? sizeof(BlobHeader) : memory.bytes().size();
+            const std::size_t at = random.below(reach / 4) * 4;
+            const std::uint32_t values[] = {0,
+                                            1,
+                                            64,
+                                            192,
+                                            0xFFFFFFFFu,
+                                            std::uint32_t(random.bits()),
+                                            std::uint32_t(random.below(memory.bytes().size()))};
+            memory.set(at, values[random.below(std::size(values))]);
+        }
+        if (random.below(2) == 0) memory.seal();
+        const auto opened = open_blob<float, 3>(
+            memory.bytes(), {.check = random.below(2) == 0 ? BlobCheck::all : BlobCheck::structure});
+        if (opened.status != Status::ok) continue;
+        ++opened_count;
+        const std::vector<Vec<float, 3>> pose(opened.binding.handle_count(), Vec<float, 3>{1, 2, 3});
+        std::vector<Vec<float, 3>> out(opened.binding.point_count());
+        const Status status = cageform::clone(opened.binding, pose, out);
+        CHECK((status == Status::ok || status == Status::pose_not_finite));
+    }
+    CHECK(opened_count > 1000);
+}
+
+TEST_CASE("hashes tell what differs, and are the same everywhere", "[blob][hash]") {
+    std::vector<std::uint8_t> bytes(200);
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = std::uint8_t(i * 7);
+    const auto hash = [&](std::size_t size, std::uint64_t seed = 0) {
+        return cageform::hash_memory(std::span<const std::uint8_t>(bytes.data(), size), seed);
+    };
+    std::set<std::uint64_t> seen;
+    for (std::size_t size = 0; size <= bytes.size(); ++size) CHECK(seen.insert(hash(size)).second);
+    for (std::uint64_t seed = 1; seed < 50; ++seed) CHECK(seen.insert(hash(200, seed)).second);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        for (int bit = 0; bit < 8; ++bit) {
+            bytes[i] ^= std::uint8_t(1 << bit);
+            CHECK(seen.insert(hash(200)).second);
+            bytes[i] ^= std::uint8_t(1 << bit);
+        }
+    }
+}
