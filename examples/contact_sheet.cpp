@@ -2,6 +2,7 @@
 //
 //     contact_sheet -o sheet.svg --columns 2 --png "at rest" cat.svg "a step" step.svg
 
+#include "base64.hpp"
 #include "guard.hpp"
 #include "render.hpp"
 #include "svg_document.hpp"
@@ -42,20 +43,6 @@ void prefix_ids(pugi::xml_node node, const std::string& prefix) {
         attribute.set_value(value.c_str());
     }
     for (auto child : node.children()) prefix_ids(child, prefix);
-}
-
-std::string base64(std::string_view bytes) {
-    static constexpr std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t three = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            three = three << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63] : '=';
-    }
-    return text;
 }
 
 /// A PNG file as an SVG that holds it.

@@ -1,11 +1,13 @@
-// Makes a figure to deform: a puppet in the shape of a T, a cage of 112 vertices and a pose of the cage.
+// Makes a figure to deform: a puppet in the shape of a T, a cage of 112 vertices, a pose and a dance of the cage.
 //
 //     make_character out
 //
-// writes out/character.obj, out/character_cage.obj and out/character_pose.obj. The puppet is a smooth union
-// of rounded bodies, meshed by surface nets. It stands at y = 0 on the ground, y up, and faces along z.
+// writes out/character.obj, out/character_cage.obj, out/character_pose.obj and out/character_clip.csv, a dance of the
+// cage that begins again (support/clip_file.hpp). The puppet is a smooth union of rounded bodies, meshed by surface
+// nets. It stands at y = 0 on the ground, y up, and faces along z.
 
 #include "atomic_file.hpp"
+#include "clip_file.hpp"
 #include "guard.hpp"
 
 #include <cageform/cageform.hpp>
@@ -267,43 +269,83 @@ Point rotated(const Point& p, const Point& centre, std::size_t axis, double degr
     return q;
 }
 
+/// Turns of the joints, in degrees; of two, the left one comes first.
+struct Joints {
+    struct Arm {
+        double shoulder, elbow; // up, about z
+        double forward;         // of the forearm, about y
+    };
+    struct Leg {
+        double hip, knee; // about x: negative is forward, positive back
+        double aside;     // of the hip, about z: positive to the figure's left
+    };
+    std::array<Arm, 2> arms;
+    std::array<Leg, 2> legs;
+    std::array<double, 2> head;  // about y, about z
+    std::array<double, 3> chest; // about y, x, z
+    Point shift{};               // of the whole figure
+};
+
+/// It waves and steps.
+constexpr Joints waving{
+    {{{30, 66, 0}, {50, -10, 45}}}, {{{5, 6, 4}, {-66, 80, 0}}}, {24, 9}, {14, 5, -7}, {}};
+
 /// Where a vertex of the cage goes. Near a joint it turns by part of the angle, so the cage bends smoothly;
 /// the outer joints come first, and the inner ones take them along.
-Point posed(const Point& rest, const SheetPoint& origin) {
+Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
     constexpr std::size_t x = 0, y = 1, z = 2; // axes
     const double out = std::fabs(origin.x), side = origin.x < 0 ? -1 : 1;
-    const bool left = origin.x > 0;
+    const std::size_t of_side = origin.x > 0 ? 0 : 1;
     Point p = rest;
     if (origin.row == 6 || origin.row == 7) {
         const double forearm = ramp(0.44, 0.66, out), arm = ramp(0.2, 0.42, out);
         const Point elbow{side * 0.545, 1.325, 0}, shoulder{side * 0.23, 1.325, 0};
-        if (left) { // waves
-            p = rotated(p, elbow, z, 66 * forearm);
-            p = rotated(p, shoulder, z, 30 * arm);
-        } else { // hangs down, the forearm forward
-            p = rotated(p, elbow, y, 45 * forearm);
-            p = rotated(p, elbow, z, -10 * forearm);
-            p = rotated(p, shoulder, z, 50 * arm);
-        }
+        const auto& turn = joints.arms[of_side];
+        p = rotated(p, elbow, y, turn.forward * forearm);
+        p = rotated(p, elbow, z, turn.elbow * forearm);
+        p = rotated(p, shoulder, z, turn.shoulder * arm);
     }
     if (origin.row <= 4) {
         const double shin = ramp(0.6, 0.32, origin.y), thigh = ramp(0.88, 0.56, origin.y);
         const Point knee{side * 0.178, 0.46, 0}, hip{side * 0.15, 0.83, 0};
-        if (left) { // stands
-            p = rotated(p, knee, x, 6 * shin);
-            p = rotated(p, hip, x, 5 * thigh);
-            p = rotated(p, hip, z, 4 * thigh);
-        } else { // steps
-            p = rotated(p, knee, x, 80 * shin);
-            p = rotated(p, hip, x, -66 * thigh);
-        }
+        const auto& turn = joints.legs[of_side];
+        p = rotated(p, knee, x, turn.knee * shin);
+        p = rotated(p, hip, x, turn.hip * thigh);
+        p = rotated(p, hip, z, turn.aside * thigh);
     }
     const double head = ramp(1.43, 1.54, origin.y), chest = ramp(0.82, 1.4, origin.y);
-    p = rotated(p, {0, 1.5, 0}, y, 24 * head);
-    p = rotated(p, {0, 1.5, 0}, z, 9 * head);
-    p = rotated(p, {0, 0.9, 0}, y, 14 * chest);
-    p = rotated(p, {0, 0.9, 0}, x, 5 * chest);
-    return rotated(p, {0, 0.9, 0}, z, -7 * chest);
+    p = rotated(p, {0, 1.5, 0}, y, joints.head[0] * head);
+    p = rotated(p, {0, 1.5, 0}, z, joints.head[1] * head);
+    p = rotated(p, {0, 0.9, 0}, y, joints.chest[0] * chest);
+    p = rotated(p, {0, 0.9, 0}, x, joints.chest[1] * chest);
+    return rotated(p, {0, 0.9, 0}, z, joints.chest[2] * chest) + joints.shift;
+}
+
+constexpr double dance_length = 2.4; // seconds
+
+/// It steps from one foot to the other, which is lifted; one hand waves above, the other swings below, and they
+/// change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
+Joints dancing(double part) {
+    const double angle = 2 * std::numbers::pi * part;
+    const double sway = std::cos(angle); // 1: on the left foot
+    const auto lift = [&](double of) { return ramp(0.1, 1, of) * (1 - 0.15 * std::cos(2 * angle)); };
+    Joints joints{};
+    for (const std::size_t i : {0u, 1u}) {
+        const double side = i == 0 ? 1 : -1;
+        const double up = 0.5 + 0.5 * std::sin(angle) * side; // of the hand
+        const double wave = std::sin(3 * angle) * up * up;
+        joints.arms[i].shoulder = side * (-48 + 74 * up);
+        joints.arms[i].elbow = side * (54 * up + 18 * wave);
+        joints.arms[i].forward = -side * 42 * (1 - up);
+        const double raised = lift(-side * sway), bent = lift(side * sway);
+        joints.legs[i].hip = -58 * raised - 7 * bent;
+        joints.legs[i].knee = 74 * raised + 14 * bent;
+        joints.legs[i].aside = -5 * sway;
+    }
+    joints.head = {-16 * std::sin(angle), 8 * sway};
+    joints.chest = {13 * std::sin(angle), 4 - 2 * std::cos(2 * angle), -7 * sway};
+    joints.shift = {0.06 * sway, -0.012 * (1 - std::cos(2 * angle)), 0};
+    return joints;
 }
 
 // ---- the files ----
@@ -341,10 +383,12 @@ bool is_sound(const Mesh& mesh, const char* what) {
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Makes a puppet, a cage around it and a pose of the cage, as OBJ files.");
+    CLI::App app(
+        "Makes a puppet, a cage around it and a pose of the cage, as OBJ files, and a dance of the cage.");
     std::string folder;
-    app.add_option("folder", folder,
-                   "where character.obj, character_cage.obj and character_pose.obj are written")
+    app.add_option(
+           "folder", folder,
+           "where character.obj, character_cage.obj, character_pose.obj and character_clip.csv are written")
         ->required();
     try {
         app.parse(argc, argv);
@@ -361,10 +405,26 @@ int run_program(int argc, char** argv) {
     const Cage cage = make_cage();
     Mesh pose = cage.mesh;
     for (std::size_t i = 0; i < pose.vertices.size(); ++i)
-        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i]);
+        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i], waving);
+    cageform_examples::PoseClip dance{"the dance", dance_length, {}};
+    constexpr std::size_t keys = 24;
+    for (std::size_t k = 0; k < keys; ++k) {
+        const double part = double(k) / keys;
+        auto& key = dance.keys.emplace_back();
+        key.time = part * dance_length;
+        for (std::size_t i = 0; i < cage.mesh.vertices.size(); ++i)
+            key.places.push_back(posed(cage.mesh.vertices[i], cage.origin[i], dancing(part)));
+    }
 
     if (!is_sound(figure, "the figure") || !is_sound(cage.mesh, "the cage") || !is_sound(pose, "the pose"))
         return 1;
+    const auto motion = cageform_examples::make_clip<double>(dance);
+    auto cursor = motion.make_cursor();
+    for (std::size_t k = 0; k < 2 * keys; ++k) { // at the keys and halfway between
+        Mesh now = cage.mesh;
+        motion.sample(double(k) / double(2 * keys) * dance_length, cursor, now.vertices);
+        if (!is_sound(now, "the dance")) return 1;
+    }
     const cageform::MeanValueCoordinates<double, 3> coordinates(
         cageform::TriangleMesh<double>(cage.mesh.vertices, cage.mesh.faces));
     const auto outside = cageform::bind(coordinates, figure.vertices).report.outside;
@@ -377,22 +437,27 @@ int run_program(int argc, char** argv) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) return fail("cannot make the folder " + folder + ": " + error.message());
-    const auto write = [&](const char* name, const char* heading, const Mesh& mesh,
-                           const std::vector<Point>& vertex_normals) {
+    const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
         const auto path = std::filesystem::path(folder) / name;
-        const auto failure =
-            cageform_examples::write_file_atomically(path, obj_text(heading, mesh, vertex_normals));
-        if (failure) {
+        if (const auto failure = cageform_examples::write_file_atomically(path, text)) {
             fail(*failure);
             return false;
         }
-        std::cout << path.string() << ": " << mesh.vertices.size() << " vertices, " << mesh.faces.size()
-                  << " faces\n";
+        std::cout << path.string() << ": " << holds << '\n';
         return true;
     };
-    const bool written = write("character.obj", "A puppet, made by make_character", figure, normals) &&
-                         write("character_cage.obj", "The puppet's cage", cage.mesh, {}) &&
-                         write("character_pose.obj", "A pose of the puppet's cage", pose, {});
+    const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
+                                const std::vector<Point>& vertex_normals) {
+        return write(name, obj_text(heading, mesh, vertex_normals),
+                     std::to_string(mesh.vertices.size()) + " vertices, " +
+                         std::to_string(mesh.faces.size()) + " faces");
+    };
+    const bool written =
+        write_mesh("character.obj", "A puppet, made by make_character", figure, normals) &&
+        write_mesh("character_cage.obj", "The puppet's cage", cage.mesh, {}) &&
+        write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {}) &&
+        write("character_clip.csv", cageform_examples::pose_clip_text(dance, "A dance of the puppet's cage"),
+              std::to_string(keys) + " poses of the cage in 2.4 s");
     return written ? 0 : 1;
 }
 

@@ -24,6 +24,7 @@
 #include <cageform/animate/clip.hpp>
 #include <cageform/animate/track.hpp>
 
+#include <cstdio>
 #include <numbers>
 #include <span>
 
@@ -238,6 +239,152 @@ inline SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file,
     }
     constexpr auto cycle = cageform::Extrapolation::cycle;
     return cageform::CageClip<double, 2>(curves, cycle, cycle);
+}
+
+/// How a pose is come to and left.
+enum class PoseWay { smooth, linear, ease };
+
+struct PoseKey {
+    double time = 0;
+    PoseWay way = PoseWay::smooth;
+    std::vector<cageform::Vec<double, 3>> places; // of all vertices
+};
+
+/// A motion in space. The first key is at 0, times ascend and are less than the length, at which the first
+/// pose comes again.
+struct PoseClip {
+    std::string name; // for messages
+    double length = 0;
+    std::vector<PoseKey> keys;
+};
+
+/// A clip in space from a file.
+///
+///   fails   where a line is no number, time or way, a pose has not `vertex_count` lines, or times do not ascend
+///           from 0 to less than the length, in single precision
+inline SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count) {
+    std::ifstream file(path);
+    if (!file || std::filesystem::is_directory(path)) return SvgError{path + ": cannot be read"};
+    PoseClip clip;
+    clip.name = path;
+    std::size_t number = 0;
+    const auto count_fault = [&]() -> std::string {
+        if (clip.keys.empty() || clip.keys.back().places.size() == vertex_count) return {};
+        return "the pose before has " + std::to_string(clip.keys.back().places.size()) +
+               " vertices, the cage " + std::to_string(vertex_count);
+    };
+    const auto finite_number = [](std::string_view field, double& x) {
+        const std::string why = detail::parse_number(detail::trim(field), x);
+        return !why.empty() ? why : std::isfinite(x) ? "" : "a number is not finite";
+    };
+    for (std::string line; std::getline(file, line);) {
+        ++number;
+        std::string_view text = detail::trim(line);
+        if (text.empty() || text.front() == '#') continue;
+        std::string why;
+        if (text.starts_with("length,")) {
+            why = finite_number(text.substr(7), clip.length);
+            if (why.empty() && !(clip.length > 0)) why = "the length is not positive";
+        } else if (text.starts_with("pose,")) {
+            why = count_fault();
+            text.remove_prefix(5);
+            PoseKey key;
+            const std::size_t comma = std::min(text.find(','), text.size());
+            if (why.empty()) why = finite_number(text.substr(0, comma), key.time);
+            const std::string_view way = detail::trim(text.substr(std::min(comma + 1, text.size())));
+            if (way == "linear")
+                key.way = PoseWay::linear;
+            else if (way == "ease")
+                key.way = PoseWay::ease;
+            else if (way != "smooth" && !way.empty() && why.empty())
+                why = "a pose is smooth, linear or ease, not \"" + std::string(way) + '"';
+            if (why.empty() && clip.keys.empty() && key.time != 0) why = "the first pose is at 0";
+            if (why.empty() && !clip.keys.empty() && !(float(key.time) > float(clip.keys.back().time)))
+                why = "a pose is not later than the one before it";
+            clip.keys.push_back(std::move(key));
+        } else if (clip.keys.empty()) {
+            why = "\"pose,TIME\" is missing before";
+        } else {
+            std::array<double, 3> p{};
+            why = detail::parse_point(text, p);
+            const auto& [x, y, z] = p;
+            if (why.empty() && !std::isfinite(x + y + z)) why = "a number is not finite";
+            if (why.empty() && clip.keys.back().places.size() == vertex_count)
+                why = "more vertices than the cage has, " + std::to_string(vertex_count);
+            clip.keys.back().places.push_back({x, y, z});
+        }
+        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+    }
+    if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
+    if (clip.keys.size() < 2) return SvgError{path + ": fewer than two poses"};
+    const std::string why = count_fault();
+    if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+    if (!(float(clip.keys.back().time) < float(clip.length)))
+        return SvgError{path + ": the last pose is not before the end, where the first comes again"};
+    return clip;
+}
+
+/// The text of a clip in space, numbers to a millionth.
+inline std::string pose_clip_text(const PoseClip& clip, const std::string& heading) {
+    std::array<char, 128> line;
+    std::string text = "# " + heading + '\n';
+    const auto append = [&](const char* format, auto... values) {
+        const int size = std::snprintf(line.data(), line.size(), format, values...);
+        text.append(line.data(), std::size_t(size));
+    };
+    append("length,%.9g\n", clip.length);
+    for (const PoseKey& key : clip.keys) {
+        append("pose,%.9g,%s\n", key.time,
+               key.way == PoseWay::smooth   ? "smooth"
+               : key.way == PoseWay::linear ? "linear"
+                                            : "ease");
+        for (const auto& p : key.places) append("%.6f,%.6f,%.6f\n", p[0], p[1], p[2]);
+    }
+    return text;
+}
+
+/// The curve of one number through the clip's keys, `values` (#keys), from 0 to its length: a piece from every key to
+/// the next. Linear in the values, so that whatever is linear in the poses goes the same way.
+inline cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values) {
+    const std::size_t count = clip.keys.size();
+    const auto step = [&](std::size_t k) { // from key k to the next
+        return (k + 1 < count ? clip.keys[k + 1].time : clip.length) - clip.keys[k].time;
+    };
+    const auto chord = [&](std::size_t k) { return (values[(k + 1) % count] - values[k]) / step(k); };
+    const auto slope = [&](std::size_t k) {
+        if (clip.keys[k].way == PoseWay::ease) return 0.0;
+        const std::size_t last = (k + count - 1) % count;
+        const double before = step(last), after = step(k);
+        return (after * chord(last) + before * chord(k)) / (before + after);
+    };
+    std::vector<cageform::CubicPiece<double>> pieces;
+    for (std::size_t k = 0; k < count; ++k) {
+        const bool straight = clip.keys[k].way == PoseWay::linear;
+        const double h = step(k), all = chord(k);
+        const double a = straight ? all : slope(k), b = straight ? all : slope((k + 1) % count);
+        pieces.push_back(
+            {clip.keys[k].time, values[k], a, (3 * all - 2 * a - b) / h, (a + b - 2 * all) / (h * h)});
+    }
+    return {std::move(pieces), clip.length, values[0]};
+}
+
+/// The motion of the vertices. It begins again at its end.
+template <cageform::Scalar T>
+cageform::CageClip<T, 3> make_clip(const PoseClip& clip) {
+    std::vector<cageform::PiecewiseCubic<T>> curves;
+    std::vector<double> values(clip.keys.size());
+    for (std::size_t i = 0; i < clip.keys.front().places.size(); ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            for (std::size_t k = 0; k < values.size(); ++k) values[k] = clip.keys[k].places[i][axis];
+            std::vector<cageform::CubicPiece<T>> pieces;
+            const auto curve = curve_through(clip, values);
+            for (const auto& [begin, c0, c1, c2, c3] : curve.pieces())
+                pieces.push_back({T(begin), T(c0), T(c1), T(c2), T(c3)});
+            curves.emplace_back(std::move(pieces), T(clip.length), T(curve.end_value()));
+        }
+    }
+    constexpr auto cycle = cageform::Extrapolation::cycle;
+    return cageform::CageClip<T, 3>(curves, cycle, cycle);
 }
 
 } // namespace cageform_examples

@@ -59,6 +59,7 @@ struct ObjFile {
     std::vector<ObjNumbers> numbers; // in the order of the file
     std::vector<ObjFace> faces;
     std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in their order
+    std::vector<std::uint32_t> triangle_faces;           // #triangles: of which face each is a part
     std::vector<std::size_t> folded; // faces whose triangles do not all look one way: not to be had without
 };
 
@@ -164,8 +165,8 @@ inline std::string parse_corner(std::string_view word, const std::array<std::siz
 }
 
 /// The three numbers behind "v" or "vn"; an empty reason is success.
-inline std::string parse_numbers(std::span<const std::string_view> words, std::string_view text,
-                                 Point3& point, ObjNumbers& numbers) {
+inline std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text,
+                                       Point3& point, ObjNumbers& numbers) {
     if (words.size() < 4) return "three numbers are expected";
     for (std::size_t k = 0; k < 3; ++k) {
         std::string_view word = words[k + 1];
@@ -255,6 +256,7 @@ inline std::string triangulate(ObjFile& file) {
         }
         if (!flat) file.folded.push_back(f);
         file.triangles.insert(file.triangles.end(), triangles.begin(), triangles.end());
+        file.triangle_faces.resize(file.triangles.size(), static_cast<std::uint32_t>(f));
     }
     return {};
 }
@@ -298,7 +300,7 @@ inline SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
         if (words[0] != "v" && words[0] != "vn") continue;
         ObjNumbers numbers{words[0] == "vn"};
         Point3 point{};
-        const std::string why = detail::parse_numbers(words, file.text, point, numbers);
+        const std::string why = detail::parse_three_numbers(words, file.text, point, numbers);
         if (!why.empty()) return refuse(why);
         const bool finite = std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
         if (!numbers.is_normal && !finite) return refuse("the coordinates of a vertex are not finite");

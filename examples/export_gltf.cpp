@@ -1,0 +1,421 @@
+// Writes an OBJ figure that moves with its cage as glTF 2.0, for engines and viewers that know no cages.
+//
+//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb
+//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
+//
+// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most.
+// Affine poses stay exact, bends lose what the left out weights did; normals do not turn, as no joint does.
+//
+// --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones depend linearly on
+// the pose, and so do the curves between poses, so positions are those of the clone at all times.
+//
+// The motion is a clip (support/clip_file.hpp), or goes from the rest pose through those given and back. Either way it is
+// written with CUBICSPLINE interpolation, without loss. Materials and groups of the OBJ file are left out.
+
+#include "atomic_file.hpp"
+#include "gltf_file.hpp"
+#include "guard.hpp"
+#include "mesh_cage.hpp"
+#include "progress_bar.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+using cageform::Binding;
+using cageform::SkinWeights;
+using cageform::Status;
+using Use = GltfDocument::Use;
+
+struct Arguments {
+    std::string figure, cage, clip, out;
+    std::vector<std::string> poses;
+    std::string weights = "float", outside = "refuse";
+    std::size_t influences = 0; // 0: morph targets
+    double threshold = 0, seconds = 1;
+    bool morph = false, report = false;
+    CoordinatesChoice choice;
+};
+
+int fail(const std::string& message) {
+    std::cerr << "export_gltf: " << message << '\n';
+    return 1;
+}
+
+/// All that is read.
+struct Scene {
+    ObjFile figure, cage;
+    GltfMesh mesh;
+    PoseClip clip; // without keys: no motion
+};
+
+/// The largest distance between two figures over the motion: at the keys and halfway between.
+double largest_difference(const PoseClip& clip, const Binding<double, 3>& a, const Binding<double, 3>& b) {
+    const auto motion = make_clip<double>(clip);
+    auto cursor = motion.make_cursor();
+    std::vector<Point3> pose(motion.vertex_count()), of_a(a.point_count()), of_b(b.point_count());
+    double most = 0;
+    for (std::size_t k = 0; k < clip.keys.size(); ++k) {
+        const double begin = clip.keys[k].time;
+        const double end = k + 1 < clip.keys.size() ? clip.keys[k + 1].time : clip.length;
+        for (const double time : {begin, 0.5 * (begin + end)}) {
+            motion.sample(time, cursor, pose);
+            if (clone(a, pose, of_a) != Status::ok || clone(b, pose, of_b) != Status::ok) continue;
+            for (std::size_t i = 0; i < of_a.size(); ++i) {
+                const Point3 d = of_a[i] - of_b[i];
+                most = std::max(most, std::hypot(d[0], d[1], d[2]));
+            }
+        }
+    }
+    return most;
+}
+
+std::string stem(const std::string& path) {
+    return std::filesystem::path(path).stem().string();
+}
+
+/// Appends an animation of one sampler a channel; `track` gives that of a node.
+struct Channel {
+    std::size_t node;
+    const char* path;
+    std::vector<double> values; // of every key
+    std::size_t components;
+};
+std::string add_animation(GltfDocument& document, const PoseClip& clip, std::span<const Channel> channels) {
+    GltfJson animation = {{"name", stem(clip.name)}};
+    std::size_t input = 0;
+    for (const Channel& channel : channels) {
+        const auto track = gltf_track(clip, channel.values, channel.components);
+        if (track.status != Status::ok) return clip.name + ": " + cageform::to_string(track.status);
+        if (&channel == channels.data()) {
+            std::vector<std::array<float, 1>> times;
+            for (const float time : track.times) times.push_back({time});
+            input = document.add(times, Use::other, true);
+        }
+        std::size_t output = 0;
+        if (channel.components == 3 && std::string_view(channel.path) == "translation") {
+            std::vector<std::array<float, 3>> values;
+            for (std::size_t i = 0; i < track.values.size(); i += 3)
+                values.push_back({track.values[i], track.values[i + 1], track.values[i + 2]});
+            output = document.add(values, Use::other);
+        } else {
+            std::vector<std::array<float, 1>> values;
+            for (const float value : track.values) values.push_back({value});
+            output = document.add(values, Use::other);
+        }
+        animation["samplers"].push_back(
+            {{"input", input}, {"interpolation", "CUBICSPLINE"}, {"output", output}});
+        animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
+                                         {"target", {{"node", channel.node}, {"path", channel.path}}}});
+    }
+    document.append("animations", std::move(animation));
+    return {};
+}
+
+/// The mesh at rest, its attributes to be completed.
+GltfJson primitive_of(GltfDocument& document, const Scene& scene) {
+    GltfJson attributes;
+    attributes["POSITION"] =
+        document.add(gltf_positions(scene.mesh, scene.figure.vertices), Use::vertices, true);
+    attributes["NORMAL"] =
+        document.add(gltf_normals(scene.mesh, scene.figure, scene.figure.vertices), Use::vertices);
+    if (!scene.mesh.texture.empty())
+        attributes["TEXCOORD_0"] = document.add(scene.mesh.texture, Use::vertices);
+    std::size_t indices = 0;
+    if (scene.mesh.corners.size() < 65535) { // 3.7.2.1: the largest index is not a vertex
+        std::vector<std::array<std::uint16_t, 1>> narrow;
+        for (const auto& index : scene.mesh.indices) narrow.push_back({std::uint16_t(index[0])});
+        indices = document.add(narrow, Use::indices);
+    } else {
+        indices = document.add(scene.mesh.indices, Use::indices);
+    }
+    document.append(
+        "materials",
+        {{"name", "clay"},
+         {"pbrMetallicRoughness",
+          {{"baseColorFactor", {0.72, 0.36, 0.2, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.7}}}});
+    return {{"attributes", std::move(attributes)}, {"indices", indices}, {"material", 0}};
+}
+
+std::array<double, 3> rounded(const Point3& p) { // as the buffers have it
+    return {double(float(p[0])), double(float(p[1])), double(float(p[2]))};
+}
+
+/// A skin: nodes are the mesh, the cage and its vertices.
+std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments& given,
+                     const SkinWeights& skin, bool with_still) {
+    const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
+    constexpr std::size_t figure_node = 0, root_node = 1, first_joint = 2;
+    if (joints > 65536) return scene.cage.name + ": more vertices than glTF has joints";
+    GltfJson primitive = primitive_of(document, scene);
+    const auto add_attributes = [&]<class Weight>(const std::vector<Weight>& weights) {
+        GltfJson& attributes = primitive["attributes"];
+        const std::span<const Weight> all(weights);
+        if (joints <= 256)
+            add_skin_attributes<std::uint8_t>(document, attributes, scene.mesh, skin, all, handles);
+        else
+            add_skin_attributes<std::uint16_t>(document, attributes, scene.mesh, skin, all, handles);
+    };
+    if (given.weights == "unorm8")
+        add_attributes(cageform::to_normalised<std::uint8_t>(skin));
+    else if (given.weights == "unorm16")
+        add_attributes(cageform::to_normalised<std::uint16_t>(skin));
+    else
+        add_attributes(skin.weights);
+    document.append("meshes", {{"name", stem(given.figure)}, {"primitives", {std::move(primitive)}}});
+
+    document.append("nodes", {{"name", stem(given.figure)}, {"mesh", 0}, {"skin", 0}});
+    GltfJson root = {{"name", stem(given.cage)}};
+    GltfJson list;
+    for (std::size_t j = 0; j < joints; ++j) list.push_back(first_joint + j);
+    root["children"] = list;
+    document.append("nodes", std::move(root));
+    std::vector<std::array<float, 16>> inverse;
+    for (std::size_t j = 0; j < joints; ++j) {
+        const auto at = j < handles ? rounded(scene.cage.vertices[j]) : std::array<double, 3>{};
+        document.append(
+            "nodes", {{"name", j < handles ? "handle " + std::to_string(j) : "still"}, {"translation", at}});
+        inverse.push_back(
+            {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(at[0]), -float(at[1]), -float(at[2]), 1});
+    }
+    document.append("skins", {{"inverseBindMatrices", document.add(inverse, Use::other)},
+                              {"skeleton", root_node},
+                              {"joints", std::move(list)}});
+    document.append("scenes", {{"nodes", {figure_node, root_node}}});
+    if (scene.clip.keys.empty()) return {};
+
+    std::vector<Channel> channels;
+    for (std::size_t j = 0; j < handles; ++j) {
+        Channel channel{first_joint + j, "translation", {}, 3};
+        for (const PoseKey& key : scene.clip.keys) {
+            for (std::size_t axis = 0; axis < 3; ++axis) channel.values.push_back(key.places[j][axis]);
+        }
+        channels.push_back(std::move(channel));
+    }
+    return add_animation(document, scene.clip, channels);
+}
+
+/// Morph targets: one for every key whose pose is not that at rest.
+std::string add_targets(GltfDocument& document, const Scene& scene, const Arguments& given,
+                        const Binding<double, 3>& binding) {
+    GltfJson primitive = primitive_of(document, scene);
+    const auto rest = gltf_positions(scene.mesh, scene.figure.vertices);
+    const auto rest_normals = gltf_normals(scene.mesh, scene.figure, scene.figure.vertices);
+    const auto difference = [](std::vector<std::array<float, 3>> a,
+                               const std::vector<std::array<float, 3>>& b) {
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) a[i][k] -= b[i][k];
+        }
+        return a;
+    };
+    GltfJson names, zeros;
+    std::vector<std::size_t> keys; // of the targets
+    std::vector<Point3> moved(scene.figure.vertices.size());
+    for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
+        const auto& places = scene.clip.keys[k].places;
+        if (places == scene.cage.vertices) continue;
+        const Status status = clone(binding, places, moved);
+        if (status != Status::ok) return scene.clip.name + ": " + cageform::to_string(status);
+        for (const Point3& p : moved) {
+            if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
+                return scene.figure.name + ": a vertex has moved beyond all numbers";
+        }
+        const auto shift = difference(gltf_positions(scene.mesh, moved), rest);
+        const auto turn = difference(gltf_normals(scene.mesh, scene.figure, moved), rest_normals);
+        primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
+                                        {"NORMAL", document.add(turn, Use::vertices)}});
+        keys.push_back(k);
+        names.push_back(given.poses.empty() ? "key " + std::to_string(k) : stem(given.poses[k - 1]));
+        zeros.push_back(0.0);
+    }
+    if (keys.empty()) return scene.clip.name + ": every pose is that at rest";
+    document.append("meshes", {{"name", stem(given.figure)},
+                               {"primitives", {std::move(primitive)}},
+                               {"weights", zeros},
+                               {"extras", {{"targetNames", std::move(names)}}}});
+    document.append("nodes", {{"name", stem(given.figure)}, {"mesh", 0}});
+    document.append("scenes", {{"nodes", {0}}});
+    Channel channel{0, "weights", {}, keys.size()};
+    for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
+        for (const std::size_t key : keys) channel.values.push_back(key == k ? 1.0 : 0.0);
+    }
+    return add_animation(document, scene.clip, std::span(&channel, 1));
+}
+
+/// Binds the figure and writes what was asked for.
+template <class Coordinates>
+int export_figure(const Arguments& given, const Coordinates& coordinates, const Scene& scene) {
+    const ObjFile &figure = scene.figure, &cage = scene.cage;
+    warn_of_closed_gaps("export_gltf", cage.name, coordinates.cage_report());
+    cageform::BindOptions options;
+    options.outside = given.outside == "nearest" ? cageform::OutsidePoints::nearest_boundary
+                                                 : cageform::OutsidePoints::keep_in_place;
+    cageform::BindResult<double, 3> bound;
+    {
+        ProgressBar bar("binding");
+        options.progress = bar.callback();
+        bound = cageform::bind(coordinates, figure.vertices, options);
+    }
+    const auto& report = bound.report;
+    if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
+    if (given.outside == "refuse" && !report.outside.empty()) {
+        return fail(std::to_string(report.outside.size()) + " of " + std::to_string(report.points) +
+                    " vertices of " + figure.name + " lie outside the cage " + cage.name + ", first " +
+                    name_points(figure.vertices, report.outside) + "; --outside says what to do with them");
+    }
+    if (!report.unreached.empty()) {
+        return fail(figure.name + ": no weights can be had for " +
+                    name_points(figure.vertices, report.unreached) +
+                    (Coordinates::closed_form ? ": too far from the cage"
+                                              : ": the grid is too coarse, raise --resolution"));
+    }
+    if (given.report) std::cout << describe(report);
+
+    GltfDocument document;
+    document.json["scene"] = 0;
+    std::string why;
+    if (given.morph) {
+        why = add_targets(document, scene, given, bound.binding);
+    } else {
+        cageform::SkinWeightsResult made;
+        {
+            ProgressBar bar("weights");
+            made = cageform::skin_weights(
+                bound.binding,
+                {.influences = given.influences, .threshold = given.threshold, .progress = bar.callback()});
+        }
+        const auto& skin = made.report;
+        if (skin.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(skin.status));
+        if (!skin.not_reproduced.empty()) {
+            std::cerr << "export_gltf: warning: " << given.influences << " weights are too few for "
+                      << skin.not_reproduced.size() << " vertices of " << figure.name
+                      << ", which affine poses will move otherwise, by up to "
+                      << skin.reproduction_error.value << ", first "
+                      << name_points(figure.vertices, skin.not_reproduced) << '\n';
+        }
+        if (given.report) {
+            std::cout << "skin: " << given.influences << " weights at most, " << skin.mean_influences
+                      << " in the mean\n"
+                      << "largest sum |w - w0|: " << skin.weight_error.value << " at point "
+                      << skin.weight_error.point << ", mean " << skin.mean_weight_error << '\n'
+                      << "not reproduced: " << skin.not_reproduced.size()
+                      << "; largest |sum w c - p|: " << skin.reproduction_error.value
+                      << "\ntime: " << skin.seconds << " s\n";
+            Binding<double, 3> played;
+            if (!scene.clip.keys.empty() && skin_to_binding(bound.binding, made.skin, played) == Status::ok) {
+                std::cout << "largest distance to the clone, during the motion: "
+                          << largest_difference(scene.clip, bound.binding, played) << '\n';
+            }
+        }
+        why = add_skin(document, scene, given, made.skin, !skin.without_weights.empty());
+    }
+    if (!why.empty()) return fail(why);
+
+    const bool binary = std::filesystem::path(given.out).extension() == ".glb";
+    if (document.bytes() > 0x7fffffff) return fail(given.out + ": would be larger than the format allows");
+    const std::string text = document.text(binary);
+    if (const auto error = write_file_atomically(given.out, text)) return fail(*error);
+    std::cout << given.out << ": " << scene.mesh.corners.size() << " vertices, " << figure.triangles.size()
+              << " triangles, "
+              << (given.morph ? std::to_string(document.json["meshes"][0]["weights"].size()) + " targets"
+                              : std::to_string(document.json["skins"][0]["joints"].size()) + " joints")
+              << ", " << text.size() << " bytes\n";
+    return 0;
+}
+
+/// From the rest pose through those given and back.
+SvgResult<PoseClip> through_poses(const Arguments& given, const ObjFile& cage) {
+    PoseClip clip{
+        "poses", given.seconds * double(given.poses.size() + 1), {{0, PoseWay::smooth, cage.vertices}}};
+    for (const std::string& path : given.poses) {
+        const auto pose = load_obj(path);
+        if (!pose) return pose.error();
+        const std::string why = pose_difference(cage, *pose);
+        if (!why.empty()) return SvgError{why};
+        clip.keys.push_back({given.seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
+    }
+    return clip;
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App app("Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
+    Arguments given;
+    given.choice.name = "harmonic";
+    given.choice.harmonic.resolution = 64;
+    app.add_option("figure", given.figure, "the OBJ file")->required();
+    app.add_option("--cage", given.cage,
+                   "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
+        ->required();
+    auto* const clip =
+        app.add_option("--clip", given.clip, "the motion: a CSV file of poses (support/clip_file.hpp)");
+    app.add_option("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
+        ->excludes(clip);
+    app.add_option("--seconds", given.seconds, "from one pose to the next")
+        ->check(CLI::Range(0.001, 1e5))
+        ->capture_default_str();
+    auto* const skin = app.add_option("--skin", given.influences, "a skin of at most so many joints a vertex")
+                           ->check(CLI::Range(1, 16));
+    app.add_flag("--morph", given.morph, "morph targets, one a pose")->excludes(skin);
+    app.add_option("--weights", given.weights, "of a skin: float, unorm8 or unorm16 (normalised integers)")
+        ->check(CLI::IsMember({"float", "unorm8", "unorm16"}))
+        ->capture_default_str();
+    app.add_option("--threshold", given.threshold, "of a skin: lesser weights are left out")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    app.add_option("-o,--output", given.out, "the file to write: .glb or .gltf")->required();
+    given.choice.add_options(app);
+    app.add_option("--outside", given.outside,
+                   "vertices outside the cage: refuse, keep (in place) or nearest (follow the nearest "
+                   "boundary point)")
+        ->check(CLI::IsMember({"refuse", "keep", "nearest"}))
+        ->capture_default_str();
+    app.add_flag("--report", given.report, "print the bind report, and what the skin loses");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 1;
+    }
+    const std::string extension = std::filesystem::path(given.out).extension().string();
+    if (extension != ".glb" && extension != ".gltf")
+        return fail(given.out + ": the name of a glTF file ends with .glb or .gltf");
+    if (!given.morph && given.influences == 0) return fail("either --skin or --morph says what to write");
+    if (given.morph && given.clip.empty() && given.poses.empty())
+        return fail("morph targets are made of poses: --clip or --pose");
+
+    Scene scene;
+    auto figure = load_obj(given.figure);
+    if (!figure) return fail(to_string(figure.error()));
+    auto mesh = gltf_mesh(*figure);
+    if (!mesh) return fail(to_string(mesh.error()));
+    auto cage = load_mesh_cage(given.cage);
+    if (!cage) return fail(to_string(cage.error()));
+    if (!given.clip.empty() || !given.poses.empty()) {
+        auto motion = given.clip.empty() ? through_poses(given, *cage)
+                                         : load_pose_clip(given.clip, cage->vertices.size());
+        if (!motion) return fail(to_string(motion.error()));
+        scene.clip = std::move(*motion);
+    }
+    scene.figure = std::move(*figure);
+    scene.cage = std::move(*cage);
+    scene.mesh = std::move(*mesh);
+    for (const auto* points : {&scene.figure.vertices, &scene.cage.vertices}) {
+        for (const Point3& p : *points) {
+            if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
+                return fail((points == &scene.cage.vertices ? scene.cage : scene.figure).name +
+                            ": a coordinate is too large for glTF");
+        }
+    }
+    const cageform::TriangleMesh<double> shell(scene.cage.vertices, scene.cage.triangles);
+    return with_coordinates(given.choice, shell, [&](const auto& coordinates) {
+        return export_figure(given, coordinates, scene);
+    });
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("export_gltf", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,400 @@
+// Skins of bindings: what every skin keeps to, that it is the nearest, and whether the report tells the truth.
+#include "catch.hpp"
+#include "support/meshes.hpp"
+#include "support/weights.hpp"
+
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/core/threads.hpp>
+
+#include <Eigen/QR>
+
+#include <set>
+
+using namespace cageform_tests;
+using cageform::Binding;
+using cageform::BindingView;
+using cageform::SkinWeights;
+using cageform::SkinWeightsReport;
+
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+/// A random cage of 3 to 258 vertices in the plane or in space, and points in it.
+template <class T, std::size_t D>
+Binding<T, D> random_binding(std::uint64_t seed) {
+    Random random(seed);
+    if constexpr (D == 2) {
+        const cageform::Polygon<T> cage(random_star<T>(seed));
+        Points2<T> points;
+        for (int i = 0; i < 40; ++i) points.push_back(random_inside(cage, random, 1e-3));
+        return cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), points).binding;
+    } else {
+        const MeshData data = random_mesh(seed);
+        const cageform::MeanValueCoordinates<T, 3> coordinates(data.mesh<T>());
+        Points3<double> inside;
+        for (const auto& p : points_about(data, 120, seed)) {
+            std::vector<T> row(data.vertices.size());
+            if (weights_at(coordinates, cageform::vec_cast<T>(p), row) == PointState::inside)
+                inside.push_back(p);
+        }
+        return cageform::bind(coordinates, inside).binding;
+    }
+}
+
+template <class T, std::size_t D>
+double size_of(const Binding<T, D>& binding) {
+    const auto view = binding.view();
+    return double(cageform::bounds_of(std::span(view.rest_handles, binding.handle_count())).diagonal());
+}
+
+/// Σw(c − p) of a point, in double.
+template <class T, std::size_t D>
+Vec<double, D> miss(const Binding<T, D>& binding, const SkinWeights& skin, std::size_t point) {
+    Vec<double, D> sum{};
+    const auto p = cageform::vec_cast<double>(binding.rest_point(point));
+    for (std::size_t k = 0; k < skin.influences; ++k) {
+        const std::size_t at = point * skin.influences + k;
+        sum = sum + double(skin.weights[at]) *
+                        (cageform::vec_cast<double>(binding.rest_handle(skin.joints[at])) - p);
+    }
+    return sum;
+}
+
+bool contains(const Indices& list, std::size_t i) {
+    return std::find(list.begin(), list.end(), i) != list.end();
+}
+
+/// What holds for every skin, and the figures of its report worked out again.
+template <class T, std::size_t D>
+void check_skin(const Binding<T, D>& binding, const SkinWeights& skin, const SkinWeightsReport& report,
+                std::size_t influences) {
+    REQUIRE(report.status == Status::ok);
+    REQUIRE(report.points == binding.point_count());
+    REQUIRE(skin.influences == influences);
+    REQUIRE(skin.point_count() == binding.point_count());
+    REQUIRE(skin.weights.size() == skin.joints.size());
+    REQUIRE(report.weight_errors.size() == binding.point_count());
+    cageform::Extreme error, partition, reproduction;
+    double mean = 0, used_sum = 0;
+    for (std::size_t i = 0; i < skin.point_count(); ++i) {
+        CAPTURE(i);
+        const float* const weights = skin.weights.data() + i * influences;
+        const std::uint16_t* const joints = skin.joints.data() + i * influences;
+        std::set<std::uint16_t> used;
+        double sum = 0;
+        std::vector<double> difference;
+        for (std::size_t h = 0; h < binding.handle_count(); ++h)
+            difference.push_back(-double(binding.weight(i, h)));
+        for (std::size_t k = 0; k < influences; ++k) {
+            REQUIRE(weights[k] >= 0);
+            REQUIRE((k == 0 || weights[k - 1] >= weights[k]));
+            REQUIRE(joints[k] < binding.handle_count());
+            if (weights[k] == 0) REQUIRE(joints[k] == 0);
+            if (weights[k] > 0) REQUIRE(used.insert(joints[k]).second);
+            sum += double(weights[k]);
+            difference[joints[k]] += double(weights[k]);
+        }
+        if (contains(report.without_weights, i)) {
+            REQUIRE(used.empty());
+            continue;
+        }
+        REQUIRE(std::fabs(sum - 1) <= 0x1p-25);
+        double total = 0;
+        for (const double d : difference) total += std::fabs(d);
+        REQUIRE(std::fabs(total - double(report.weight_errors[i])) <= 1e-6 * (1 + total));
+        error.raise({total, i});
+        partition.raise({std::fabs(sum - 1), i});
+        const auto missed = miss(binding, skin, i);
+        reproduction.raise({std::sqrt(dot(missed, missed)), i});
+        mean += total;
+        used_sum += double(used.size());
+    }
+    const double bound = double(skin.point_count() - report.without_weights.size());
+    if (bound == 0) return;
+    CHECK(std::fabs(report.weight_error.value - error.value) <= 1e-9 * (1 + error.value));
+    CHECK(std::fabs(report.partition_error.value - partition.value) <= 1e-12);
+    CHECK(std::fabs(report.reproduction_error.value - reproduction.value) <=
+          1e-6 * reproduction.value + 1e-12 * size_of(binding));
+    CHECK(std::fabs(report.mean_weight_error - mean / bound) <= 1e-9 * (1 + mean));
+    CHECK(std::fabs(report.mean_influences - used_sum / bound) <= 1e-9 * used_sum);
+}
+
+template <class T, std::size_t D>
+void check_random_skins() {
+    const auto seed = GENERATE(range(0, 24));
+    CAPTURE(seed);
+    const auto binding = random_binding<T, D>(std::uint64_t(seed));
+    REQUIRE(binding.point_count() > 0);
+    for (const std::size_t influences : {1u, 2u, 3u, 4u, 5u, 8u, 16u, 300u}) {
+        CAPTURE(influences);
+        const auto [skin, report] = cageform::skin_weights(binding, {.influences = influences});
+        check_skin(binding, skin, report, influences);
+        CHECK(report.without_weights.empty());
+        if (influences <= D) continue;
+        CHECK(report.not_reproduced.empty());
+        CHECK(report.reproduction_error.value <= 1e-6 * size_of(binding));
+    }
+}
+
+const Points2<double> square{{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+
+} // namespace
+
+TEMPLATE_TEST_CASE("skins of random cages in the plane keep to the laws", "[binding][skin_weights][property]",
+                   float, double) {
+    check_random_skins<TestType, 2>();
+}
+
+TEMPLATE_TEST_CASE("skins of random cages in space keep to the laws", "[binding][skin_weights][property]",
+                   float, double) {
+    check_random_skins<TestType, 3>();
+}
+
+TEST_CASE("with a place for every handle the weights are the nearest of all",
+          "[binding][skin_weights][property]") {
+    const auto seed = GENERATE(range(0, 24));
+    CAPTURE(seed);
+    const auto binding = random_binding<double, 2>(std::uint64_t(seed));
+    const std::size_t handles = binding.handle_count();
+    const auto [skin, report] = cageform::skin_weights(binding, {.influences = handles});
+    REQUIRE(report.status == Status::ok);
+    const double size = size_of(binding);
+    for (std::size_t i = 0; i < binding.point_count(); ++i) {
+        std::vector<double> w(handles, 0.0);
+        for (std::size_t k = 0; k < handles; ++k)
+            w[skin.joints[i * handles + k]] += double(skin.weights[i * handles + k]);
+        // The conditions of a minimum: w = w0 + an affine function of the handle, or that is negative and w = 0.
+        std::vector<std::size_t> positive;
+        for (std::size_t h = 0; h < handles; ++h) {
+            if (w[h] > 1e-6) positive.push_back(h);
+        }
+        Eigen::MatrixXd a(positive.size(), 3);
+        Eigen::VectorXd b(positive.size());
+        const auto row = [&](std::size_t h) {
+            const auto c = (1 / size) * (binding.rest_handle(h) - binding.rest_point(i));
+            return Eigen::RowVector3d(1, c[0], c[1]);
+        };
+        for (std::size_t n = 0; n < positive.size(); ++n) {
+            a.row(long(n)) = row(positive[n]);
+            b[long(n)] = w[positive[n]] - binding.weight(i, positive[n]);
+        }
+        const Eigen::Vector3d y = a.colPivHouseholderQr().solve(b);
+        const double scale = 1 + y.norm();
+        CHECK((a * y - b).lpNorm<Eigen::Infinity>() <= 1e-5 * scale);
+        if (positive.size() <= 3) continue; // the function is not known then
+        for (std::size_t h = 0; h < handles; ++h) {
+            if (w[h] <= 1e-6) CHECK(binding.weight(i, h) + row(h) * y <= 1e-4 * scale);
+        }
+    }
+}
+
+TEST_CASE("weights that are a skin's already stay", "[binding][skin_weights]") {
+    const Points2<double> triangle{{0, 0}, {5, 1}, {2, 6}};
+    const Points2<double> points{{2, 2}, {3, 1.5}, {0, 0}, {2.5, 0.5}};
+    const auto binding =
+        cageform::bind(cageform::BarycentricCoordinates<double, 2>(triangle), points).binding;
+    const auto [skin, report] = cageform::skin_weights(binding);
+    check_skin(binding, skin, report, 4);
+    CHECK(report.weight_error.value <= 1e-7);
+    CHECK(report.weight_added.value <= 1e-7);
+    CHECK(skin.weights[8] == 1); // the vertex alone
+    CHECK(skin.joints[8] == 0);
+    CHECK(skin.weights[9] == 0);
+
+    const cageform::Polygon<double> cage(random_star<double>(4));
+    Random random(4);
+    Points2<double> inside;
+    for (int i = 0; i < 20; ++i) inside.push_back(random_inside(cage, random, 0.01));
+    const auto harmonic =
+        cageform::bind(cageform::HarmonicCoordinates<double, 2>(cage, {.resolution = 64}), inside).binding;
+    const auto all = cageform::skin_weights(harmonic, {.influences = harmonic.handle_count()});
+    CHECK(all.report.weight_error.value <= 1e-5);
+}
+
+TEST_CASE("points on vertices, edges and faces are in the hull", "[binding][skin_weights]") {
+    const MeshData data = sphere(1);
+    Points3<double> points = data.vertices;
+    for (const auto& face : data.faces) {
+        const auto &a = data.vertices[std::size_t(face[0])], &b = data.vertices[std::size_t(face[1])],
+                   &c = data.vertices[std::size_t(face[2])];
+        points.push_back(0.5 * (a + b));
+        points.push_back((1.0 / 3) * (a + b + c));
+        points.push_back(0.999 * a + 0.001 * b);
+    }
+    const auto binding =
+        cageform::bind(cageform::MeanValueCoordinates<double, 3>(data.mesh<double>()), points).binding;
+    const auto [skin, report] = cageform::skin_weights(binding);
+    check_skin(binding, skin, report, 4);
+    CHECK(report.not_reproduced.empty());
+    CHECK(report.weight_error.value <= 1e-6);
+    for (std::size_t i = 0; i < data.vertices.size(); ++i) {
+        CHECK(skin.joints[4 * i] == i);
+        CHECK(skin.weights[4 * i] == 1);
+    }
+}
+
+TEST_CASE("outside the hull the skin is at the nearest place, and says so", "[binding][skin_weights]") {
+    const Points2<double> points{{1, 1}, {6, 1}, {-1, -2}, {2, 5}};
+    const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points);
+    const auto [skin, report] = cageform::skin_weights(bound.binding, {.influences = 3});
+    check_skin(bound.binding, skin, report, 3);
+    CHECK(report.not_reproduced == Indices{1, 2, 3});
+    const Points2<double> nearest{{1, 1}, {4, 1}, {0, 0}, {2, 4}};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto off = miss(bound.binding, skin, i) + (points[i] - nearest[i]);
+        CHECK(std::sqrt(dot(off, off)) <= 1e-4);
+    }
+    CHECK(report.reproduction_error.point == 2);
+    CHECK(std::fabs(report.reproduction_error.value - std::sqrt(5.0)) <= 1e-4);
+}
+
+TEST_CASE("points that follow the boundary are reproduced where they follow", "[binding][skin_weights]") {
+    const Points2<double> points{{6, 1}, {-1, -2}};
+    const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points,
+                                      {.outside = cageform::OutsidePoints::nearest_boundary});
+    const auto [skin, report] = cageform::skin_weights(bound.binding);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.not_reproduced.empty());
+    CHECK(report.weight_error.value <= 1e-6);
+    CHECK(skin.joints[4] == 0);
+    CHECK(skin.weights[4] == 1);
+}
+
+TEST_CASE("with too few influences the point is listed", "[binding][skin_weights]") {
+    const Points2<double> points{{2, 2}, {2, 0}, {4, 4}};
+    const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points);
+    const auto one = cageform::skin_weights(bound.binding, {.influences = 1});
+    CHECK(one.report.not_reproduced == Indices{0, 1});
+    CHECK(one.skin.weights == std::vector<float>{1, 1, 1});
+    CHECK(one.skin.joints[2] == 2);
+    const auto two = cageform::skin_weights(bound.binding, {.influences = 2});
+    check_skin(bound.binding, two.skin, two.report, 2);
+    CHECK(two.report.not_reproduced.empty()); // the middle lies between opposite vertices
+}
+
+TEST_CASE("points kept in place and points that are not finite have no weights", "[binding][skin_weights]") {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const Points2<double> points{{1, 1}, {nan, 1}, {6, 1}, {2, 3}};
+    const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points,
+                                      {.outside = cageform::OutsidePoints::keep_in_place});
+    const auto [skin, report] = cageform::skin_weights(bound.binding);
+    check_skin(bound.binding, skin, report, 4);
+    CHECK(report.without_weights == Indices{1, 2});
+    CHECK(report.not_reproduced.empty());
+    for (const std::size_t i : {1u, 2u}) CHECK(report.weight_errors[i] == 0);
+    for (const int integer : cageform::to_normalised<std::uint8_t>(skin)) CHECK(integer >= 0);
+    Binding<double, 2> played;
+    REQUIRE(cageform::skin_to_binding(bound.binding, skin, played) == Status::ok);
+    Points2<double> pose = square, out(points.size());
+    pose[2] = {9, 9};
+    REQUIRE(clone(played, pose, out) == Status::ok);
+    CHECK(out[2] == points[2]);
+    CHECK(out[0][0] > 1);
+}
+
+TEST_CASE("lesser weights than the threshold are left out where that can be", "[binding][skin_weights]") {
+    const auto binding = random_binding<double, 2>(6);
+    const auto plain = cageform::skin_weights(binding, {.influences = 16});
+    const auto [skin, report] = cageform::skin_weights(binding, {.influences = 16, .threshold = 0.05});
+    check_skin(binding, skin, report, 16);
+    CHECK(report.not_reproduced.empty());
+    CHECK(report.mean_influences < 0.8 * plain.report.mean_influences);
+    std::size_t least = 0;
+    for (const float w : skin.weights) least += w > 0 && w < 0.05F ? 1 : 0;
+    CHECK(least <= 2 * binding.point_count()); // only where the hull needs them: next to an edge, say
+}
+
+TEMPLATE_TEST_CASE("a skin rests bit for bit and keeps affine poses", "[binding][skin_weights][property]",
+                   float, double) {
+    using T = TestType;
+    const auto seed = GENERATE(range(0, 12));
+    CAPTURE(seed);
+    const auto binding = random_binding<T, 3>(std::uint64_t(seed));
+    const auto [skin, report] = cageform::skin_weights(binding);
+    Binding<T, 3> played;
+    REQUIRE(cageform::skin_to_binding(binding, skin, played) == Status::ok);
+    Points3<T> pose, out(binding.point_count());
+    for (std::size_t h = 0; h < binding.handle_count(); ++h) pose.push_back(binding.rest_handle(h));
+    REQUIRE(clone(played, pose, out) == Status::ok);
+    for (std::size_t i = 0; i < out.size(); ++i) CHECK(out[i] == binding.rest_point(i));
+    const auto affine = [](const Vec<T, 3>& p) {
+        return Vec<T, 3>{T(1.5) * p[0] - p[1], p[2] + T(0.25) * p[0], p[1] - T(2) * p[2]};
+    };
+    double reach = 0;
+    for (auto& p : pose) {
+        reach = std::max(reach, std::sqrt(double(dot(p, p))));
+        p = affine(p);
+    }
+    REQUIRE(clone(played, pose, out) == Status::ok);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const auto off =
+            cageform::vec_cast<double>(out[i]) - cageform::vec_cast<double>(affine(binding.rest_point(i)));
+        CHECK(std::sqrt(dot(off, off)) <= 1e-5 * reach);
+    }
+}
+
+TEMPLATE_TEST_CASE("integers sum exactly and still fall", "[binding][skin_weights][property]", std::uint8_t,
+                   std::uint16_t) {
+    constexpr int most = std::numeric_limits<TestType>::max();
+    const auto seed = GENERATE(range(0, 12));
+    CAPTURE(seed);
+    const auto binding = random_binding<double, 3>(std::uint64_t(seed));
+    for (const std::size_t influences : {1u, 3u, 4u, 8u, 16u}) {
+        const auto skin = cageform::skin_weights(binding, {.influences = influences}).skin;
+        const auto integers = cageform::to_normalised<TestType>(skin);
+        REQUIRE(integers.size() == skin.weights.size());
+        for (std::size_t i = 0; i < skin.point_count(); ++i) {
+            int sum = 0;
+            for (std::size_t k = 0; k < influences; ++k) {
+                const std::size_t at = i * influences + k;
+                sum += integers[at];
+                CHECK(std::fabs(double(integers[at]) - double(skin.weights[at]) * most) <= 1.01);
+                if (k > 0) CHECK(integers[at] <= integers[at - 1]);
+            }
+            CHECK(sum == most);
+        }
+    }
+    const SkinWeights thirds{3, {0, 1, 2}, {1.0F / 3, 1.0F / 3, 1.0F / 3}};
+    CHECK(cageform::to_normalised<TestType>(thirds) ==
+          std::vector<TestType>{TestType(most / 3), TestType(most / 3), TestType(most / 3)});
+    const SkinWeights halves{2, {0, 1}, {0.5F, 0.5F}};
+    CHECK(cageform::to_normalised<TestType>(halves) ==
+          std::vector<TestType>{TestType(most / 2 + 1), TestType(most / 2)});
+}
+
+TEST_CASE("a skin of what cannot be one is refused", "[binding][skin_weights]") {
+    const auto binding = random_binding<double, 2>(1);
+    const auto status = [&](const cageform::SkinWeightsOptions& options) {
+        const auto [skin, report] = cageform::skin_weights(binding, options);
+        CHECK(skin.joints.empty());
+        CHECK(skin.weights.empty());
+        return report.status;
+    };
+    CHECK(status({.influences = 0}) == Status::too_few_influences);
+    CHECK(status({.influences = 65536}) == Status::too_many_handles);
+    CHECK(status({.threshold = std::numeric_limits<double>::quiet_NaN()}) == Status::value_not_finite);
+    CHECK(status({.progress = [](double) { return false; }}) == Status::cancelled);
+    BindingView<double, 2> large;
+    large.weights.rows = 65536;
+    CHECK(cageform::skin_weights(large).report.status == Status::too_many_handles);
+
+    const auto nothing = cageform::skin_weights(Binding<float, 3>{});
+    CHECK(nothing.report.status == Status::ok);
+    CHECK(nothing.skin.point_count() == 0);
+}
+
+TEST_CASE("a skin does not depend on the threads", "[binding][skin_weights]") {
+    const auto binding = random_binding<float, 3>(2);
+    const auto one = cageform::skin_weights(binding),
+               some = cageform::skin_weights(binding, {.parallel = cageform::ThreadedFor{3}});
+    CHECK(one.skin.joints == some.skin.joints);
+    CHECK(one.skin.weights == some.skin.weights);
+    CHECK(one.report.weight_error.value == some.report.weight_error.value);
+    CHECK(one.report.mean_weight_error == some.report.mean_weight_error);
+}

@@ -1,0 +1,271 @@
+// A second reader of what export_gltf writes: loads files by tinygltf, plays them by the words of the specification and
+// compares with the library's own clone at many times.
+//
+//     gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…
+//
+// Files are bound by mean value coordinates; those with a skin of floats have as many influences as their sets take.
+
+#include "clip_file.hpp"
+#include "mesh_cage.hpp"
+
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/cageform.hpp>
+
+#include <tiny_gltf.h>
+
+#include <cstring>
+#include <iostream>
+#include <map>
+#include <stdexcept>
+
+namespace {
+
+using namespace cageform_examples;
+using Matrix = std::array<double, 16>; // by columns
+
+/// An accessor's numbers, integers as they are or normalised (3.6.2.2), element by element.
+std::vector<double> numbers(const tinygltf::Model& model, int index) {
+    const auto& accessor = model.accessors.at(std::size_t(index));
+    const auto& view = model.bufferViews.at(std::size_t(accessor.bufferView));
+    const auto& bytes = model.buffers.at(std::size_t(view.buffer)).data;
+    const auto components = std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)));
+    const auto size = std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(accessor.componentType)));
+    const auto stride = std::size_t(accessor.ByteStride(view));
+    std::vector<double> result;
+    for (std::size_t i = 0; i < accessor.count; ++i) {
+        for (std::size_t k = 0; k < components; ++k) {
+            const unsigned char* at =
+                &bytes.at(view.byteOffset + accessor.byteOffset + i * stride + k * size);
+            std::uint32_t bits = 0;
+            std::memcpy(&bits, at, size);
+            const double one = size == 1 ? 255.0 : 65535.0;
+            result.push_back(accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT
+                                 ? double(std::bit_cast<float>(bits))
+                                 : double(bits) / (accessor.normalized ? one : 1));
+        }
+    }
+    return result;
+}
+
+/// A sampler of CUBICSPLINE interpolation at a time within it (appendix C).
+std::vector<double> sampled(const tinygltf::Model& model, const tinygltf::AnimationSampler& sampler,
+                            double time) {
+    if (sampler.interpolation != "CUBICSPLINE") throw std::runtime_error("a sampler is not CUBICSPLINE");
+    const auto times = numbers(model, sampler.input), values = numbers(model, sampler.output);
+    const std::size_t components = values.size() / (3 * times.size());
+    std::size_t k = 0;
+    while (k + 2 < times.size() && times[k + 1] <= time) ++k;
+    const double length = times[k + 1] - times[k], t = (time - times[k]) / length;
+    const double t2 = t * t, t3 = t2 * t;
+    std::vector<double> result(components);
+    for (std::size_t c = 0; c < components; ++c) {
+        const auto at = [&](std::size_t key, std::size_t part) { // in-tangent, value, out-tangent
+            return values[(3 * key + part) * components + c];
+        };
+        result[c] = (2 * t3 - 3 * t2 + 1) * at(k, 1) + length * (t3 - 2 * t2 + t) * at(k, 2) +
+                    (-2 * t3 + 3 * t2) * at(k + 1, 1) + length * (t3 - t2) * at(k + 1, 0);
+    }
+    return result;
+}
+
+Matrix product(const Matrix& a, const Matrix& b) {
+    Matrix c{};
+    for (std::size_t column = 0; column < 4; ++column) {
+        for (std::size_t row = 0; row < 4; ++row) {
+            for (std::size_t k = 0; k < 4; ++k) c[4 * column + row] += a[4 * k + row] * b[4 * column + k];
+        }
+    }
+    return c;
+}
+
+/// A file loaded: its mesh, and what each of its vertices was in the OBJ file.
+struct File {
+    tinygltf::Model model;
+    std::vector<Point3> rest;
+    std::vector<std::size_t> origin;
+};
+
+File load(const std::string& path, const ObjFile& figure) {
+    File file;
+    tinygltf::TinyGLTF loader;
+    std::string error, warning;
+    const bool loaded = path.ends_with(".glb")
+                            ? loader.LoadBinaryFromFile(&file.model, &error, &warning, path)
+                            : loader.LoadASCIIFromFile(&file.model, &error, &warning, path);
+    if (!loaded || !error.empty() || !warning.empty()) throw std::runtime_error(error + warning);
+    if (file.model.meshes.size() != 1 || file.model.meshes[0].primitives.size() != 1)
+        throw std::runtime_error("one mesh of one primitive is expected");
+    std::map<std::array<float, 3>, std::size_t> places;
+    const auto single = [](const Point3& p) { return std::array{float(p[0]), float(p[1]), float(p[2])}; };
+    for (std::size_t i = 0; i < figure.vertices.size(); ++i) places[single(figure.vertices[i])] = i;
+    const auto& primitive = file.model.meshes[0].primitives[0];
+    const auto positions = numbers(file.model, primitive.attributes.at("POSITION"));
+    for (std::size_t i = 0; i < positions.size(); i += 3) {
+        file.rest.push_back({positions[i], positions[i + 1], positions[i + 2]});
+        file.origin.push_back(places.at(single(file.rest.back())));
+    }
+    const auto indices = numbers(file.model, primitive.indices);
+    if (indices.size() != 3 * figure.triangles.size()) throw std::runtime_error("triangles are missing");
+    for (std::size_t n = 0; n < indices.size(); ++n) {
+        const auto corner = file.origin.at(std::size_t(indices[n]));
+        if (figure.vertices[corner] != figure.vertices[figure.triangles[n / 3][n % 3]])
+            throw std::runtime_error("a triangle has other corners");
+    }
+    return file;
+}
+
+/// A skin's joints and weights of every vertex, all sets side by side.
+struct Influences {
+    std::size_t count = 0; // of a vertex
+    std::vector<double> joints, weights;
+};
+Influences influences(const File& file) {
+    const auto& attributes = file.model.meshes[0].primitives[0].attributes;
+    Influences all;
+    std::vector<std::vector<double>> joints, weights;
+    for (;; all.count += 4) {
+        const std::string set = std::to_string(all.count / 4);
+        const auto joint = attributes.find("JOINTS_" + set), weight = attributes.find("WEIGHTS_" + set);
+        if (joint == attributes.end() || weight == attributes.end()) break;
+        joints.push_back(numbers(file.model, joint->second));
+        weights.push_back(numbers(file.model, weight->second));
+    }
+    for (std::size_t i = 0; i < file.rest.size(); ++i) {
+        for (std::size_t k = 0; k < all.count; ++k) {
+            all.joints.push_back(joints[k / 4].at(4 * i + k % 4));
+            all.weights.push_back(weights[k / 4].at(4 * i + k % 4));
+        }
+    }
+    return all;
+}
+
+/// The vertices at a time: morph targets first, then the skin (3.7.2.2, 3.7.3).
+std::vector<Point3> played(const File& file, const Influences& skin, double time) {
+    const auto& model = file.model;
+    std::vector<Point3> moved = file.rest;
+    std::vector<std::vector<double>> translation(model.nodes.size());
+    for (std::size_t n = 0; n < model.nodes.size(); ++n) translation[n] = model.nodes[n].translation;
+    std::vector<double> shares = model.meshes[0].weights;
+    const auto& animation = model.animations.at(0);
+    for (const auto& channel : animation.channels) {
+        auto value = sampled(model, animation.samplers.at(std::size_t(channel.sampler)), time);
+        if (channel.target_path == "translation")
+            translation.at(std::size_t(channel.target_node)) = std::move(value);
+        else if (channel.target_path == "weights")
+            shares = std::move(value);
+        else
+            throw std::runtime_error("a channel moves something else");
+    }
+    const auto& targets = model.meshes[0].primitives[0].targets;
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+        const auto shift = numbers(model, targets[t].at("POSITION"));
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) moved[i][k] += shares.at(t) * shift[3 * i + k];
+        }
+    }
+    if (skin.count == 0) return moved;
+
+    // Every node's matrix in the world; nodes here are moved and not turned.
+    std::vector<Matrix> world(model.nodes.size());
+    const auto place = [&](const auto& self, int node, const Matrix& parent) -> void {
+        Matrix own{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+        const auto& shift = translation[std::size_t(node)];
+        for (std::size_t k = 0; k < shift.size(); ++k) own[12 + k] = shift[k];
+        world[std::size_t(node)] = product(parent, own);
+        for (const int child : model.nodes[std::size_t(node)].children)
+            self(self, child, world[std::size_t(node)]);
+    };
+    for (const int node : model.scenes.at(0).nodes)
+        place(place, node, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+    const auto& joints = model.skins.at(0).joints;
+    const auto inverse = numbers(model, model.skins[0].inverseBindMatrices);
+    std::vector<Matrix> matrices;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+        Matrix bind{};
+        std::copy_n(inverse.begin() + std::ptrdiff_t(16 * j), 16, bind.begin());
+        matrices.push_back(product(world[std::size_t(joints[j])], bind));
+    }
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+        const Point3 p = moved[i];
+        moved[i] = {};
+        for (std::size_t n = i * skin.count; n < (i + 1) * skin.count; ++n) {
+            const Matrix& m = matrices.at(std::size_t(skin.joints[n]));
+            for (std::size_t k = 0; k < 3; ++k)
+                moved[i][k] +=
+                    skin.weights[n] * (m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k]);
+        }
+    }
+    return moved;
+}
+
+double length(const Point3& p) {
+    return std::hypot(p[0], p[1], p[2]);
+}
+
+template <class Result>
+auto unwrapped(Result result) {
+    if (!result) throw std::runtime_error(to_string(result.error()));
+    return std::move(*result);
+}
+
+/// How far a file is from the clone at most, over the clip.
+int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage, const PoseClip& clip) {
+    const File file = load(path, figure);
+    const Influences skin = influences(file);
+    cageform::Binding<double, 3> binding =
+        cageform::bind(cageform::MeanValueCoordinates<double, 3>(
+                           cageform::TriangleMesh<double>(cage.vertices, cage.triangles)),
+                       figure.vertices)
+            .binding;
+    double size = 0;
+    for (const Point3& c : cage.vertices) size = std::max(size, length(c - cage.vertices[0]));
+    // Normalised integers are off by one at most for each of the weights; where the joints of a vertex go apart counts.
+    bool integers = false;
+    if (skin.count > 0) {
+        const int weights = file.model.meshes[0].primitives[0].attributes.at("WEIGHTS_0");
+        integers = file.model.accessors[std::size_t(weights)].normalized;
+        cageform::Binding<double, 3> skinned;
+        const auto made = cageform::skin_weights(binding, {.influences = skin.count});
+        if (made.report.status != cageform::Status::ok ||
+            cageform::skin_to_binding(binding, made.skin, skinned) != cageform::Status::ok)
+            throw std::runtime_error("no skin");
+        binding = std::move(skinned);
+    }
+    const double allowed = (integers ? double(skin.count) / 255 : 1e-5) * size;
+    const auto motion = make_clip<double>(clip);
+    auto cursor = motion.make_cursor();
+    std::vector<Point3> pose(motion.vertex_count()), cloned(figure.vertices.size());
+    double worst = 0, most_moved = 0;
+    for (int n = 0; n <= 7; ++n) {
+        const double time = double(n) / 7 * clip.length;
+        motion.sample(time, cursor, pose);
+        if (clone(binding, pose, cloned) != cageform::Status::ok) throw std::runtime_error("no clone");
+        const auto moved = played(file, skin, time);
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            worst = std::max(worst, length(moved[i] - cloned[file.origin[i]]));
+            most_moved = std::max(most_moved, length(moved[i] - file.rest[i]));
+        }
+    }
+    const bool ok = worst <= allowed && most_moved > 0.01 * size;
+    std::cout << path << ": " << (ok ? "" : "FAILED: ") << file.rest.size() << " vertices, " << skin.count
+              << " influences, " << file.model.meshes[0].weights.size() << " targets; moves by " << most_moved
+              << ", differs from the clone by " << worst << " of allowed " << allowed << '\n';
+    return ok ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    try {
+        if (argc < 5) throw std::runtime_error("usage: gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…");
+        const ObjFile figure = unwrapped(load_obj(argv[1]));
+        const ObjFile cage = unwrapped(load_mesh_cage(argv[2]));
+        const PoseClip clip = unwrapped(load_pose_clip(argv[3], cage.vertices.size()));
+        int failed = 0;
+        for (int n = 4; n < argc; ++n) failed += compare(argv[n], figure, cage, clip);
+        return failed == 0 ? 0 : 1;
+    } catch (const std::exception& error) {
+        std::cerr << "gltf_playback: " << error.what() << '\n';
+        return 1;
+    }
+}

@@ -1,0 +1,175 @@
+#!/bin/sh
+# Usage: run.sh PROGRAMS PLAYBACK FOLDER
+# What export_gltf writes: every kind of file is played by a second reader (PLAYBACK) and compared with the clone, and
+# has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
+# and broken files exit with 1, name the culprit and leave nothing behind. Exit code 77: no npm here, all else passed.
+set -u
+programs=$1
+playback=$2
+folder=$3
+here=$(cd "$(dirname "$0")" && pwd)
+mkdir -p "$folder" && folder=$(cd "$folder" && pwd) || exit 1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+export="$programs/export_gltf"
+passed=0
+failed=0
+
+report() { # OK? WHAT
+  if [ "$1" = yes ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $2"; cat log 2>/dev/null; fi
+}
+works() { # WHAT COMMAND…
+  what=$1; shift
+  if "$@" >log 2>&1; then report yes "$what"; else report no "$what (exit $?)"; fi
+}
+says() { # MESSAGE   of the command before
+  grep -qF -- "$1" log && report yes "$1" || report no "says: $1"
+}
+refuses() { # MESSAGE COMMAND…   exits 1, says MESSAGE, writes neither out.* nor a temporary file
+  message=$1; shift
+  rm -f out.* ./*.tmp*
+  "$@" >log 2>&1
+  code=$?
+  ok=yes
+  [ "$code" -eq 1 ] || { ok=no; echo "exit code $code" >>log; }
+  grep -qF -- "$message" log || { ok=no; echo "does not say: $message" >>log; }
+  [ -z "$(find . -name 'out.*' -o -name '*.tmp*')" ] || { ok=no; echo "left a file behind" >>log; }
+  report "$ok" "$*"
+}
+
+# ---- the character: every kind of file, played ----
+works "the character is made" "$programs/make_character" .
+cage="--cage character_cage.obj"
+clip="--clip character_clip.csv"
+# shellcheck disable=SC2086  # options are meant to be split
+{
+  for k in 4 8 16; do
+    works "a skin of $k" "$export" character.obj $cage $clip --coordinates mean-value --skin $k -o skin_$k.glb
+  done
+  works "a skin as text" "$export" character.obj $cage $clip --coordinates mean-value --skin 4 -o skin.gltf
+  works "weights of 8 bits" "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --weights unorm8 -o unorm8.glb
+  works "weights of 16 bits" "$export" character.obj $cage $clip --coordinates mean-value --skin 8 --weights unorm16 -o unorm16.glb
+  works "morph targets" "$export" character.obj $cage $clip --coordinates mean-value --morph -o morph.glb
+  works "morph targets as text" "$export" character.obj $cage $clip --coordinates mean-value --morph -o morph.gltf
+}
+works "played by a second reader" "$playback" character.obj character_cage.obj character_clip.csv \
+  skin_4.glb skin_8.glb skin_16.glb skin.gltf unorm8.glb unorm16.glb morph.glb morph.gltf
+cat log
+printf 'v 0 0 0\n' >point.obj
+sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
+"$playback" character.obj character_cage.obj other.csv skin_4.glb >log 2>&1 && report no "the second reader sees another clip" || report yes other
+
+# ---- other shapes of input, for the validator ----
+# shellcheck disable=SC2086
+{
+  works "harmonic, no motion" "$export" character.obj $cage --skin 5 --resolution 32 -o still.glb
+  works "a threshold, and a report" "$export" character.obj $cage $clip --skin 12 --threshold 0.05 --report -o threshold.glb
+  says 'not reproduced: 0'
+  says 'largest distance to the clone, during the motion: '
+  works "through a pose" "$export" character.obj $cage --pose character_pose.obj --skin 4 --seconds 0.5 -o pose.glb
+  works "a target a pose" "$export" character.obj $cage --pose character_pose.obj character_pose.obj --morph -o poses.gltf
+  grep -q '"character_pose"' poses.gltf && report yes name || report no "a target has the name of its pose"
+  works "too few joints" "$export" character.obj $cage --skin 2 -o few.glb
+  says '2 weights are too few for'
+}
+# A box of quadrilaterals with a texture and no normals, in a box as its cage; one corner of it stands out.
+printf '%s\n' 'v 0 0 0' 'v 4 0 0' 'v 4 4 0' 'v 0 4 0' 'v 0 0 4' 'v 4 0 4' 'v 4 4 4' 'v 0 4 4' >corners
+printf '%s\n' 'f 4 3 2 1' 'f 5 6 7 8' 'f 1 2 6 5' 'f 2 3 7 6' 'f 3 4 8 7' 'f 4 1 5 8' >faces
+cat corners faces >box.obj
+sed 's/^v 4 4 4/v 5 6 5/' box.obj >box_pose.obj
+sed 's/4/3/g; s/0/1/g' corners >inner
+printf '%s\n' 'vt 0 0' 'vt 1 0' 'vt 1 1' 'vt 0 1' 'f 4/1 3/2 2/3 1/4' 'f 5/1 6/2 7/3 8/4' 'f 1/1 2/2 6/3 5/4' 'f 2/1 3/2 7/3 6/4' \
+  'f 3/1 4/2 8/3 7/4' 'f -5/-4 -8/-3 -4/-2 -1/-1' | cat inner - >textured.obj
+sed 's/^v 3 3 3/v 9 3 3/' textured.obj >stray.obj
+for type in mean-value harmonic; do
+  works "a texture, $type" "$export" textured.obj --cage box.obj --pose box_pose.obj --coordinates $type --skin 4 -o textured_$type.gltf
+done
+grep -q TEXCOORD_0 textured_harmonic.gltf && report yes texture || report no "texture coordinates are there"
+works "a texture, targets" "$export" textured.obj --cage box.obj --pose box_pose.obj --morph -o textured_morph.glb
+works "a vertex kept in place" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside keep --skin 4 -o kept.gltf
+grep -q '"still"' kept.gltf && report yes still || report no "a joint that stays is there"
+works "a vertex that follows the boundary" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside nearest --skin 4 -o nearest.glb
+works "a vertex kept in place, targets" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside keep --morph -o kept_morph.glb
+
+# ---- what is refused ----
+works "help" "$export" --help
+figure="textured.obj --cage box.obj"
+printf '%s\n' 'length,2' 'pose,0' >head.csv
+corner_lines() { sed 's/^v //; s/ /,/g' corners; }
+{ cat head.csv; corner_lines; printf 'pose,1\n'; corner_lines; } >rest.csv
+# shellcheck disable=SC2086
+{
+  refuses 'nowhere.obj' "$export" nowhere.obj --cage box.obj --skin 4 -o out.glb
+  refuses 'nowhere.obj' "$export" textured.obj --cage nowhere.obj --skin 4 -o out.glb
+  refuses 'nowhere.obj' "$export" $figure --pose nowhere.obj --skin 4 -o out.glb
+  refuses 'nowhere.csv: cannot be read' "$export" $figure --clip nowhere.csv --skin 4 -o out.glb
+  refuses 'point.obj: holds no faces' "$export" point.obj --cage box.obj --skin 4 -o out.glb
+  refuses 'either --skin or --morph' "$export" $figure -o out.glb
+  refuses 'morph targets are made of poses' "$export" $figure --morph -o out.glb
+  refuses '--skin' "$export" $figure --skin 0 -o out.glb
+  refuses '--skin' "$export" $figure --skin 17 -o out.glb
+  refuses '--skin' "$export" $figure --skin 4 --morph --pose box_pose.obj -o out.glb
+  refuses '--clip' "$export" $figure --skin 4 --pose box_pose.obj --clip rest.csv -o out.glb
+  refuses '--weights' "$export" $figure --skin 4 --weights int8 -o out.glb
+  refuses '--threshold' "$export" $figure --skin 4 --threshold 2 -o out.glb
+  refuses '--seconds' "$export" $figure --skin 4 --seconds 0 -o out.glb
+  refuses 'wachspress' "$export" $figure --skin 4 --coordinates wachspress -o out.glb
+  refuses '--resolution' "$export" $figure --skin 4 --resolution few -o out.glb
+  refuses 'ends with .glb or .gltf' "$export" $figure --skin 4 -o out.obj
+  refuses 'missing/out.glb' "$export" $figure --skin 4 -o missing/out.glb
+  refuses 'every pose is that at rest' "$export" $figure --morph --clip rest.csv -o out.glb
+  refuses '112 vertices' "$export" $figure --pose character_cage.obj --skin 4 -o out.glb
+  refuses '1 of 8 vertices of stray.obj lie outside the cage box.obj' "$export" stray.obj --cage box.obj --skin 4 -o out.glb
+  sed 's|1/4|1/9|' textured.obj >texture.obj
+  sed 's|vt 1 1|vt 1 one|' textured.obj >number.obj
+  refuses 'texture.obj: texture index 9 is out of range: the file has 4' "$export" texture.obj --cage box.obj --skin 4 -o out.glb
+  refuses 'number.obj: not a number: "one" (line 11)' "$export" number.obj --cage box.obj --skin 4 -o out.glb
+sed '/^f 4 3/d; /^f 5/d; /^f 1 2/d' box.obj >open.obj
+  refuses 'open edge' "$export" textured.obj --cage open.obj --skin 4 -o out.glb
+}
+faulty_clip() { # MESSAGE SED-COMMAND
+  sed "$2" rest.csv >clip.csv
+  # shellcheck disable=SC2086
+  refuses "$1" "$export" $figure --clip clip.csv --skin 4 -o out.glb
+}
+faulty_clip 'clip.csv: no "length,SECONDS"' 1d
+faulty_clip 'clip.csv:1: the length is not positive' 's/length,2/length,0/'
+faulty_clip 'clip.csv: the last pose is not before the end' 's/length,2/length,1/'
+faulty_clip 'clip.csv:2: the first pose is at 0' 's/pose,0/pose,0.5/'
+faulty_clip 'clip.csv:11: a pose is not later' 's/pose,1/pose,0/'
+faulty_clip 'clip.csv:11: a pose is smooth, linear or ease, not "hold"' 's/pose,1/pose,1,hold/'
+faulty_clip 'clip.csv:11: a number is not finite' 's/pose,1/pose,nan/'
+faulty_clip 'clip.csv:3: not a number: "q"' '3s/0/q/'
+faulty_clip 'clip.csv:3: 2 columns' '3s/,0$//'
+faulty_clip 'clip.csv:10: the pose before has 7 vertices, the cage 8' 3d
+faulty_clip 'clip.csv:18: the pose before has 7 vertices, the cage 8' 19d
+faulty_clip 'more vertices than the cage has, 8' '3s/.*/&\n&/'
+faulty_clip '"pose,TIME" is missing before' 2d
+faulty_clip 'fewer than two poses' '11,$d'
+
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ] || exit 1
+
+# ---- Khronos' validator ----
+if ! command -v node >/dev/null 2>&1 || ! command -v npm >/dev/null 2>&1; then
+  echo "SKIPPED: the validator needs node and npm (Debian packages nodejs, npm)"
+  exit 77
+fi
+if ! cmp -s "$here/package-lock.json" "$folder/package-lock.json" || [ ! -d "$folder/node_modules/gltf-validator" ]; then
+  cp "$here/package.json" "$here/package-lock.json" "$folder"
+  if ! (cd "$folder" && npm ci --no-audit --no-fund --ignore-scripts) >log 2>&1; then
+    rm -f "$folder/package-lock.json"
+    cat log
+    npm ping >/dev/null 2>&1 && exit 1
+    echo "SKIPPED: the npm registry cannot be reached"
+    exit 77
+  fi
+fi
+node "$here/validate.mjs" "$folder" ./*.glb ./*.gltf || exit 1
+# It does find faults: an animation that lacks two thirds of its numbers.
+sed 's/CUBICSPLINE/LINEAR/' skin.gltf >broken.gltf
+if node "$here/validate.mjs" "$folder" broken.gltf >log 2>&1 || ! grep -q '[1-9][0-9]* errors' log; then
+  echo "FAILED: the validator takes a broken file"
+  exit 1
+fi
