@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/bind_vectors.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/harmonic.hpp>

@@ -1,5 +1,6 @@
 // Gradients of harmonic coordinates, in polygons and boxes.
 #include "../catch.hpp"
+#include "../support/gradients.hpp"
 #include "../support/oracle.hpp"
 #include "../support/weights.hpp"
 
@@ -11,42 +12,9 @@ using cageform::Box;
 using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
-using cageform::Lanes;
 using cageform::Polygon;
 
 namespace {
-
-template <class T, std::size_t D>
-struct Gradients {
-    cageform::Evaluation evaluation;
-    std::vector<PointState> states;
-    std::vector<std::vector<Vec<T, D>>> rows; ///< [point][handle]
-};
-
-template <class T, std::size_t D, class Coordinates>
-Gradients<T, D> gradients_of(const Coordinates& coordinates, const std::vector<Vec<T, D>>& points,
-                             const cageform::EvaluateOptions& options = {}) {
-    const std::size_t handles = coordinates.handles().size(),
-                      blocks = cageform::block_count<T>(points.size());
-    std::vector<Lanes<T>> position(blocks * D), rows(blocks * D * handles);
-    const cageform::BlockView<T> places{position.data(), D, points.size()};
-    const cageform::BlockView<T> gradients{rows.data(), D * handles, points.size()};
-    Gradients<T, D> result;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        result.states.push_back(is_finite(points[i]) ? PointState::inside : PointState::not_finite);
-        for (std::size_t k = 0; k < D; ++k) places(i, k) = points[i][k];
-    }
-    result.evaluation = coordinates.evaluate_gradients(places, gradients, result.states, options);
-    if (result.evaluation.status != Status::ok) return result;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        std::vector<Vec<T, D>> row(handles);
-        for (std::size_t h = 0; h < handles; ++h) {
-            for (std::size_t k = 0; k < D; ++k) row[h][k] = gradients(i, k * handles + h);
-        }
-        result.rows.push_back(std::move(row));
-    }
-    return result;
-}
 
 /// Σ ∇h_i = 0 and Σ C_i ∇h_i = identity: what linear precision says of gradients.
 template <class T, std::size_t D, class Coordinates>

@@ -1,14 +1,12 @@
 // Counts every allocation of a program. Include it in one file of the program only.
 #pragma once
 
-#include <atomic>
-#include <cstddef>
+#include "allocation_count.hpp"
+
 #include <cstdlib>
 #include <new>
 
 namespace cageform_tests {
-
-inline std::atomic<std::size_t> allocations{0};
 
 inline void* counted_or_null(std::size_t size, std::size_t alignment = 1) noexcept {
     ++allocations;

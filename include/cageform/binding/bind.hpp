@@ -71,6 +71,45 @@ struct BindResult {
 
 namespace detail {
 
+/// What a piece of the blocks finds out.
+struct BindPiece {
+    Status status = Status::ok;
+    Extreme partition, reproduction, change, before, least;
+
+    /// The outcome of a point.
+    template <class Outcome>
+    void note(const Outcome& outcome, std::size_t lane, std::size_t point) noexcept {
+        partition.raise({double(outcome.partition[lane]), point});
+        reproduction.raise({double(outcome.reproduction[lane]), point});
+        change.raise({double(outcome.change[lane]), point});
+        if (outcome.change[lane] > 0) before.raise({double(outcome.before[lane]), point});
+        least.lower({double(outcome.least[lane]), point});
+    }
+};
+
+/// Puts the pieces together, in their order, and lists the points.
+inline Status gather(std::span<const BindPiece> pieces, std::span<const PointState> states,
+                     BindReport& report) {
+    for (const BindPiece& piece : pieces) {
+        if (piece.status != Status::ok) return piece.status;
+        report.partition_error.raise(piece.partition);
+        report.reproduction_error.raise(piece.reproduction);
+        report.weight_change.raise(piece.change);
+        report.residual_restored.raise(piece.before);
+        report.least_weight.lower(piece.least);
+    }
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        switch (states[i]) {
+        case PointState::inside: break;
+        case PointState::on_boundary: report.on_boundary.push_back(i); break;
+        case PointState::outside: report.outside.push_back(i); break;
+        case PointState::not_finite: report.not_finite.push_back(i); break;
+        case PointState::unreached: report.unreached.push_back(i); break;
+        }
+    }
+    return Status::ok;
+}
+
 /// The state of one bind. Blocks are worked on in pieces that stay in cache; what a piece finds out is kept
 /// apart and put together in the end, so that nothing depends on the threads.
 template <CageCoordinates C, PointRange R>
@@ -119,7 +158,7 @@ public:
             status = for_each_piece(0.9, 1, [this](std::size_t piece) { finish(piece); });
             if (status != Status::ok) return status;
         }
-        const Status status = gather(report);
+        const Status status = gather(pieces_, states_, report);
         if (status != Status::ok) return status;
         binding =
             Binding<T, D>(std::move(weights), std::move(rest), {handles_.begin(), handles_.end()}, count_);
@@ -129,11 +168,6 @@ public:
 private:
     static constexpr std::size_t lanes = lane_count<T>;
     static constexpr std::size_t piece_blocks = 16;
-
-    struct Piece {
-        Status status = Status::ok;
-        Extreme partition, reproduction, change, before, least;
-    };
 
     /// Runs body(piece) for all pieces in parallel, telling the progress from `from` to `to` in between.
     template <class Body>
@@ -168,7 +202,7 @@ private:
 
     /// Treats the points that are not simply inside, restores linear precision, takes the measures.
     void finish(std::size_t index) {
-        Piece& piece = pieces_[index];
+        BindPiece& piece = pieces_[index];
         const std::size_t first = index * piece_blocks;
         for (std::size_t b = first; b < first + block_count<T>(states_of(index).size()); ++b) {
             auto* const block = weights_.block(b);
@@ -205,35 +239,9 @@ private:
                     for (std::size_t h = 0; h < handles_.size(); ++h) block[h][lane] = T(0);
                     continue;
                 }
-                piece.partition.raise({double(outcome.partition[lane]), i});
-                piece.reproduction.raise({double(outcome.reproduction[lane]), i});
-                piece.change.raise({double(outcome.change[lane]), i});
-                if (outcome.change[lane] > T(0)) piece.before.raise({double(outcome.before[lane]), i});
-                piece.least.lower({double(outcome.least[lane]), i});
+                piece.note(outcome, lane, i);
             }
         }
-    }
-
-    /// Puts the pieces together, in their order.
-    Status gather(BindReport& report) const {
-        for (const Piece& piece : pieces_) {
-            if (piece.status != Status::ok) return piece.status;
-            report.partition_error.raise(piece.partition);
-            report.reproduction_error.raise(piece.reproduction);
-            report.weight_change.raise(piece.change);
-            report.residual_restored.raise(piece.before);
-            report.least_weight.lower(piece.least);
-        }
-        for (std::size_t i = 0; i < count_; ++i) {
-            switch (states_[i]) {
-            case PointState::inside: break;
-            case PointState::on_boundary: report.on_boundary.push_back(i); break;
-            case PointState::outside: report.outside.push_back(i); break;
-            case PointState::not_finite: report.not_finite.push_back(i); break;
-            case PointState::unreached: report.unreached.push_back(i); break;
-            }
-        }
-        return Status::ok;
     }
 
     const C& coordinates_;
@@ -244,7 +252,7 @@ private:
     std::size_t count_;
     BlockView<T> rest_, weights_;
     mutable std::vector<PointState> states_;
-    std::vector<Piece> pieces_;
+    std::vector<BindPiece> pieces_;
 };
 
 struct Bind {

@@ -65,6 +65,19 @@ public:
                                        });
     }
 
+    /// The gradients of all weights at a batch of points: those of affine functions, the same everywhere.
+    ///
+    ///   points     as for `evaluate`; so are the states on entry and on return
+    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length
+    Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
+                                  std::span<PointState> states, const EvaluateOptions& options = {}) const {
+        return detail::evaluate_blocks(report_, D * (D + 1), points, gradients, states, options,
+                                       [&](std::size_t begin, std::size_t end) {
+                                           for (std::size_t b = begin; b < end; ++b)
+                                               evaluate_gradient_block(b, points, gradients, states);
+                                       });
+    }
+
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
         // The nearest point of a simplex is the projection onto the span of one of its faces.
         double least = std::numeric_limits<double>::max();
@@ -134,8 +147,23 @@ private:
 
     void evaluate_block(std::size_t b, BlockView<const T> points, BlockView<T> weights,
                         std::span<PointState> states) const {
-        const auto* const position = points.block(b);
-        auto* const row = weights.block(b);
+        weigh(points.block(b), weights.block(b));
+        locate(b, points.points, weights.block(b), states);
+    }
+
+    void evaluate_gradient_block(std::size_t b, BlockView<const T> points, BlockView<T> gradients,
+                                 std::span<PointState> states) const {
+        Lanes<T> weights[D + 1];
+        weigh(points.block(b), weights);
+        locate(b, points.points, weights, states);
+        auto* const row = gradients.block(b);
+        for (std::size_t k = 0; k <= D; ++k) {
+            for (std::size_t axis = 0; axis < D; ++axis)
+                Pack(gradient_[k][axis]).store(row[axis * (D + 1) + k]);
+        }
+    }
+
+    void weigh(const Lanes<T>* position, Lanes<T>* row) const noexcept {
         // β_k grows from a vertex of the opposite face, so that it is accurate on that face.
         for (std::size_t k = 0; k <= D; ++k) {
             const Vec<T, D>& from = vertices_[k < D ? D : 0];
@@ -145,9 +173,12 @@ private:
             }
             beta.store(row[k]);
         }
+    }
 
+    void locate(std::size_t b, std::size_t points, const Lanes<T>* row,
+                std::span<PointState> states) const noexcept {
         const std::size_t first = b * lane_count<T>;
-        const std::size_t used = std::min(lane_count<T>, points.points - first);
+        const std::size_t used = std::min(lane_count<T>, points - first);
         for (std::size_t lane = 0; lane < used; ++lane) {
             PointState& state = states[first + lane];
             if (state == PointState::not_finite) continue;

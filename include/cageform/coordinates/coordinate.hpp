@@ -43,6 +43,19 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
+/// Coordinates that can be differentiated.
+///
+///   evaluate_gradients(points, gradients, states, options)
+///                       as `evaluate`, but fills row axis · #handles + handle with the derivative of the handle's weight along
+///                       the axis. Those of points that are not_finite or unreached, and of outside points when there is no
+///                       extension, are left unspecified
+template <class C>
+concept GradientCoordinates = CageCoordinates<C> &&
+    requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> gradients,
+             std::span<PointState> states, const EvaluateOptions& options) {
+    { c.evaluate_gradients(points, gradients, states, options) } -> std::same_as<Evaluation>;
+};
+
 /// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights on the boundary are
 /// its hat functions: `row` (#V) gets the weights of the nearest boundary point, which is returned.
 template <class Cage>

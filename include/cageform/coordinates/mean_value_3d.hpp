@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/coordinates/detail/mean_value_gradients.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/detail/pack_angle.hpp>
 
@@ -42,7 +43,8 @@ public:
         tolerance_ = coincidence_tolerance(bounds);
         scale_ = unit_scale(bounds);
         origin_ = cage_[0];
-        prepare();
+        frame_ = detail::frame_of<T>(cage_, origin_, scale_);
+        gradients_ = detail::MeanValueGradients<T, 3>(cage_);
     }
 
     /// Shells alone: interior_cells_not_supported where there are cells inside.
@@ -59,9 +61,27 @@ public:
                         const EvaluateOptions& options = {}) const {
         return detail::evaluate_blocks(report_, cage_.size(), points, weights, states, options,
                                        [&](std::size_t begin, std::size_t end) {
-                                           std::vector<Lanes<T>> angles(edges_.size());
+                                           std::vector<Lanes<T>> angles(frame_.edges.size());
                                            for (std::size_t b = begin; b < end; ++b)
                                                evaluate_block(b, points, weights, states, angles.data());
+                                       });
+    }
+
+    /// The gradients of all weights at a batch of points, by differentiating the formula.
+    ///
+    ///   points     as for `evaluate`; so are the states on entry and on return
+    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length. For a point on the
+    ///              boundary, where there are derivatives from one side only, that of a place 1e-6 diagonals inside
+    ///   accuracy   double: 1e-9 of one over the diagonal in and next to the cage (2e-10 measured); float: that of rounding
+    ///              them. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity likewise; less far away. Nearer to an edge or vertex than
+    ///              1e-6 diagonals gradients turn with the direction, on it they are those of one
+    ///   cost       twice that of `evaluate` (float: five times, as it is computed in double); hundreds of times for a point on
+    ///              the boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
+    Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
+                                  std::span<PointState> states, const EvaluateOptions& options = {}) const {
+        return detail::evaluate_blocks(report_, 3 * cage_.size(), points, gradients, states, options,
+                                       [&](std::size_t begin, std::size_t end) {
+                                           gradients_.run(cage_, begin, end, points, gradients, states);
                                        });
     }
 
@@ -71,69 +91,10 @@ public:
 
 private:
     using Pack = detail::Pack<T>;
+    using Face = typename detail::MeshFrame<T>::Face;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
     static constexpr std::size_t lanes = lane_count<T>;
     static constexpr T far_away = 16; // diagonals
-
-    struct Edge {
-        Vec<T, 3> origin, direction; ///< scaled; a unit vector
-        T length;
-    };
-    struct Face {
-        std::array<std::uint32_t, 3> corner, edge; ///< edge k is opposite to corner k
-        Vec<T, 3> normal;                          ///< outward, of unit length
-        T offset;                                  ///< normal · corner
-        std::array<Vec<T, 3>, 3> across;           ///< ν_k: outward, in the plane
-        std::array<T, 3> across_offset;
-        std::array<T, 3> inverse_altitude;
-        std::array<T, 3> cosine; ///< ν_l·ν_m, l and m the edges other than k
-    };
-
-    void prepare() {
-        std::vector<std::pair<std::uint64_t, std::uint32_t>> numbers;
-        std::vector<Vec<double, 3>> at;
-        for (const auto& v : cage_.vertices())
-            at.push_back(double(scale_) * (vec_cast<double>(v) - vec_cast<double>(origin_)));
-        const auto unit = [](const Vec<double, 3>& v) { return (1 / detail::length(v)) * v; };
-        for (const auto& corners : cage_.faces()) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const auto [i, j] = std::minmax(corners[(k + 1) % 3], corners[(k + 2) % 3]);
-                numbers.push_back({(std::uint64_t(i) << 32) | j, 0});
-            }
-        }
-        std::sort(numbers.begin(), numbers.end());
-        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-        for (auto& [key, number] : numbers) {
-            number = std::uint32_t(edges_.size());
-            const auto a = at[key >> 32], b = at[key & 0xFFFFFFFFu];
-            edges_.push_back(
-                {vec_cast<T>(a), vec_cast<T>(unit(b - a)), static_cast<T>(detail::length(b - a))});
-        }
-        for (const auto& corners : outward_faces(cage_)) {
-            Face face;
-            face.corner = corners;
-            const std::array<Vec<double, 3>, 3> c{at[corners[0]], at[corners[1]], at[corners[2]]};
-            const auto normal = unit(cross(c[1] - c[0], c[2] - c[0]));
-            face.normal = vec_cast<T>(normal);
-            face.offset = static_cast<T>(dot(normal, c[0]));
-            std::array<Vec<double, 3>, 3> across;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
-                const auto [i, j] = std::minmax(corners[l], corners[m]);
-                const auto number =
-                    std::lower_bound(numbers.begin(), numbers.end(),
-                                     std::pair((std::uint64_t(i) << 32) | j, std::uint32_t{0}));
-                face.edge[k] = number->second;
-                across[k] = unit(cross(c[m] - c[l], normal));
-                face.across[k] = vec_cast<T>(across[k]);
-                face.across_offset[k] = static_cast<T>(dot(across[k], c[l]));
-                face.inverse_altitude[k] = static_cast<T>(1 / dot(across[k], c[l] - c[k]));
-            }
-            for (std::size_t k = 0; k < 3; ++k)
-                face.cosine[k] = static_cast<T>(dot(across[(k + 1) % 3], across[(k + 2) % 3]));
-            faces_.push_back(face);
-        }
-    }
 
     void evaluate_block(std::size_t b, BlockView<const T> points, BlockView<T> weights,
                         std::span<PointState> states, Lanes<T>* angles) const {
@@ -148,8 +109,8 @@ private:
         };
         const Pack least(std::numeric_limits<T>::min() * T(1e6));
         Pack special = zero; // set to one in lanes that need the careful way
-        for (std::size_t e = 0; e < edges_.size(); ++e) {
-            const Edge& edge = edges_[e];
+        for (std::size_t e = 0; e < frame_.edges.size(); ++e) {
+            const auto& edge = frame_.edges[e];
             const Pack x = Pack(edge.origin[0]) - p[0], y = Pack(edge.origin[1]) - p[1],
                        z = Pack(edge.origin[2]) - p[2];
             const Pack tx(edge.direction[0]), ty(edge.direction[1]), tz(edge.direction[2]),
@@ -163,7 +124,7 @@ private:
         }
         for (std::size_t i = 0; i < cage_.size(); ++i) zero.store(row[i]);
         const Pack near{T(near_plane)}, on{scale_ * tolerance_}, opposite{T(0.5)};
-        for (const Face& face : faces_) {
+        for (const Face& face : frame_.faces) {
             const Pack height = Pack(face.offset) - dot_p(face.normal);
             std::array<Pack, 3> g, rho;
             Pack m = zero;
@@ -237,57 +198,12 @@ private:
         }
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (flags[lane] == T(0)) continue;
-            const auto weights = face_weights<double>(
+            const auto weights = detail::face_weights<double, double>(
                 double(heights[lane]), {double(rhos[0][lane]), double(rhos[1][lane]), double(rhos[2][lane])},
                 {double(gs[0][lane]), double(gs[1][lane]), double(gs[2][lane])}, altitude, cosine, true);
             for (std::size_t k = 0; k < 3; ++k) ws[k][lane] = static_cast<T>(weights[k]);
         }
         for (std::size_t k = 0; k < 3; ++k) w[k] = Pack::load(ws[k]);
-    }
-
-    /// The formula of the class in another scalar. `beside`: p lies next to the face's plane and does not face it.
-    template <class U>
-    static std::array<U, 3> face_weights(U height, const std::array<U, 3>& rho, const std::array<U, 3>& g,
-                                         const std::array<U, 3>& altitude, const std::array<U, 3>& cosine,
-                                         bool beside) noexcept {
-        if (height == 0) return {}; // in the plane
-        U s = 0;
-        if (beside) {
-            for (std::size_t k = 0; k < 3; ++k) s += U(0.5) * height * beside_face<U>(height, rho, k, cosine);
-        } else {
-            s = U(0.5) * (g[0] * rho[0] + g[1] * rho[1] + g[2] * rho[2]) / height;
-        }
-        std::array<U, 3> w;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
-            w[k] =
-                (s * rho[k] + U(0.5) * height * (g[k] + cosine[n] * g[l] + cosine[l] * g[n])) / altitude[k];
-        }
-        return w;
-    }
-    /// (g ρ − φ)/H² of an edge, φ the signed angle it is seen under from the foot point: those angles sum to zero outside the
-    /// face, so the sum of g ρ is the sum of these differences, and they are had without any.
-    template <class U>
-    static U beside_face(U height, const std::array<U, 3>& rho, std::size_t k,
-                         const std::array<U, 3>& cosine) noexcept {
-        // Where the edge's ends lie along it, from the foot point: by the distances to the edges that meet there.
-        const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
-        const auto along = [&](std::size_t other, U c) { // of the corner that edges k and `other` share
-            const U sine = std::sqrt(std::fmax(U(0), (1 - c) * (1 + c)));
-            return (rho[other] - c * rho[k]) / sine;
-        };
-        const U end = along(l, cosine[n]), begin = -along(n, cosine[l]);
-        const U r = std::fabs(rho[k]), far = std::sqrt(r * r + height * height);
-        const auto part = [&](U t) { // (atan(t/R) − atan(t/r))/H²
-            const U d = r * far + t * t;
-            if (!(d > 0)) return U(0);
-            const U x = t * height * height / ((r + far) * d);
-            const U slope = x > U(1e-4) || x < U(-1e-4) ? std::atan(x) / x : 1 - x * x / 3;
-            return -t * slope / ((r + far) * d);
-        };
-        const U seen = std::atan2(r * (end - begin), r * r + begin * end); // from the foot point
-        const U sign = rho[k] < 0 ? U(-1) : U(1);
-        return (rho[k] / far) * (part(end) - part(begin)) - sign * seen / (far * (r + far));
     }
 
     /// One point the plain way: limits on the boundary, and one precision higher off it.
@@ -309,7 +225,7 @@ private:
         };
         const auto length = [](const Vec<Wide, 3>& v) { return std::sqrt(dot(v, v)); };
         std::vector<Wide> w(cage_.size(), Wide(0));
-        for (const auto& face : faces_) {
+        for (const auto& face : frame_.faces) {
             const auto& corners = face.corner;
             const std::array<Vec<Wide, 3>, 3> c{u_of(corners[0]), u_of(corners[1]), u_of(corners[2])};
             auto normal = cross(c[1] - c[0], c[2] - c[0]);
@@ -331,7 +247,7 @@ private:
             const Wide m = Wide(0.5) * (g[0] * rho[0] + g[1] * rho[1] + g[2] * rho[2]);
             const bool outside = std::min({rho[0], rho[1], rho[2]}) < 0;
             const bool beside = outside && std::fabs(height) < Wide(1e-2) * std::sqrt(area) && m < Wide(0.5);
-            const auto weights = face_weights<Wide>(height, rho, g, altitude, cosine, beside);
+            const auto weights = detail::face_weights<Wide, Wide>(height, rho, g, altitude, cosine, beside);
             for (std::size_t k = 0; k < 3; ++k) w[corners[k]] += weights[k];
         }
         Wide sum = 0;
@@ -346,8 +262,8 @@ private:
 
     TriangleMesh<T> cage_;
     CageReport report_;
-    std::vector<Edge> edges_;
-    std::vector<Face> faces_;
+    detail::MeshFrame<T> frame_;
+    detail::MeanValueGradients<T, 3> gradients_;
     T tolerance_ = 0;
     T scale_ = 1;
     Vec<T, 3> origin_{};

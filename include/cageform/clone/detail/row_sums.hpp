@@ -123,12 +123,17 @@ void sum_dense(const std::byte* weights, std::size_t handles, std::size_t blocks
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
     std::size_t b = begin;
     if (blocks * handles * row_bytes < cached) {
-        Lanes<T> sums[together][D];
-        for (; b + together <= end; b += together) {
-            sum_rows<together, 1, Format, T, D>(weights + b * handles * row_bytes, handles, handles,
-                                                displacement, sums);
-            for (std::size_t n = 0; n < together; ++n) finish(b + n, sums[n]);
-        }
+        // One by one at the end, in the same order of additions: ranges may be cut anywhere.
+        const auto sum = [&](auto count) {
+            Lanes<T> sums[count][D];
+            sum_rows<count, 1, Format, T, D>(weights + b * handles * row_bytes, handles, handles,
+                                             displacement, sums);
+            for (std::size_t n = 0; n < count; ++n) finish(b + n, sums[n]);
+            b += count;
+        };
+        while (b + together <= end) sum(std::integral_constant<std::size_t, together>{});
+        while (b < end) sum(std::integral_constant<std::size_t, 1>{});
+        return;
     }
     for (; b < end; ++b) {
         Lanes<T> sums[D];

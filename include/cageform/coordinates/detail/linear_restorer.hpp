@@ -9,7 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The least change of a point's weights that restores Σw = 1 and Σwc = p, for all points of a block.
+/// The least change of a point's weights that restores Σw = 1 and Σwc = p, for all points of a block; or, of weights that
+/// move a vector t, Σw = 0 and Σwc = t.
 ///
 /// With A = [1 … 1; ĉ_0 … ĉ_{m−1}] (ĉ centred and scaled to the cage) the change is Aᵀ(AAᵀ)⁻¹ r, r what is
 /// missing; AAᵀ is (D+1)² and the same for all points.
@@ -45,20 +46,41 @@ public:
     /// `row` holds the weights of a block of points; `bound` is one in lanes to treat and zero in others. Measures alone
     /// unless `restore`.
     Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
-        // Two roundings of the cage's size are not worth a change: exact zeros on edges would be lost.
-        constexpr T enough = 4 * epsilon<T>;
-        const Pack treat = Pack::load(bound);
-        Pack position[D], missing[D + 1], change(T(0));
+        Pack wanted[D + 1];
+        wanted[0] = Pack(T(1));
+        for (std::size_t k = 0; k < D; ++k)
+            wanted[k + 1] = (Pack::load(target[k]) - Pack(centre_[k])) * Pack(T(1) / size_);
+        return run_to(wanted, Pack(T(1)), bound, row, restore);
+    }
+
+    /// The same for vectors. What is worth a change is relative to their length.
+    Result run_vectors(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
+        Pack wanted[D + 1], longest(T(0));
+        wanted[0] = Pack(T(0));
         for (std::size_t k = 0; k < D; ++k) {
-            position[k] = (Pack::load(target[k]) - Pack(centre_[k])) * Pack(T(1) / size_);
+            wanted[k + 1] = Pack::load(target[k]) * Pack(T(1) / size_);
+            longest = max<T>(longest, abs<T>(wanted[k + 1]));
         }
+        return run_to(wanted, longest, bound, row, restore);
+    }
+
+private:
+    using Pack = detail::Pack<T>;
+
+    /// `wanted`: Σw and Σwĉ. `unit` is what sums are to be accurate relative to.
+    Result run_to(const Pack* wanted, const Pack& unit, const Lanes<T>& bound, Lanes<T>* row,
+                  bool restore) const {
+        // Two roundings of the cage's size are not worth a change: exact zeros on edges would be lost.
+        const Pack enough = Pack(4 * epsilon<T>) * unit;
+        const Pack treat = Pack::load(bound);
+        Pack missing[D + 1], change(T(0));
         Result result;
-        Pack least = measure(row, position, missing);
+        Pack least = measure(row, wanted, missing);
         distance(missing).store(result.before);
         for (int round = 0; restore && round < 3; ++round) {
             Pack worst = abs<T>(missing[0]);
             for (std::size_t k = 1; k <= D; ++k) worst = max<T>(worst, abs<T>(missing[k]));
-            const Pack apply = select<T>(Pack(enough) < worst, treat, Pack(T(0)));
+            const Pack apply = select<T>(enough < worst, treat, Pack(T(0)));
             if (!any(apply)) break;
             Pack y[D + 1];
             for (std::size_t r = 0; r <= D; ++r) {
@@ -72,7 +94,7 @@ public:
                 change = max<T>(change, abs<T>(delta));
                 (Pack::load(row[i]) + delta).store(row[i]);
             }
-            least = measure(row, position, missing);
+            least = measure(row, wanted, missing);
         }
         abs<T>(missing[0]).store(result.partition);
         distance(missing).store(result.reproduction);
@@ -81,13 +103,9 @@ public:
         return result;
     }
 
-private:
-    using Pack = detail::Pack<T>;
-
-    /// What is missing to 1 and to the position; returns the least weight.
-    Pack measure(const Lanes<T>* row, const Pack* position, Pack* missing) const {
-        missing[0] = Pack(T(1));
-        for (std::size_t k = 0; k < D; ++k) missing[k + 1] = position[k];
+    /// What is missing to what is wanted; returns the least weight.
+    Pack measure(const Lanes<T>* row, const Pack* wanted, Pack* missing) const {
+        for (std::size_t k = 0; k <= D; ++k) missing[k] = wanted[k];
         Pack least = Pack::load(row[0]);
         for (std::size_t i = 0; i < columns_.size(); ++i) {
             const Pack w = Pack::load(row[i]);

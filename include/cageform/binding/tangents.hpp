@@ -1,0 +1,92 @@
+// Tangents to go with normals, so that normals can be bound.
+#pragma once
+
+#include <cageform/core/view.hpp>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// `v` made of unit length, whatever its size; zero stays zero.
+template <std::size_t D>
+Vec<double, D> unit_or_zero(Vec<double, D> v) noexcept {
+    double largest = 0;
+    for (std::size_t k = 0; k < D; ++k) largest = std::fmax(largest, std::fabs(v[k]));
+    if (!(largest > 0)) return {};
+    for (std::size_t k = 0; k < D; ++k) v[k] /= largest;
+    return (1 / std::sqrt(dot(v, v))) * v;
+}
+
+/// Two unit vectors with cross(first, second) = `n`, of unit length.
+///
+/// Duff et al., Building an Orthonormal Basis, Revisited (JCGT 6, 2017), listing 3.
+inline std::array<Vec<double, 3>, 2> any_tangents(const Vec<double, 3>& n) noexcept {
+    const double sign = std::copysign(1.0, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
+    return {{{1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}, {b, sign + n[1] * n[1] * a, -n[1]}}};
+}
+
+} // namespace detail
+
+/// Unit tangents to go with normals of any length, to be bound by `bind_vectors` and played by `clone_normals`. In space
+/// two for each, orthogonal, with cross(tangent, bitangent) along the normal; in the plane one, the normal turned
+/// clockwise.
+///
+///   returns  `auto [tangents, bitangents] = tangents_of(normals)`, in the plane `auto [tangents] = …`; of a zero normal
+///            zeros; of one that is not finite a first one that is not, so that `bind_vectors` reports it
+template <PointRange R>
+    requires(range_dimension<R> == 2 || range_dimension<R> == 3)
+auto tangents_of(const R& normals) {
+    using T = range_scalar_t<R>;
+    constexpr std::size_t D = range_dimension<R>;
+    std::array<std::vector<Vec<T, D>>, D - 1> result;
+    for (auto& tangents : result) tangents.resize(std::size(normals));
+    for (std::size_t i = 0; i < std::size(normals); ++i) {
+        const auto given = to_vec<double>(normals[i]);
+        if (!is_finite(given)) {
+            result[0][i] = to_vec<T>(normals[i]);
+            continue;
+        }
+        const auto n = detail::unit_or_zero(given);
+        if (dot(n, n) == 0) continue;
+        if constexpr (D == 2) {
+            result[0][i] = vec_cast<T>(Vec<double, 2>{n[1], -n[0]});
+        } else {
+            const auto [t, b] = detail::any_tangents(n);
+            result[0][i] = vec_cast<T>(t);
+            result[1][i] = vec_cast<T>(b);
+        }
+    }
+    return result;
+}
+
+/// The same with tangents of one's own: made orthogonal to the normals and of unit length. The bitangents are
+/// cross(normal, tangent), whichever way the texture runs: that sign (the w of a glTF tangent) is the caller's, and no
+/// pose changes it.
+///
+///   tangents  as many as normals; where one is zero or along the normal, any other is taken
+template <PointRange R, PointRange S>
+    requires(range_dimension<R> == 3 && range_dimension<S> == 3)
+auto tangents_of(const R& normals, const S& tangents) {
+    using T = range_scalar_t<R>;
+    CAGEFORM_ASSERT(std::size(tangents) == std::size(normals), "a tangent for every normal");
+    auto result = tangents_of(normals);
+    for (std::size_t i = 0; i < std::size(normals); ++i) {
+        const auto n = detail::unit_or_zero(to_vec<double>(normals[i]));
+        const auto given = to_vec<double>(tangents[i]);
+        if (!is_finite(n) || dot(n, n) == 0 || !is_finite(given)) continue;
+        const auto unit = detail::unit_or_zero(given);
+        const auto across = unit - dot(unit, n) * n;
+        if (!(dot(across, across) > 1e-12)) continue; // along the normal
+        auto t = detail::unit_or_zero(across);
+        t = detail::unit_or_zero(t - dot(t, n) * n); // what the first difference rounded off
+        result[0][i] = vec_cast<T>(t);
+        result[1][i] = vec_cast<T>(cross(n, t));
+    }
+    return result;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

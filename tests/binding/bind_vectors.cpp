@@ -1,0 +1,356 @@
+// Vectors bound to points: linear precision, differences of clones, and what becomes of points that are nowhere.
+#include "../catch.hpp"
+#include "../support/meshes.hpp"
+#include "../support/weights.hpp"
+
+#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/core/threads.hpp>
+
+#include <cstring>
+
+using namespace cageform_tests;
+using cageform::bind_jacobians;
+using cageform::bind_vectors;
+using cageform::epsilon;
+using cageform::OutsidePoints;
+using cageform::Polygon;
+
+namespace {
+
+template <class T, std::size_t D>
+using Bary = cageform::BarycentricCoordinates<T, D>;
+template <class T, std::size_t D>
+using Mean = cageform::MeanValueCoordinates<T, D>;
+template <class T>
+struct Harmonic : cageform::HarmonicCoordinates<T, 2> {
+    explicit Harmonic(const Polygon<T>& cage)
+        : cageform::HarmonicCoordinates<T, 2>(cage, {.resolution = 64}) {}
+};
+
+/// A coordinate type over a random cage, and points inside and on it.
+template <class C>
+C random_coordinates(std::uint64_t seed) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    if constexpr (std::is_same_v<C, Bary<T, D>>) {
+        return C(random_simplex<T, D>(seed));
+    } else if constexpr (D == 2) {
+        return C(Polygon<T>(random_star<T>(seed)));
+    } else {
+        return C(random_mesh(seed).mesh<T>());
+    }
+}
+template <class C>
+std::vector<Vec<typename C::scalar, C::dimension>> random_points(const C& coordinates, std::uint64_t seed) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    Random random(seed + 5);
+    std::vector<Vec<T, D>> points{coordinates.handles()[0]};
+    if constexpr (std::is_same_v<C, Bary<T, D>>) {
+        for (int n = 0; n < 50; ++n)
+            points.push_back(vec_cast<T>(combine(random_shares(D + 1, random), coordinates.handles())));
+    } else if constexpr (D == 2) {
+        for (int n = 0; n < 50; ++n) points.push_back(random_inside(coordinates.cage(), random, 1e-4));
+    } else {
+        MeshData data;
+        for (const auto& v : coordinates.handles()) data.vertices.push_back(vec_cast<double>(v));
+        while (points.size() < 50) {
+            const auto p = vec_cast<T>(points_about(data, 1, random.bits())[0]);
+            if (locate(coordinates.cage(), p, T(0)) == PointState::inside) points.push_back(p);
+        }
+    }
+    return points;
+}
+
+template <class T, std::size_t D>
+std::vector<Vec<T, D>> random_vectors(std::size_t count, double length, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<Vec<T, D>> vectors(count);
+    for (auto& v : vectors) {
+        for (std::size_t k = 0; k < D; ++k) v[k] = T(random.uniform(-length, length));
+    }
+    return vectors;
+}
+
+template <class T, std::size_t D, class R>
+std::vector<Vec<T, D>> cloned(const cageform::Binding<T, D>& binding, const R& pose) {
+    std::vector<Vec<T, D>> out(binding.point_count());
+    REQUIRE(cageform::clone(binding, pose, out) == Status::ok);
+    return out;
+}
+
+template <class T, std::size_t D>
+std::vector<Vec<T, D>> shaken(std::span<const Vec<T, D>> handles, double reach, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<Vec<T, D>> pose(handles.begin(), handles.end());
+    for (auto& c : pose) {
+        for (std::size_t k = 0; k < D; ++k) c[k] += T(random.uniform(-reach, reach));
+    }
+    return pose;
+}
+
+template <class T, std::size_t D>
+bool same_bits(const Vec<T, D>& a, const Vec<T, D>& b) {
+    return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
+
+} // namespace
+
+#define CAGEFORM_TEST_ALL_TYPES                                                                              \
+    (Bary<float, 1>), (Bary<double, 2>), (Bary<float, 3>), (Mean<float, 2>), (Mean<double, 2>),              \
+        (Mean<float, 3>), (Mean<double, 3>), (Harmonic<float>), (Harmonic<double>)
+
+TEMPLATE_TEST_CASE("an affine pose moves every bound vector by its linear part", "[binding][vectors][affine]",
+                   CAGEFORM_TEST_ALL_TYPES) {
+    using T = typename TestType::scalar;
+    constexpr std::size_t D = TestType::dimension;
+    const auto seed = std::uint64_t(GENERATE(seeds(6)));
+    CAPTURE(seed);
+    const auto coordinates = random_coordinates<TestType>(seed);
+    auto points = random_points(coordinates, seed);
+    // Into a sharp corner the grid sees no way.
+    if constexpr (std::is_same_v<TestType, Harmonic<T>>) points.front() = points.back();
+    // Of whatever length: what is lost is relative to it, and to what the weights are made of.
+    const double length = seed % 2 == 0 ? 1 : 1e-4;
+    const auto vectors = random_vectors<T, D>(points.size(), length, seed + 1);
+    const auto [binding, report] = bind_vectors(coordinates, points, vectors);
+    REQUIRE(report.status == Status::ok);
+    REQUIRE(report.unreached.empty());
+    CHECK(report.on_boundary.size() == (std::is_same_v<TestType, Harmonic<T>> ? 0 : 1));
+    CHECK(report.points == points.size());
+    Random random(seed + 2);
+    const auto handles = coordinates.handles();
+    const double size = size_of(handles);
+    for (int n = 0; n < 4; ++n) {
+        auto map = random_affine<D>(random, size);
+        const auto pose = map(handles);
+        const auto moved = cloned(binding, pose);
+        map.shift = {};
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            double gross = length; // Σ |w| times the size: what rounding is relative to
+            for (std::size_t h = 0; h < handles.size(); ++h)
+                gross += size * std::fabs(double(binding.weight(i, h)));
+            CAPTURE(n, i);
+            CHECK(distance(moved[i], map(vec_cast<long double>(vectors[i]))) <=
+                  64 * double(epsilon<T>) * gross);
+        }
+    }
+    // What the weights miss of Σw = 0 and Σwc = t is in the report.
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::vector<T> row;
+        for (std::size_t h = 0; h < handles.size(); ++h) row.push_back(binding.weight(i, h));
+        CHECK(std::fabs(double(sum_of(row))) <=
+              report.partition_error.value + 8 * double(epsilon<T>) * absolute_sum(row));
+        CHECK(distance(combine(row, handles), vectors[i]) <=
+              report.reproduction_error.value +
+                  64 * double(epsilon<T>) * (length + size * absolute_sum(row)));
+    }
+}
+
+TEMPLATE_TEST_CASE("the rest pose gives the bound vectors bit for bit", "[binding][vectors][rest]",
+                   CAGEFORM_TEST_ALL_TYPES) {
+    using T = typename TestType::scalar;
+    constexpr std::size_t D = TestType::dimension;
+    const auto policy =
+        GENERATE(OutsidePoints::extend, OutsidePoints::keep_in_place, OutsidePoints::nearest_boundary);
+    const auto coordinates = random_coordinates<TestType>(2);
+    auto points = random_points(coordinates, 2);
+    points.push_back(points[0]);
+    for (std::size_t k = 0; k < D; ++k) points.back()[k] += T(2 * size_of(coordinates.handles()));
+    points.push_back(points[0]);
+    points.back()[0] = std::numeric_limits<T>::quiet_NaN();
+    auto vectors = random_vectors<T, D>(points.size(), 1, 3);
+    vectors[1][0] = -T(0);
+    vectors[2] = {};
+    vectors[3][D - 1] = std::numeric_limits<T>::infinity();
+    const auto [binding, report] = bind_vectors(coordinates, points, vectors, {.outside = policy});
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.not_finite == std::vector<std::size_t>{3, points.size() - 1});
+    CHECK(report.outside == std::vector<std::size_t>{points.size() - 2});
+    CHECK(report.unreached.empty());
+    const auto at_rest = cloned(binding, coordinates.handles());
+    for (std::size_t i = 0; i < points.size(); ++i) CHECK(same_bits(at_rest[i], vectors[i]));
+    // Those kept in place stay so in any pose.
+    const auto moved = cloned(binding, shaken(coordinates.handles(), size_of(coordinates.handles()), 4));
+    CHECK(same_bits(moved[3], vectors[3]));
+    CHECK(same_bits(moved[2], vectors[2]));
+    CHECK(same_bits(moved.back(), vectors.back()));
+    const bool kept = policy == OutsidePoints::keep_in_place ||
+                      (policy == OutsidePoints::extend && !TestType::has_extension);
+    CHECK(same_bits(moved[points.size() - 2], vectors[points.size() - 2]) == kept);
+}
+
+TEST_CASE("bound vectors move as differences of clones", "[binding][vectors][differences]") {
+    const auto seed = std::uint64_t(GENERATE(seeds(8)));
+    CAPTURE(seed);
+    const auto check = [&](const auto& coordinates) {
+        using C = std::decay_t<decltype(coordinates)>;
+        constexpr std::size_t D = C::dimension;
+        const auto handles = coordinates.handles();
+        const double size = bounds_of(handles).diagonal(), step = 1e-5 * size;
+        auto points = random_points(coordinates, seed);
+        points.erase(points.begin());
+        const auto vectors = random_vectors<double, D>(points.size(), 1, seed);
+        const auto pose = shaken(handles, 0.2 * size, seed);
+        const auto moved = cloned(bind_vectors(coordinates, points, vectors).binding, pose);
+        std::vector<Vec<double, D>> ahead, behind;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            ahead.push_back(points[i] + step * vectors[i]);
+            behind.push_back(points[i] - step * vectors[i]);
+        }
+        const auto a = cloned(cageform::bind(coordinates, ahead).binding, pose);
+        const auto b = cloned(cageform::bind(coordinates, behind).binding, pose);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            Vec<double, D> place;
+            (void)nearest_boundary_value(coordinates.cage(), points[i], place);
+            if (distance(place, points[i]) < 0.01 * size) continue; // third derivatives are large there
+            CAPTURE(i);
+            CHECK(distance(moved[i], (0.5 / step) * (a[i] - b[i])) <= 1e-5);
+        }
+    };
+    check(random_coordinates<Mean<double, 2>>(seed));
+    check(random_coordinates<Mean<double, 3>>(seed));
+}
+
+TEST_CASE("one vector for all, and the columns of Jacobians, are those of ranges", "[binding][vectors]") {
+    const auto coordinates = random_coordinates<Mean<float, 3>>(6);
+    const auto points = random_points(coordinates, 6);
+    const auto pose = shaken(coordinates.handles(), size_of(coordinates.handles()), 7);
+    const auto jacobians = bind_jacobians(coordinates, points);
+    REQUIRE(jacobians.report.status == Status::ok);
+    for (std::size_t k = 0; k < 3; ++k) {
+        Vec<float, 3> axis{};
+        axis[k] = 1;
+        const std::array<double, 3> of_another_type{axis[0], axis[1], axis[2]};
+        const auto expected = cloned(
+            bind_vectors(coordinates, points, std::vector<Vec<float, 3>>(points.size(), axis)).binding, pose);
+        CHECK(cloned(bind_vectors(coordinates, points, axis).binding, pose) == expected);
+        CHECK(cloned(bind_vectors(coordinates, points, of_another_type).binding, pose) == expected);
+        CHECK(cloned(jacobians.columns[k], pose) == expected);
+    }
+    CHECK(jacobians.report.on_boundary == std::vector<std::size_t>{0});
+}
+
+TEMPLATE_TEST_CASE("vectors of points that follow the boundary turn as it does",
+                   "[binding][vectors][outside]", (Mean<double, 2>), (Mean<double, 3>), (Harmonic<double>)) {
+    constexpr std::size_t D = TestType::dimension;
+    const auto coordinates = random_coordinates<TestType>(5);
+    const auto handles = coordinates.handles();
+    const double size = bounds_of(handles).diagonal();
+    std::vector<Vec<double, D>> outside, nearest;
+    Random random(9);
+    std::vector<double> row(handles.size());
+    for (int n = 0; n < 20; ++n) {
+        auto p = handles[std::size_t(n) % handles.size()];
+        for (std::size_t k = 0; k < D; ++k) p[k] += size * random.uniform(1, 2);
+        outside.push_back(p);
+        nearest.push_back(coordinates.nearest_boundary(p, row));
+    }
+    const auto vectors = random_vectors<double, D>(outside.size(), 1, 9);
+    const auto [binding, report] =
+        bind_vectors(coordinates, outside, vectors, {.outside = OutsidePoints::nearest_boundary});
+    REQUIRE(report.status == Status::ok);
+    // Into a sharp corner the grid sees no way.
+    CHECK(report.outside.size() + report.unreached.size() == outside.size());
+    CHECK(report.outside.size() >= (TestType::has_extension ? outside.size() : outside.size() / 4));
+    const auto pose = shaken(handles, 0.1 * size, 10);
+    const auto expected = cloned(bind_vectors(coordinates, nearest, vectors).binding, pose);
+    const auto moved = cloned(binding, pose);
+    for (std::size_t i = 0; i < outside.size(); ++i) CHECK(distance(moved[i], expected[i]) <= 1e-12);
+}
+
+TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") {
+    const Points2<double> points{{0.2, 0.2}};
+    const Polygon<double> crossing(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});
+    const auto refused = bind_vectors(Mean<double, 2>(crossing), points, Vec<double, 2>{1, 0});
+    CHECK(refused.report.status == Status::cage_self_crossing);
+    CHECK(refused.binding.point_count() == 0);
+
+    const auto coordinates = random_coordinates<Mean<double, 3>>(6);
+    const auto many = random_points(coordinates, 6);
+    const auto cancelled =
+        bind_vectors(coordinates, many, Vec<double, 3>{1, 0, 0}, {.progress = [](double) { return false; }});
+    CHECK(cancelled.report.status == Status::cancelled);
+    CHECK(cancelled.binding.point_count() == 0);
+
+    const auto none = bind_vectors(coordinates, Points3<double>{}, Vec<double, 3>{1, 0, 0});
+    CHECK(none.report.status == Status::ok);
+    CHECK(none.binding.point_count() == 0);
+    CHECK(none.binding.handle_count() == coordinates.handles().size());
+
+    // So long a vector that its weights are none.
+    const auto flat = random_coordinates<Mean<float, 2>>(2);
+    const auto inside = random_points(flat, 2);
+    const auto long_ones =
+        bind_vectors(flat, inside, Vec<float, 2>{std::numeric_limits<float>::max(), 0}).report;
+    CHECK(long_ones.status == Status::ok);
+    CHECK(long_ones.unreached.size() + long_ones.not_finite.size() <= inside.size());
+}
+
+TEST_CASE("threads and pieces give the same bound vectors", "[binding][vectors][threads]") {
+    const auto coordinates = random_coordinates<Mean<double, 2>>(6);
+    Random random(3);
+    Points2<double> points;
+    for (int n = 0; n < 5000; ++n) points.push_back(random_inside(coordinates.cage(), random, 0));
+    const auto vectors = random_vectors<double, 2>(points.size(), 1, 1);
+    const auto pose = shaken(coordinates.handles(), 1, 2);
+    const auto all = bind_vectors(coordinates, points, vectors).binding;
+    const auto expected = cloned(all, pose);
+    double last = 0;
+    cageform::BindOptions options{.parallel = cageform::ThreadedFor{3}};
+    options.progress = [&](double done) {
+        CHECK(done >= last);
+        last = done;
+        return true;
+    };
+    CHECK(cloned(bind_vectors(coordinates, points, vectors, options).binding, pose) == expected);
+    CHECK(last == 1);
+    for (const std::size_t i : {std::size_t{0}, std::size_t{31}, std::size_t{32}, std::size_t{4999}}) {
+        const auto alone =
+            bind_vectors(coordinates, Points2<double>{points[i]}, Points2<double>{vectors[i]}).binding;
+        for (std::size_t h = 0; h < alone.handle_count(); ++h) CHECK(alone.weight(0, h) == all.weight(i, h));
+    }
+}
+
+TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", float, double) {
+    using T = TestType;
+    Random random(1);
+    Points3<T> normals{{0, 0, 1}, {0, 0, -1},       {0, 0, T(-0.0)},
+                       {1, 0, 0}, {0, T(1e-30), 0}, {T(1e30), 0, T(1e30)}};
+    for (int n = 0; n < 100; ++n)
+        normals.push_back({T(random.uniform(-1, 1)), T(random.uniform(-1, 1)), T(random.uniform(-1, 1))});
+    const auto given = random_vectors<T, 3>(normals.size(), 1, 2);
+    const auto check = [&](const std::array<Points3<T>, 2>& frames) {
+        const auto& [tangents, bitangents] = frames;
+        REQUIRE(tangents.size() == normals.size());
+        for (std::size_t i = 0; i < normals.size(); ++i) {
+            CAPTURE(i);
+            if (i == 2) { // no normal
+                CHECK(tangents[i] == Vec<T, 3>{});
+                CHECK(bitangents[i] == Vec<T, 3>{});
+                continue;
+            }
+            const auto n = vec_cast<long double>(normals[i]), t = vec_cast<long double>(tangents[i]),
+                       b = vec_cast<long double>(bitangents[i]);
+            CHECK(distance(cross(t, b), (1 / std::sqrt(dot(n, n))) * n) <= 8 * double(epsilon<T>));
+            CHECK(std::fabs(double(dot(t, t)) - 1) <= 8 * double(epsilon<T>));
+            CHECK(std::fabs(double(dot(t, b))) <= 8 * double(epsilon<T>));
+        }
+    };
+    check(cageform::tangents_of(normals));
+    auto tangents = given;
+    tangents[0] = {};
+    tangents[3] = {T(2), 0, 0}; // along the normal
+    const auto frames = cageform::tangents_of(normals, tangents);
+    check(frames);
+    for (std::size_t i = 6; i < normals.size(); ++i) CHECK(dot(frames[0][i], given[i]) > 0);
+
+    const T nan = std::numeric_limits<T>::quiet_NaN();
+    CHECK(!is_finite(cageform::tangents_of(Points3<T>{{nan, 0, 0}})[0][0]));
+    const auto [flat] = cageform::tangents_of(Points2<T>{{0, 2}, {T(-1e-30), 0}, {0, 0}});
+    CHECK(flat == Points2<T>{{1, 0}, {0, 1}, {0, 0}});
+}
