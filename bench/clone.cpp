@@ -1,12 +1,23 @@
-// How near is a clone to merely reading its weights?
+// How near is a clone to merely reading its weights, and what is gained by storing fewer or smaller ones?
 //
-// Beside it: reading the same memory and adding it up, and Eigen's dense product W · C (the better of its two
-// storage orders).
-#include <cageform/binding/binding.hpp>
-#include <cageform/clone/clone.hpp>
+// Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), and Eigen's dense product
+// W · C (the better of its two storage orders). Packed bindings are of BUMPY112, by mean value coordinates; beside their times
+// stand the worst errors of a pose that bends, of the projection used here and of renormalising, and what renormalising
+// does to the figure at rest, all relative to the figure's size.
+#include "workloads.hpp"
+
+#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/pack.hpp>
+#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/normals.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
 
 #include <Eigen/Core>
 #include <benchmark/benchmark.h>
+
+#include <cstring>
+#include <map>
+#include <numeric>
 
 namespace {
 
@@ -78,6 +89,132 @@ void limit_read_weights(benchmark::State& state) {
     work.finish(state);
 }
 
+/// 256 MB: what memory gives, whatever the caches.
+template <class T>
+void limit_read_memory(benchmark::State& state) {
+    std::vector<cageform::Lanes<T>> memory((std::size_t{256} << 20) / 64);
+    std::memset(&memory[0], 1, memory.size() * 64); // or all of it would be one page of zeros
+    for (auto _ : state) {
+        std::array<cageform::detail::Pack<T>, 8> sums;
+        sums.fill(T(0));
+        for (std::size_t i = 0; i + 8 <= memory.size(); i += 8) {
+            for (std::size_t s = 0; s < 8; ++s)
+                sums[s] = sums[s] + cageform::detail::Pack<T>::load(memory[i + s]);
+        }
+        benchmark::DoNotOptimize(sums);
+    }
+    state.SetBytesProcessed(std::int64_t(state.iterations()) * (std::int64_t{256} << 20));
+}
+
+/// BUMPY112 with points inside, bound by mean value coordinates.
+template <class T>
+struct Bumpy {
+    using Points = std::vector<cageform::Vec<T, 3>>;
+
+    Points rest, bent, figure;
+    cageform::Binding<T, 3> binding;
+
+    explicit Bumpy(std::size_t count) {
+        const auto mesh = cageform_bench::bumpy112<T>();
+        rest.assign(mesh.vertices().begin(), mesh.vertices().end());
+        for (const auto& p : cageform_bench::points_inside(cageform_bench::bumpy112<double>(), count, 2))
+            figure.push_back(cageform::vec_cast<T>(p));
+        binding = cageform::bind(cageform::MeanValueCoordinates<T, 3>(mesh), figure).binding;
+        for (auto p : rest) { // bent by a quarter of a turn along its height
+            const T angle = T(0.75) * p[2], reach = p[0] + 2;
+            bent.push_back({reach * std::cos(angle) - 2, p[1], reach * std::sin(angle)});
+        }
+    }
+
+    static const Bumpy& of(std::size_t count) { // made once, benchmarks run several times
+        static std::map<std::size_t, Bumpy> made;
+        return made.try_emplace(count, count).first->second;
+    }
+
+    /// The largest distance of two clones.
+    static double distance(const Points& a, const Points& b) {
+        double largest = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const auto d = cageform::vec_cast<double>(a[i]) - cageform::vec_cast<double>(b[i]);
+            largest = std::max(largest, std::sqrt(dot(d, d)));
+        }
+        return largest;
+    }
+
+    /// What it is to keep the `largest` weights of a point and to scale them so that they sum to one.
+    Points renormalised(std::size_t largest, const Points& pose) const {
+        Points out;
+        for (std::size_t i = 0; i < figure.size(); ++i) {
+            std::vector<std::size_t> order(rest.size());
+            std::iota(order.begin(), order.end(), std::size_t{0});
+            std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(largest), order.end(),
+                              [&](std::size_t a, std::size_t b) {
+                                  return std::fabs(binding.weight(i, a)) > std::fabs(binding.weight(i, b));
+                              });
+            cageform::Vec<T, 3> p{};
+            T sum = 0;
+            for (std::size_t n = 0; n < largest; ++n) {
+                sum += binding.weight(i, order[n]);
+                p = p + binding.weight(i, order[n]) * pose[order[n]];
+            }
+            out.push_back((1 / sum) * p);
+        }
+        return out;
+    }
+};
+
+template <class T, cageform::WeightFormat Format>
+void clone_packed(benchmark::State& state) {
+    const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
+    const auto largest = std::size_t(state.range(1));
+    const auto [packed, report] = cageform::pack(bumpy.binding, {.format = Format, .largest = largest});
+    // As an engine would have it that puts its vertices into the binding's order once, or not.
+    const auto view = state.range(2) != 0 ? packed.view().in_order() : packed.view();
+    typename Bumpy<T>::Points out(bumpy.figure.size()), exact = out;
+    for (auto _ : state) {
+        const auto status = cageform::clone(view, bumpy.bent, out);
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    const double size = 2 * 1.6; // the figure's, about
+    const auto error = [&](const auto& pose) {
+        if (cageform::clone(packed.view(), pose, out) != cageform::Status::ok ||
+            cageform::clone(bumpy.binding, pose, exact) != cageform::Status::ok)
+            return -1.0;
+        return bumpy.distance(out, exact) / size;
+    };
+    state.counters["rest_error"] = error(bumpy.rest);
+    state.counters["bend_error"] = error(bumpy.bent);
+    if (largest != 0 && out.size() < 10000) {
+        state.counters["renormalised_rest"] =
+            bumpy.distance(bumpy.renormalised(largest, bumpy.rest), bumpy.figure) / size;
+        state.counters["renormalised_bend"] =
+            bumpy.distance(bumpy.renormalised(largest, bumpy.bent), exact) / size;
+    }
+    state.counters["weights_a_point"] = report.weights_per_point;
+    state.counters["bytes_of_dense"] = double(report.bytes) / double(report.dense_bytes);
+    state.counters["points/s"] =
+        benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// The points and, by two bound tangents, the normals.
+template <class T>
+void clone_with_normals(benchmark::State& state) {
+    const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
+    const cageform::MeanValueCoordinates<T, 3> coordinates(cageform_bench::bumpy112<T>());
+    const auto [axes, report] = cageform::bind_jacobians(coordinates, bumpy.figure);
+    if (report.status != cageform::Status::ok) return state.SkipWithError(to_string(report.status));
+    typename Bumpy<T>::Points out(bumpy.figure.size()), normals = out;
+    for (auto _ : state) {
+        if (cageform::clone(bumpy.binding, bumpy.bent, out) != cageform::Status::ok ||
+            cageform::clone_normals(axes[0], axes[1], bumpy.bent, normals) != cageform::Status::ok)
+            state.SkipWithError("not cloned");
+        benchmark::ClobberMemory();
+    }
+    state.counters["points/s"] =
+        benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
 template <class T, std::size_t D, int Order>
 void eigen_product(benchmark::State& state) {
     using Weights = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Order>;
@@ -107,6 +244,12 @@ void sizes_3d(benchmark::internal::Benchmark* benchmark) {
         ->Args({100000, 112});
 }
 
+void sizes_packed(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"points", "largest", "in_order"})->Unit(benchmark::kMicrosecond);
+    for (const long points : {8019L, 100000L})
+        benchmark->Args({points, 0, 0})->Args({points, 8, 0})->Args({points, 8, 1});
+}
+
 } // namespace
 
 #define CAGEFORM_BENCH_CLONE(T)                                                                              \
@@ -117,7 +260,13 @@ void sizes_3d(benchmark::internal::Benchmark* benchmark) {
     BENCHMARK_TEMPLATE(clone_dense, T, 3)->Apply(sizes_3d);                                                  \
     BENCHMARK_TEMPLATE(limit_read_weights, T, 3)->Apply(sizes_3d);                                           \
     BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::RowMajor)->Apply(sizes_3d);                               \
-    BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::ColMajor)->Apply(sizes_3d);
+    BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::ColMajor)->Apply(sizes_3d);                               \
+    BENCHMARK_TEMPLATE(limit_read_memory, T)->Unit(benchmark::kMicrosecond);                                 \
+    BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::scalar)->Apply(sizes_packed);                \
+    BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::half)->Apply(sizes_packed);                  \
+    BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::int16)->Apply(sizes_packed);                 \
+    BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::int8)->Apply(sizes_packed);                  \
+    BENCHMARK_TEMPLATE(clone_with_normals, T)->ArgName("points")->Arg(8019)->Unit(benchmark::kMicrosecond);
 
 CAGEFORM_BENCH_CLONE(float)
 CAGEFORM_BENCH_CLONE(double)

@@ -73,6 +73,14 @@ for type in mean-value harmonic; do
     --coordinates $type -o "$name.obj" --picture "$name.png"
 done
 
+# What a game takes: a packed binding with the dance, and glTF files as a skin and as morph targets.
+"$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
+  --coordinates harmonic --largest 16 --format int16 -o out/character.figure --report
+"$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --skin 8 \
+  -o out/character_skin.glb --report
+"$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \
+  -o out/character_morph.glb
+
 field() { # NAME CAGE VERTEX COORDINATES
   echo "$1: $("$programs/coordinate_field" --cage "$data/$2.svg" --vertex "$3" --coordinates "$4" -o "out/$1.png")"
 }
