@@ -13,7 +13,8 @@ using Point = std::array<float, 2>;
 int main() {
     // In the editor: a ring of 40 vertices, a figure of 1,000 points.
     std::vector<Point> cage, figure;
-    for (int k = 0; k < 40; ++k) cage.push_back({std::cos(0.15708f * float(k)), std::sin(0.15708f * float(k))});
+    for (int k = 0; k < 40; ++k)
+        cage.push_back({std::cos(0.15708f * float(k)), std::sin(0.15708f * float(k))});
     for (int i = 0; i < 1000; ++i) {
         const float radius = 0.95f * std::sqrt(float(i) / 1000), angle = 2.4f * float(i);
         figure.push_back({radius * std::cos(angle), radius * std::sin(angle)});

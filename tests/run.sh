@@ -13,5 +13,7 @@ esac
 # shellcheck disable=SC2086
 sh cmake/install_packages.sh $compiler cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev \
   libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin tango-icon-theme \
+  libegl-dev libgl-dev libgl1-mesa-dri libtinygltf-dev \
+  $([ "$preset" != dev ] || command -v npm >/dev/null 2>&1 || echo nodejs npm) \
   $([ "$preset" != release ] || echo libbenchmark-dev libsuitesparse-dev)
 cmake --workflow --preset "$preset"

@@ -126,8 +126,9 @@ public:
         for (std::size_t i = 0; i < vertex_count(); ++i) {
             for (std::size_t k = 0; k < D; ++k) {
                 const std::size_t n = i * D + k;
-                pose[i][k] = cursor.values_[n] + folded.turns * (last_[n] - first_[n]) +
-                             folded.beyond * (folded.beyond < 0 ? first_slope_[n] : last_slope_[n]);
+                const T slope = folded.beyond < 0 ? first_slope_[n] : last_slope_[n];
+                const T turned = detail::multiply_add(folded.turns, last_[n] - first_[n], cursor.values_[n]);
+                pose[i][k] = detail::multiply_add(folded.beyond, slope, turned);
             }
         }
         if (moves_) move(time, pose.first(vertex_count()));

@@ -2,7 +2,7 @@
 // library; evaluation allocates nothing.
 #pragma once
 
-#include <cageform/core/blocks.hpp>
+#include <cageform/core/detail/pack.hpp>
 #include <cageform/core/view.hpp>
 
 #include <cmath>
@@ -20,11 +20,11 @@ struct CubicPiece {
 
     T operator()(T x) const noexcept {
         const T u = x - begin;
-        return ((c3 * u + c2) * u + c1) * u + c0;
+        return detail::multiply_add(detail::multiply_add(detail::multiply_add(c3, u, c2), u, c1), u, c0);
     }
     T derivative(T x) const noexcept {
         const T u = x - begin;
-        return (3 * c3 * u + 2 * c2) * u + c1;
+        return detail::multiply_add(detail::multiply_add(3 * c3, u, 2 * c2), u, c1);
     }
 };
 
@@ -180,7 +180,10 @@ public:
         const T until = first + 1 < pieces_.size() ? pieces_[first + 1].begin : end_;
         const T u = (inside - p.begin) / (until - p.begin), v = 1 - u;
         const T b0 = T(p.b[0]), b1 = T(p.b[1]), b2 = T(p.b[2]), b3 = T(p.b[3]);
-        return low_ + step_ * (v * v * (v * b0 + 3 * u * b1) + u * u * (3 * v * b2 + u * b3));
+        using detail::multiply_add, detail::product;
+        const T early = multiply_add(v, b0, product(3 * u, b1)),
+                late = multiply_add(u, b3, product(3 * v, b2));
+        return multiply_add(step_, multiply_add(v * v, early, product(u * u, late)), low_);
     }
 
 private:
@@ -219,7 +222,8 @@ public:
             }
             // At the end itself still in the last piece, for its slope, unless the value jumps there.
             const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
-            ends_.push_back(jumps ? curve.end() : std::nextafter(curve.end(), std::numeric_limits<T>::max()));
+            ends_.push_back(jumps ? curve.end()
+                                  : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
             entries_.push_back({ends_.back(), std::uint32_t(pieces_.size()), of});
             pieces_.push_back(constant(curve.end_value()));
         }
@@ -267,17 +271,20 @@ public:
         for (std::size_t b = 0; b < cursor.blocks_.size(); ++b) {
             const auto& block = cursor.blocks_[b];
             const std::size_t first = b * lanes, count = size() - first < lanes ? size() - first : lanes;
+            using detail::multiply_add;
             Lanes<T> value;
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const T u = x - block.begin[lane];
-                value[lane] =
-                    ((block.c3[lane] * u + block.c2[lane]) * u + block.c1[lane]) * u + block.c0[lane];
+                const T part =
+                    multiply_add(multiply_add(block.c3[lane], u, block.c2[lane]), u, block.c1[lane]);
+                value[lane] = multiply_add(part, u, block.c0[lane]);
             }
             store(value, count, out.data() + first);
             if (slopes.empty()) continue;
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const T u = x - block.begin[lane];
-                value[lane] = (3 * block.c3[lane] * u + 2 * block.c2[lane]) * u + block.c1[lane];
+                value[lane] =
+                    multiply_add(multiply_add(3 * block.c3[lane], u, 2 * block.c2[lane]), u, block.c1[lane]);
             }
             store(value, count, slopes.data() + first);
         }
@@ -397,7 +404,7 @@ FoldedTime<T> fold_time(T x, T begin, T end, Extrapolation before, Extrapolation
     if (mode == Extrapolation::constant || !(length > 0) || !is_finite(x)) return {edge, 0, 0};
     if (mode == Extrapolation::linear) return {edge, 0, x - edge};
     const double turns = std::floor((double(x) - double(begin)) / double(length));
-    double part = double(x) - double(begin) - turns * double(length);
+    double part = detail::multiply_add(-turns, double(length), double(x) - double(begin));
     part = part < 0 ? 0 : part > double(length) ? double(length) : part;
     if (mode == Extrapolation::ping_pong && turns - 2 * std::floor(turns / 2) == 1)
         part = double(length) - part;
@@ -416,9 +423,13 @@ struct Track {
     T operator()(T x, std::size_t& cursor) const noexcept {
         const auto folded = fold_time(x, curve.begin(), curve.end(), before, after);
         T value = curve(folded.time, cursor);
-        if (folded.beyond < 0) value += folded.beyond * curve.pieces().front().derivative(curve.begin());
-        if (folded.beyond > 0) value += folded.beyond * curve.pieces().back().derivative(curve.end());
-        if (folded.turns != 0) value += folded.turns * (curve.end_value() - curve.pieces().front().c0);
+        using detail::multiply_add;
+        if (folded.beyond < 0)
+            value = multiply_add(folded.beyond, curve.pieces().front().derivative(curve.begin()), value);
+        if (folded.beyond > 0)
+            value = multiply_add(folded.beyond, curve.pieces().back().derivative(curve.end()), value);
+        if (folded.turns != 0)
+            value = multiply_add(folded.turns, curve.end_value() - curve.pieces().front().c0, value);
         return value;
     }
     T operator()(T x) const noexcept {

@@ -1,0 +1,111 @@
+// Points to be searched for those nearest to a place.
+#pragma once
+
+#include <cageform/core/vec.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A kd-tree: halved at the median along the longest side, again and again. Squares of distances are taken, so coordinates
+/// should be of the order of one. Built in O(n log n); a search takes O(log n + count) as a rule.
+template <std::size_t D>
+class PointTree {
+public:
+    struct Neighbour {
+        double squared = 0; ///< distance
+        std::size_t point = 0;
+
+        friend bool operator<(const Neighbour& a, const Neighbour& b) noexcept {
+            return a.squared != b.squared ? a.squared < b.squared : a.point < b.point;
+        }
+    };
+
+    PointTree() = default;
+    /// All finite.
+    explicit PointTree(const std::vector<Vec<double, D>>& points)
+        : axes_(points.size())
+        , order_(points.size()) {
+        std::iota(order_.begin(), order_.end(), std::size_t{0});
+        divide(points, 0, points.size());
+        for (const std::size_t i : order_) places_.push_back(points[i]);
+    }
+
+    /// The `count` points nearest to `p` of those wanted(point), the nearest first, the lesser index of two as near; fewer
+    /// where there are not so many.
+    template <class Wanted>
+    void nearest(const Vec<double, D>& p, std::size_t count, const Wanted& wanted,
+                 std::vector<Neighbour>& found) const {
+        found.clear();
+        if (count > 0) search(0, places_.size(), p, count, wanted, found);
+        std::sort_heap(found.begin(), found.end());
+    }
+
+private:
+    static constexpr std::size_t leaf = 8; ///< points that are looked at one after the other
+
+    void divide(const std::vector<Vec<double, D>>& points, std::size_t begin, std::size_t end) {
+        if (end - begin <= leaf) return;
+        std::size_t axis = 0;
+        double longest = -1;
+        for (std::size_t k = 0; k < D; ++k) {
+            double low = points[order_[begin]][k], high = low;
+            for (std::size_t n = begin; n < end; ++n) {
+                low = std::min(low, points[order_[n]][k]);
+                high = std::max(high, points[order_[n]][k]);
+            }
+            if (high - low > longest) {
+                longest = high - low;
+                axis = k;
+            }
+        }
+        const std::size_t middle = begin + (end - begin) / 2;
+        const auto at = [this](std::size_t n) { return order_.begin() + std::ptrdiff_t(n); };
+        std::nth_element(at(begin), at(middle), at(end), [&](std::size_t a, std::size_t b) {
+            const double x = points[a][axis], y = points[b][axis];
+            return x != y ? x < y : a < b;
+        });
+        axes_[middle] = static_cast<unsigned char>(axis);
+        divide(points, begin, middle);
+        divide(points, middle + 1, end);
+    }
+
+    template <class Wanted>
+    void search(std::size_t begin, std::size_t end, const Vec<double, D>& p, std::size_t count,
+                const Wanted& wanted, std::vector<Neighbour>& found) const {
+        const auto consider = [&](std::size_t n) {
+            const auto d = places_[n] - p;
+            const Neighbour next{dot(d, d), order_[n]};
+            if (found.size() == count) {
+                if (!(next < found.front()) || !wanted(next.point)) return;
+                std::pop_heap(found.begin(), found.end());
+                found.back() = next;
+            } else {
+                if (!wanted(next.point)) return;
+                found.push_back(next);
+            }
+            std::push_heap(found.begin(), found.end());
+        };
+        if (end - begin <= leaf) {
+            for (std::size_t n = begin; n < end; ++n) consider(n);
+            return;
+        }
+        const std::size_t middle = begin + (end - begin) / 2, axis = axes_[middle];
+        const double beyond = p[axis] - places_[middle][axis];
+        const auto below = std::pair(begin, middle), above = std::pair(middle + 1, end);
+        const auto& [near, other] = beyond < 0 ? std::pair(below, above) : std::pair(above, below);
+        search(near.first, near.second, p, count, wanted, found);
+        consider(middle);
+        if (found.size() < count || beyond * beyond <= found.front().squared)
+            search(other.first, other.second, p, count, wanted, found);
+    }
+
+    std::vector<Vec<double, D>> places_; // in the order of the tree
+    std::vector<unsigned char> axes_;    // of the point in the middle of a part
+    std::vector<std::size_t> order_;     // whose number they are
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

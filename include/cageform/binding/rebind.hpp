@@ -1,0 +1,460 @@
+// A binding moved to a changed figure, without the coordinates it was made by.
+#pragma once
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/binding/detail/point_tree.hpp>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+struct RebindOptions {
+    std::size_t neighbours = 0;  ///< old places to interpolate from, at least D + 1 of them; 0: 4 D
+    double largest_distance = 2; ///< from the old figure, in its spacings; farther points are listed
+    ParallelFor parallel = SerialFor{};
+    Progress progress{};
+};
+
+/// How a rebind went. Lists hold indices of new points in ascending order. The spacing of the old figure near a point is
+/// the distance from the old place nearest to it to the D-th nearest place from there; places count once.
+struct RebindReport {
+    Status status = Status::ok;
+    std::size_t culprit = Extreme::none; ///< weight_not_finite: the old point
+    std::size_t points = 0;              ///< given
+    std::size_t matched = 0;             ///< stand where an old point stood
+    std::size_t interpolated = 0;        ///< have weights interpolated from old points
+    std::vector<std::size_t> far; ///< of these, farther off than `largest_distance`: weights are guessed
+    std::vector<std::size_t>
+        kept_in_place; ///< no pose moves them, for none moved the old point there, or the nearest
+    std::vector<std::size_t> not_finite; ///< kept as they are in every pose
+    std::vector<std::size_t> unreached;  ///< weights cannot be represented; kept in place
+    // Of interpolated points:
+    Extreme distance;           ///< the largest from the old figure, in its spacings
+    Extreme partition_error;    ///< largest |Σw − 1| of the finished weights
+    Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, p the place that is reproduced
+    Extreme weight_change;      ///< largest change of a weight by which both are restored
+    Extreme residual_restored; ///< largest |Σwc − p| before it
+    Extreme least_weight;      ///< may turn negative though no old weight is
+    double seconds = 0;        ///< wall-clock time
+};
+
+template <Scalar T, std::size_t D>
+struct RebindResult {
+    Binding<T, D> binding; ///< empty unless the report's status is ok
+    RebindReport report;
+};
+
+namespace detail {
+
+/// Shares s of some places q in the value at the origin: Σs = 1, Σsq = 0 where the places allow.
+///
+/// Moving least squares with weights that are singular at the places, φ = (R − |q|)² / |q|²: the linear function nearest to
+/// given values, at the origin. About the weighted mean m and with the principal axes v of the places, σ their extents,
+///
+///     s_j = φ_j / Σφ · (1 − Σ_v (m·v / σ) ((q_j − m)·v / σ)).
+///
+/// m·v / σ is held in ±12. Half a spacing off the places it is less; farther, and off a sheet of places, which say little
+/// about slopes across it, these would be noise times a distance.
+/// Lancaster, Salkauskas, Math. Comp. 37 (1981), 141: interpolating moving least squares.
+template <std::size_t D>
+class LinearShares {
+public:
+    /// `radius`: no place is farther. `rounding`: an extent of no more is none.
+    void compute(std::span<const Vec<double, D>> places, double radius, double rounding) {
+        shares_.resize(places.size());
+        double sum = 0;
+        Column mean = Column::Zero();
+        for (std::size_t j = 0; j < places.size(); ++j) {
+            // Nearer than this a place has all the share in double precision. What lies on the rim has a little, for
+            // there may be no others.
+            const double distance = std::max(length(places[j]) / radius, 1e-8);
+            const double open = 1.05 - std::min(distance, 1.0);
+            shares_[j] = open * open / (distance * distance);
+            sum += shares_[j];
+            mean += shares_[j] * column(places[j]);
+        }
+        mean /= sum;
+        Matrix square = Matrix::Zero();
+        for (std::size_t j = 0; j < places.size(); ++j) {
+            const Column d = column(places[j]) - mean;
+            shares_[j] /= sum;
+            square += shares_[j] * d * d.transpose();
+        }
+        // Of the squares only half the digits are left in extents.
+        const Eigen::SelfAdjointEigenSolver<Matrix> axes(square);
+        const double least =
+            std::max(rounding, 1e-6 * std::sqrt(std::max(axes.eigenvalues()[Eigen::Index(D) - 1], 0.0)));
+        Column slope = Column::Zero();
+        for (Eigen::Index n = 0; n < Eigen::Index(D); ++n) {
+            const double extent = std::sqrt(std::max(axes.eigenvalues()[n], 0.0));
+            if (!(extent > least)) continue;
+            const Column axis = axes.eigenvectors().col(n);
+            slope -= std::clamp(mean.dot(axis) / extent, -12.0, 12.0) / extent * axis;
+        }
+        sum = 0;
+        for (std::size_t j = 0; j < places.size(); ++j) {
+            shares_[j] *= 1 + slope.dot(column(places[j]) - mean);
+            sum += shares_[j];
+        }
+        for (double& share : shares_) share /= sum; // large slopes round Σs away from 1
+    }
+    double operator[](std::size_t place) const noexcept { return shares_[place]; }
+
+private:
+    using Column = Eigen::Matrix<double, int(D), 1>;
+    using Matrix = Eigen::Matrix<double, int(D), int(D)>;
+
+    static Column column(const Vec<double, D>& p) {
+        Column c;
+        for (std::size_t k = 0; k < D; ++k) c[Eigen::Index(k)] = p[k];
+        return c;
+    }
+
+    std::vector<double> shares_;
+};
+
+/// The state of one rebind.
+template <Scalar T, std::size_t D, PointRange R>
+class Rebinder {
+public:
+    Rebinder(const BindingView<T, D>& old, const R& points, const RebindOptions& options)
+        : old_(old)
+        , points_(points)
+        , options_(options)
+        , handles_(old.rest_handles, old.handle_count())
+        , restorer_(handles_)
+        , count_(std::size(points))
+        , neighbours_(options.neighbours == 0 ? 4 * D : std::max(options.neighbours, D + 1)) {}
+
+    Status run(Binding<T, D>& binding, RebindReport& report) {
+        if (count_ > 0 && old_.point_count() == 0) return Status::binding_empty;
+        const std::size_t blocks = block_count<T>(count_);
+        std::vector<Lanes<T>> weights(blocks * handles_.size()), rest(blocks * D);
+        weights_ = {weights.data(), handles_.size(), count_};
+        rest_ = {rest.data(), D, count_};
+        Status status = look_at_old(report);
+        if (status != Status::ok) return status;
+        sources_.assign(count_, none);
+        kinds_.assign(count_, Kind::interpolated);
+        status =
+            for_each_block(blocks, share_of_progress(0.2, 0.4), [this](std::size_t begin, std::size_t end) {
+                for (std::size_t b = begin; b < end; ++b) match(b);
+            });
+        if (status != Status::ok) return status;
+        if (std::find(kinds_.begin(), kinds_.end(), Kind::interpolated) != kinds_.end()) plant_tree();
+        pieces_.assign((blocks + piece_blocks - 1) / piece_blocks, {});
+        status = for_each_block(pieces_.size(), share_of_progress(0.4, 1),
+                                [this, blocks](std::size_t begin, std::size_t end) {
+                                    Scratch scratch;
+                                    for (std::size_t piece = begin; piece < end; ++piece) {
+                                        const std::size_t first = piece * piece_blocks;
+                                        const std::size_t last = std::min(first + piece_blocks, blocks);
+                                        for (std::size_t b = first; b < last; ++b)
+                                            fill(b, pieces_[piece], scratch);
+                                    }
+                                });
+        if (status != Status::ok) return status;
+        gather(report);
+        binding =
+            Binding<T, D>(std::move(weights), std::move(rest), {handles_.begin(), handles_.end()}, count_);
+        return Status::ok;
+    }
+
+private:
+    static constexpr std::size_t lanes = lane_count<T>;
+    static constexpr std::size_t piece_blocks = 4;
+    static constexpr std::size_t none = Extreme::none;
+    using Tree = PointTree<D>;
+
+    enum class Kind : std::uint8_t { matched, interpolated, far, kept_in_place, not_finite, unreached };
+
+    struct Piece {
+        BindPiece measures;
+        Extreme distance;
+    };
+    struct Scratch {
+        std::vector<typename Tree::Neighbour> found, around;
+        std::vector<Vec<double, D>> places;
+        LinearShares<D> shares;
+        std::vector<double> row;
+    };
+
+    EvaluateOptions share_of_progress(double from, double to) const {
+        EvaluateOptions options{options_.parallel};
+        if (options_.progress)
+            options.progress = [this, from, to](double done) {
+                return options_.progress(from + (to - from) * done);
+            };
+        return options;
+    }
+
+    Vec<T, D> old_point(std::size_t i) const { return block_point<D>(old_.rest, i); }
+    /// Exact, and of the order of one for old points.
+    Vec<double, D> in_units(const Vec<T, D>& p) const { return unit_ * vec_cast<double>(p); }
+
+    /// Which old points are bound, and where they stand: `places_`, ascending, each once.
+    Status look_at_old(RebindReport& report) {
+        const std::size_t count = old_.point_count(), blocks = block_count<T>(count);
+        bound_.assign(count, 0);
+        std::vector<char> sound(count, 1);
+        const auto look = [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin * lanes; i < std::min(end * lanes, count); ++i) {
+                for (std::size_t h = 0; h < handles_.size(); ++h) {
+                    const T w = old_.weights(i, h);
+                    if (w != T(0)) bound_[i] = 1;
+                    if (!is_finite(w)) sound[i] = 0;
+                }
+            }
+        };
+        const Status status = for_each_block(blocks, share_of_progress(0, 0.2), look);
+        if (status != Status::ok) return status;
+        const auto spoilt = std::find(sound.begin(), sound.end(), char{0});
+        if (spoilt != sound.end()) {
+            report.culprit = std::size_t(spoilt - sound.begin());
+            return Status::weight_not_finite;
+        }
+
+        double magnitude = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto p = old_point(i);
+            if (!is_finite(p)) continue;
+            places_.push_back(i);
+            for (std::size_t k = 0; k < D; ++k) magnitude = std::max(magnitude, std::fabs(double(p[k])));
+        }
+        std::sort(places_.begin(), places_.end(), [this](std::size_t a, std::size_t b) {
+            const auto p = old_point(a), q = old_point(b);
+            return p != q ? before(p, q) : a < b;
+        });
+        const auto same = [this](std::size_t a, std::size_t b) { return old_point(a) == old_point(b); };
+        places_.erase(std::unique(places_.begin(), places_.end(), same), places_.end());
+        int exponent = 0;
+        std::frexp(magnitude, &exponent);
+        unit_ = std::ldexp(1.0, std::clamp(-exponent, -1000, 1000));
+        return Status::ok;
+    }
+
+    static bool before(const Vec<T, D>& p, const Vec<T, D>& q) noexcept {
+        return std::lexicographical_compare(p.v, p.v + D, q.v, q.v + D);
+    }
+
+    /// Reads the user's points and looks for old ones in their places; one of the same number has precedence. What is left
+    /// of the last block is filled with copies of the last point.
+    void match(std::size_t block) {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t i = block * lanes + lane;
+            const auto p = to_vec<T>(points_[std::min(i, count_ - 1)]);
+            for (std::size_t k = 0; k < D; ++k) rest_.block(block)[k][lane] = p[k];
+            if (i >= count_) continue;
+            if (!is_finite(p)) {
+                kinds_[i] = Kind::not_finite;
+                continue;
+            }
+            if (i < old_.point_count() && old_point(i) == p) {
+                sources_[i] = i;
+            } else {
+                const auto at = std::lower_bound(
+                    places_.begin(), places_.end(), p,
+                    [this](std::size_t a, const Vec<T, D>& q) { return before(old_point(a), q); });
+                if (at == places_.end() || old_point(*at) != p) continue;
+                sources_[i] = *at;
+            }
+            kinds_[i] = Kind::matched;
+        }
+    }
+
+    void plant_tree() {
+        std::vector<Vec<double, D>> points;
+        for (const std::size_t i : places_) points.push_back(in_units(old_point(i)));
+        tree_ = Tree(points);
+        any_kept_ =
+            std::any_of(places_.begin(), places_.end(), [this](std::size_t i) { return bound_[i] == 0; });
+    }
+
+    /// All weights of a block. Those that are copied are written last: restoring leaves no bit of them alone.
+    void fill(std::size_t block, Piece& piece, Scratch& scratch) {
+        Lanes<T>* const rows = weights_.block(block);
+        Lanes<T> target[D], bound;
+        bool any = false;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t i = block * lanes + lane;
+            clear(rows, lane);
+            // Lanes that are left out have any finite target.
+            Vec<T, D> place = handles_.empty() ? Vec<T, D>{} : handles_[0];
+            bound[lane] = T(0);
+            if (i < count_ && kinds_[i] == Kind::interpolated) {
+                kinds_[i] = interpolate(i, rows, lane, place, piece, scratch);
+                if (is_interpolated(kinds_[i])) bound[lane] = T(1);
+                any = any || is_interpolated(kinds_[i]);
+            }
+            for (std::size_t k = 0; k < D; ++k) target[k][lane] = place[k];
+        }
+        if (any) {
+            const auto outcome = restorer_.run(target, bound, rows, true);
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                const std::size_t i = block * lanes + lane;
+                if (bound[lane] == T(0)) continue;
+                if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) {
+                    piece.measures.note(outcome, lane, i);
+                } else {
+                    kinds_[i] = Kind::unreached;
+                }
+            }
+        }
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t i = block * lanes + lane;
+            if (i < count_ && is_interpolated(kinds_[i])) continue;
+            clear(rows, lane);
+            if (i >= count_ || kinds_[i] != Kind::matched) continue;
+            for (std::size_t h = 0; h < handles_.size(); ++h) rows[h][lane] = old_.weights(sources_[i], h);
+        }
+    }
+
+    static bool is_interpolated(Kind kind) noexcept {
+        return kind == Kind::interpolated || kind == Kind::far;
+    }
+
+    void clear(Lanes<T>* rows, std::size_t lane) const noexcept {
+        for (std::size_t h = 0; h < handles_.size(); ++h) rows[h][lane] = T(0);
+    }
+
+    /// Writes the weights of a point, and into `target` what they are to reproduce.
+    Kind interpolate(std::size_t i, Lanes<T>* rows, std::size_t lane, Vec<T, D>& target, Piece& piece,
+                     Scratch& scratch) const {
+        const auto place = block_point<D>(BlockView<const T>(rest_), i);
+        const Vec<double, D> p = in_units(place);
+        const auto any = [](std::size_t) { return true; };
+        const auto is_bound = [this](std::size_t n) { return bound_[places_[n]] != 0; };
+        auto& found = scratch.found;
+        if (any_kept_) {
+            tree_.nearest(p, 1, any, found);
+            if (found.empty() || !is_bound(found[0].point)) return Kind::kept_in_place;
+        }
+        tree_.nearest(p, neighbours_ + 1, is_bound, found);
+        if (found.empty()) return Kind::kept_in_place;
+        if (!is_finite(found.back().squared)) return Kind::unreached;
+
+        tree_.nearest(in_units(old_point(places_[found[0].point])), D + 1, any, scratch.around);
+        const double spacing = std::sqrt(scratch.around.back().squared),
+                     distance = std::sqrt(found[0].squared);
+
+        const double radius = std::sqrt(found.back().squared);
+        if (found.size() > neighbours_) found.pop_back();
+        scratch.places.clear();
+        for (const auto& n : found) scratch.places.push_back(in_units(old_point(places_[n.point])) - p);
+        scratch.shares.compute(scratch.places, radius, 8 * double(epsilon<T>));
+        scratch.row.assign(handles_.size(), 0.0);
+        Vec<double, D> reached{}; // Σ s q less the point: 0 unless the places say too little
+        for (std::size_t j = 0; j < found.size(); ++j) {
+            const double share = scratch.shares[j];
+            const std::size_t source = places_[found[j].point];
+            reached = reached + share * scratch.places[j];
+            for (std::size_t h = 0; h < handles_.size(); ++h)
+                scratch.row[h] += share * double(old_.weights(source, h));
+        }
+        // What the old weights reproduce other than their own points, beyond rounding, the new ones do as well: points
+        // outside that follow the boundary do so at an offset.
+        Vec<double, D> offset = reached + p;
+        Vec<double, D> rounding{};
+        for (std::size_t h = 0; h < handles_.size(); ++h) {
+            const auto part = (scratch.row[h] * unit_) * vec_cast<double>(handles_[h]);
+            offset = offset - part;
+            for (std::size_t k = 0; k < D; ++k) rounding[k] += std::fabs(part[k]);
+            rows[h][lane] = static_cast<T>(scratch.row[h]);
+        }
+        const double size = length(p) + length(rounding);
+        target = place;
+        if (length(offset) > 64 * double(epsilon<T>) * size)
+            target = vec_cast<T>(vec_cast<double>(place) - (1 / unit_) * offset);
+        piece.distance.raise({distance / spacing, i});
+        return distance <= options_.largest_distance * spacing ? Kind::interpolated : Kind::far;
+    }
+
+    void gather(RebindReport& report) const {
+        for (const Piece& piece : pieces_) {
+            report.distance.raise(piece.distance);
+            report.partition_error.raise(piece.measures.partition);
+            report.reproduction_error.raise(piece.measures.reproduction);
+            report.weight_change.raise(piece.measures.change);
+            report.residual_restored.raise(piece.measures.before);
+            report.least_weight.lower(piece.measures.least);
+        }
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (is_interpolated(kinds_[i])) ++report.interpolated;
+            switch (kinds_[i]) {
+            case Kind::interpolated: break;
+            case Kind::far: report.far.push_back(i); break;
+            case Kind::kept_in_place: report.kept_in_place.push_back(i); break;
+            case Kind::not_finite: report.not_finite.push_back(i); break;
+            case Kind::unreached: report.unreached.push_back(i); break;
+            case Kind::matched:
+                ++report.matched;
+                if (bound_[sources_[i]] == 0) report.kept_in_place.push_back(i);
+                break;
+            }
+        }
+    }
+
+    const BindingView<T, D>& old_;
+    const R& points_;
+    const RebindOptions& options_;
+    std::span<const Vec<T, D>> handles_;
+    LinearRestorer<T, D> restorer_;
+    std::size_t count_, neighbours_;
+    BlockView<T> weights_, rest_;
+    std::vector<char> bound_;          // of old points: some weight is not zero
+    std::vector<std::size_t> places_;  // old points, one for each place that is finite, ascending
+    double unit_ = 1;                  // a power of two
+    Tree tree_;                        // of places_
+    bool any_kept_ = false;            // of these
+    std::vector<std::size_t> sources_; // old points that stand where new ones do
+    std::vector<Kind> kinds_;
+    std::vector<Piece> pieces_;
+};
+
+} // namespace detail
+
+/// Moves a binding to a changed figure: points added, removed, put in another order, moved a little. The cage is the same, and
+/// its coordinates are not asked.
+///
+///   binding  of points, not of vectors; views are read where they lie
+///   points   any PointRange of the same dimension, converted to the binding's scalar: the new figure
+///   weights  of a point that stands where an old one stood (its coordinates are equal): that one's, bit for bit. Of others:
+///            interpolated linearly from the nearest old places, then changed the least that restores Σw = 1 and Σwc = p. Where
+///            old points follow the boundary at an offset, new ones between them do. Linear weights are met to rounding up to
+///            half a spacing off the old figure, others to second order in its spacing: a figure twice as dense has errors a
+///            quarter as large. Slopes that the old places do not tell (off a sheet in space, far away) are those of the least
+///            change
+///   special  new points whose nearest old point is kept in place (all weights zero) are; old points that are not finite
+///            take no part; a bad new *point* is listed and kept in place, and is no reason to refuse the others
+///   returns  the binding and its report. Unless the report's status is ok the binding is empty; no points give a binding of
+///            none. The result depends neither on threads nor on the order of the points
+///   cost     O(#old (log #old + #handles)), and O(log #old + #handles) for a point that is matched, O(log #old +
+///            neighbours · #handles) for one that is not: 3 µs at 66 handles in space. Memory: the new binding, and some 60 bytes for
+///            each old and new point
+///   fails    binding_empty: points, but none before; weight_not_finite (RebindReport::culprit); cancelled; out_of_memory
+template <Scalar T, std::size_t D, PointRange R>
+    requires(range_dimension<R> == D)
+RebindResult<T, D> rebind(const BindingView<T, D>& binding, const R& points,
+                          const RebindOptions& options = {}) {
+    const auto start = std::chrono::steady_clock::now();
+    RebindResult<T, D> result;
+    RebindReport& report = result.report;
+    report.points = std::size(points);
+    report.status = detail::guard_memory(
+        [&] { return detail::Rebinder<T, D, R>(binding, points, options).run(result.binding, report); });
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+}
+template <Scalar T, std::size_t D, PointRange R>
+    requires(range_dimension<R> == D)
+RebindResult<T, D> rebind(const Binding<T, D>& binding, const R& points, const RebindOptions& options = {}) {
+    return rebind(binding.view(), points, options);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,346 @@
+// Feeds bytes to open_blob, and whatever opens to clones, in buffers exactly as long as promised: for libFuzzer.
+//
+//     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
+//             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
+//     mkdir corpus && ./fuzz_open_blob --seeds=corpus && ./fuzz_open_blob -max_len=8192 corpus
+#include <cageform/binding/pack.hpp>
+#include <cageform/clone/clone_packed.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+using cageform::BlobCheck;
+using cageform::BlobHeader;
+using cageform::Status;
+using cageform::Vec;
+using cageform::WeightFormat;
+
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
+
+namespace {
+
+#define REQUIRE(condition)                                                                                   \
+    if (!(condition)) {                                                                                      \
+        std::fprintf(stderr, "line %d: %s\n", __LINE__, #condition);                                         \
+        std::abort();                                                                                        \
+    }
+
+constexpr std::size_t most = 1u << 16; ///< handles and points that are cloned
+
+/// Memory aligned to 64 bytes and not a byte longer than asked for: a sanitizer sees what is read beyond.
+class Exact {
+public:
+    explicit Exact(std::span<const std::byte> bytes)
+        : data_(static_cast<std::byte*>(::operator new(bytes.size(), std::align_val_t(64))))
+        , size_(bytes.size()) {
+        if (!bytes.empty()) std::memcpy(data_, bytes.data(), bytes.size());
+    }
+    Exact(const Exact&) = delete;
+    Exact& operator=(const Exact&) = delete;
+    ~Exact() { ::operator delete(data_, std::align_val_t(64)); }
+    std::span<std::byte> bytes() const noexcept { return {data_, size_}; }
+
+private:
+    std::byte* data_;
+    std::size_t size_;
+};
+
+/// As `std::vector`, with nothing allocated beyond the end.
+template <class X>
+class Array {
+public:
+    Array(std::size_t size, const X& value)
+        : values_(new X[size])
+        , size_(size) {
+        for (std::size_t i = 0; i < size; ++i) values_[i] = value;
+    }
+    std::size_t size() const noexcept { return size_; }
+    X* data() const noexcept { return values_.get(); }
+    X& operator[](std::size_t i) const noexcept { return values_[i]; }
+
+private:
+    std::unique_ptr<X[]> values_;
+    std::size_t size_;
+};
+
+BlobHeader header_of(std::span<const std::byte> bytes) {
+    BlobHeader header;
+    std::memcpy(&header, bytes.data(), std::min(bytes.size(), sizeof(header)));
+    return header;
+}
+
+/// Puts the checksum right, where there is a blob that one could be taken of.
+void seal(std::span<std::byte> bytes) {
+    if (bytes.size() < sizeof(BlobHeader)) return;
+    BlobHeader header = header_of(bytes);
+    if (header.bytes < 32 || header.bytes > bytes.size()) return;
+    header.checksum =
+        cageform::hash_memory(std::span<const std::byte>(bytes).subspan(32, std::size_t(header.bytes) - 32));
+    std::memcpy(bytes.data(), &header, sizeof(header));
+}
+
+/// One block at a time, from the last on.
+struct BackwardFor {
+    template <class Body>
+    void operator()(std::size_t count, std::size_t /*grain*/, Body&& body) const {
+        for (; count > 0; --count) body(count - 1, count);
+    }
+};
+
+template <class T, std::size_t D, class Out>
+void clone_with(const cageform::PackedBindingView<T, D>& binding, const Array<Vec<T, D>>& pose, Out&& out,
+                const cageform::CloneOptions<T>& options) {
+    const Status forward = clone(binding, pose, out, cageform::SerialFor{}, options);
+    REQUIRE(forward == Status::ok || forward == Status::pose_not_finite);
+    REQUIRE(clone(binding, pose, out, BackwardFor{}, options) == forward);
+}
+
+template <class T, std::size_t D>
+void clone_all_ways(const cageform::PackedBindingView<T, D>& binding) {
+    using cageform::CloneOnto;
+    using cageform::StridedPoints;
+    const std::size_t points = binding.point_count(), handles = binding.handle_count();
+    if (points > most || handles > most) return;
+    const Array<Vec<T, D>> pose(handles, Vec<T, D>{1, 2});
+    const Array<T> mask(points, T(0.5));
+    const StridedPoints<const T, 1> masked(mask.data(), points);
+    const Array<Vec<T, D>> out(points, Vec<T, D>{});
+    clone_with(binding, pose, out, {});
+    clone_with(binding, pose, out, {.mask = masked});
+    clone_with(binding, pose, out, {.onto = CloneOnto::output});
+    clone_with(binding.in_order(), pose, out, {.mask = masked, .onto = CloneOnto::output});
+
+    const Array<T> numbers(points * D, T(0)); // all x, all y, …
+    const StridedPoints<T, D> apart(numbers.data(), points, sizeof(T), std::ptrdiff_t(points * sizeof(T)));
+    clone_with(binding, pose, apart, {});
+    clone_with(binding.in_order(), pose, apart, {.mask = masked});
+    const Array<Vec<double, D>> converted(points, Vec<double, D>{});
+    clone_with(binding, pose, converted, {.onto = CloneOnto::output});
+
+    if (points > 0) { // one place too few is told before anything is written
+        const Array<Vec<T, D>> less(points - 1, Vec<T, D>{});
+        REQUIRE(clone(binding, pose, less) == Status::output_too_small);
+    }
+}
+
+template <class T, std::size_t D>
+void open_as(std::span<const std::byte> bytes) {
+    for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
+        const auto opened = cageform::open_blob<T, D>(bytes, {.check = check});
+        if (opened.status != Status::ok) {
+            REQUIRE(opened.binding.point_count() == 0 && opened.binding.weights == nullptr);
+            continue;
+        }
+        REQUIRE(opened.bytes <= bytes.size());
+        REQUIRE(
+            (cageform::open_blob<T, D>(bytes.first(opened.bytes), {.check = check}).status == Status::ok));
+        REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.bytes - 1), {.check = check}).status !=
+                 Status::ok));
+        if (check == BlobCheck::structure) clone_all_ways(opened.binding);
+    }
+}
+
+void open_as_all(std::span<const std::byte> bytes) {
+    open_as<float, 3>(bytes);
+    open_as<double, 2>(bytes);
+    open_as<float, 2>(bytes);
+}
+
+/// Numbers from a seed.
+class Numbers {
+public:
+    explicit Numbers(std::uint64_t seed)
+        : state_(seed * 0x9E3779B97F4A7C15u + 1) {}
+    std::uint64_t bits() {
+        std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+        return z ^ (z >> 31);
+    }
+    std::size_t below(std::size_t n) { return std::size_t((bits() >> 16) % n); }
+
+private:
+    std::uint64_t state_;
+};
+
+/// A blob of random counts whose parts are where they should be and whose tables make sense.
+template <class T, std::size_t D>
+std::vector<std::byte> made_up(Numbers& numbers) {
+    const std::size_t handles = numbers.below(4) == 0 ? numbers.below(3) : 1 + numbers.below(40);
+    const std::size_t points = numbers.below(4) == 0 ? numbers.below(2) : numbers.below(60);
+    const std::size_t blocks = cageform::block_count<T>(points);
+    const bool sparse = numbers.below(2) == 0;
+    std::vector<std::uint32_t> row_begin(1, 0);
+    for (std::size_t b = 0; b < blocks; ++b)
+        row_begin.push_back(row_begin.back() + std::uint32_t(handles == 0 ? 0 : numbers.below(5)));
+    BlobHeader header;
+    header.format = std::uint32_t(numbers.below(4));
+    header.handles = handles;
+    header.points = points;
+    header.rows = sparse ? row_begin.back() : blocks * handles;
+    header.row_begin = sparse ? 1 : 0;
+    header.order = numbers.below(2);
+    cageform::PackedBinding<T, D> packed(header);
+    const auto view = packed.view();
+    const auto open = [](auto* part) {
+        return const_cast<std::remove_const_t<std::remove_pointer_t<decltype(part)>>*>(part);
+    };
+    if (sparse) {
+        std::copy(row_begin.begin(), row_begin.end(), open(view.row_begin));
+        for (std::size_t r = 0; r < header.rows; ++r)
+            open(view.row_handle)[r] = std::uint16_t(numbers.below(handles));
+    }
+    if (header.order != 0) {
+        for (std::size_t i = 0; i < points; ++i) open(view.order)[i] = std::uint32_t(numbers.below(points));
+    }
+    packed.seal();
+    return {packed.bytes().begin(), packed.bytes().end()};
+}
+
+/// A binding packed by the library itself.
+template <class T, std::size_t D>
+std::vector<std::byte> packed(Numbers& numbers, const cageform::PackOptions& options) {
+    const std::size_t handles = D + 2 + numbers.below(10), points = 1 + numbers.below(60);
+    const std::size_t blocks = cageform::block_count<T>(points);
+    const auto random = [&] { return T(double(numbers.below(2001)) / 1000 - 1); };
+    std::vector<cageform::Lanes<T>> weights(blocks * handles), rest(blocks * D);
+    std::vector<Vec<T, D>> rest_handles(handles);
+    for (auto& lanes : weights) {
+        for (T& w : lanes.v) w = random();
+    }
+    for (auto& lanes : rest) {
+        for (T& x : lanes.v) x = random();
+    }
+    for (auto& c : rest_handles) {
+        for (T& x : c.v) x = random();
+    }
+    const auto result = cageform::pack(cageform::Binding<T, D>(weights, rest, rest_handles, points), options);
+    REQUIRE(result.report.status == Status::ok);
+    return {result.binding.bytes().begin(), result.binding.bytes().end()};
+}
+
+/// Sets or shifts a number by what may matter.
+template <class X>
+void disturb(std::byte* at, Numbers& numbers, std::size_t size) {
+    X x;
+    std::memcpy(&x, at, sizeof(x));
+    const X values[] = {X(0),
+                        X(1),
+                        X(x + 1),
+                        X(x - 1),
+                        X(x + 64),
+                        X(x - 64),
+                        X(2 * x),
+                        X(x / 2),
+                        X(size),
+                        X(size - 64),
+                        X(~X(0)),
+                        X(numbers.below(size)),
+                        X(192),
+                        X(~X(63)),
+                        X(x ^ (X(1) << numbers.below(8 * sizeof(X)))),
+                        X(numbers.below(size) & ~std::size_t{63}),
+                        X(numbers.bits())};
+    x = values[numbers.below(std::size(values))];
+    std::memcpy(at, &x, sizeof(x));
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const Exact memory(std::as_bytes(std::span(data, size)));
+    open_as_all(memory.bytes());
+    seal(memory.bytes());
+    open_as_all(memory.bytes());
+    return 0;
+}
+
+/// Keeps what every blob begins with, and changes numbers that others are checked against.
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
+    Numbers numbers(seed);
+    const std::size_t way = numbers.below(8);
+    if (way == 0 || size < sizeof(BlobHeader)) {
+        const std::size_t kind = numbers.below(3);
+        const auto blob = kind == 0   ? made_up<float, 3>(numbers)
+                          : kind == 1 ? made_up<double, 2>(numbers)
+                                      : made_up<float, 2>(numbers);
+        if (blob.size() > max_size) return LLVMFuzzerMutate(data, size, max_size);
+        std::memcpy(data, blob.data(), blob.size());
+        return blob.size();
+    }
+    if (way == 1) return LLVMFuzzerMutate(data, size, max_size);
+    auto* const bytes = reinterpret_cast<std::byte*>(data);
+    if (way == 2) { // what follows the header alone
+        size = sizeof(BlobHeader) + LLVMFuzzerMutate(data + sizeof(BlobHeader), size - sizeof(BlobHeader),
+                                                     max_size - sizeof(BlobHeader));
+    }
+    for (std::size_t n = 1 + numbers.below(3); n > 0; --n) {
+        constexpr std::size_t counts = offsetof(BlobHeader, handles), offsets = offsetof(BlobHeader, weights);
+        const BlobHeader header = header_of({bytes, size});
+        const std::uint64_t tables[] = {header.row_begin, header.row_handle, header.order,
+                                        header.rest_handles};
+        const std::uint64_t table = tables[numbers.below(4)];
+        switch (numbers.below(5)) {
+        case 0: disturb<std::uint64_t>(bytes + counts + 8 * numbers.below(3), numbers, size); break;
+        case 1: disturb<std::uint64_t>(bytes + offsets + 8 * numbers.below(9), numbers, size); break;
+        case 2: { // a part in the place of another, or none
+            const std::size_t to = offsets + 8 * numbers.below(9), from = offsets + 8 * numbers.below(9);
+            std::memmove(bytes + to, bytes + from, 8);
+            break;
+        }
+        case 3: {
+            const std::uint32_t format = std::uint32_t(numbers.below(5));
+            std::memcpy(bytes + offsetof(BlobHeader, format), &format, 4);
+            break;
+        }
+        default: {
+            const std::size_t at = std::size_t(table) + 2 * numbers.below(64);
+            if (table >= size || at + 4 > size) break;
+            numbers.below(2) == 0 ? disturb<std::uint16_t>(bytes + at, numbers, size)
+                                  : disturb<std::uint32_t>(bytes + at, numbers, size);
+        }
+        }
+    }
+    BlobHeader header = header_of({bytes, size});
+    const BlobHeader plausible;
+    header.magic = plausible.magic;
+    header.version = plausible.version;
+    header.endian = plausible.endian;
+    header.bytes = numbers.below(8) == 0 ? header.bytes : size / 64 * 64;
+    header.scalar_bytes =
+        numbers.below(16) == 0 ? 4 + 4 * std::uint32_t(numbers.below(2)) : header.scalar_bytes;
+    header.dimension = numbers.below(16) == 0 ? 2 + std::uint32_t(numbers.below(2)) : header.dimension;
+    std::memcpy(bytes, &header, sizeof(header));
+    return size;
+}
+
+/// --seeds=FOLDER writes blobs to begin with, and ends.
+extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
+    const std::string option = "--seeds=";
+    for (int n = 1; n < *count; ++n) {
+        const std::string argument = (*arguments)[n];
+        if (argument.compare(0, option.size(), option) != 0) continue;
+        Numbers numbers(1);
+        int written = 0;
+        const auto write = [&](const std::vector<std::byte>& blob) {
+            const std::string name = argument.substr(option.size()) + "/" + std::to_string(written++);
+            std::FILE* const file = std::fopen(name.c_str(), "wb");
+            REQUIRE(file != nullptr);
+            REQUIRE(std::fwrite(blob.data(), 1, blob.size(), file) == blob.size());
+            REQUIRE(std::fclose(file) == 0);
+        };
+        for (const WeightFormat format :
+             {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
+            for (const std::size_t largest : {0u, 4u}) {
+                write(packed<float, 3>(numbers, {.format = format, .largest = largest}));
+                write(packed<double, 2>(numbers, {.format = format, .largest = largest}));
+                write(packed<float, 2>(numbers, {.format = format, .largest = largest}));
+            }
+        }
+        std::printf("%d blobs\n", written);
+        std::exit(0);
+    }
+    return 0;
+}

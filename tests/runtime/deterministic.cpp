@@ -1,0 +1,134 @@
+// The promise of CAGEFORM_DETERMINISTIC: whatever compiler, level of optimisation and registers this is built with, it
+// prints the same hashes of clones and clips.
+#include "made_up.hpp"
+
+#include <cageform/clone/clone_packed.hpp>
+
+#include <cinttypes>
+#include <cstdio>
+
+#if !defined(CAGEFORM_DETERMINISTIC)
+#error "to be compiled with CAGEFORM_DETERMINISTIC"
+#endif
+
+namespace {
+
+using cageform::CloneOnto;
+using cageform::Extrapolation;
+using cageform::Status;
+using cageform::Vec;
+using cageform::WeightFormat;
+
+class Hash {
+public:
+    template <class X>
+    void add(const std::vector<X>& values) noexcept {
+        hash_ = cageform::hash_memory(std::span<const X>(values), hash_);
+    }
+    void print(const char* what) const { std::printf("%016" PRIx64 " %s\n", hash_, what); }
+
+private:
+    std::uint64_t hash_ = 0;
+};
+
+/// All ways to clone by a binding.
+template <class Bound, class T, std::size_t D>
+void add_clones(Hash& hash, const Bound& binding, const std::vector<Vec<T, D>>& pose) {
+    const std::size_t points = binding.point_count();
+    const auto from = made_up::points<T, D>(points, 11);
+    std::vector<T> mask(points);
+    made_up::Numbers numbers(12);
+    for (T& m : mask) m = numbers.fraction<T>();
+    const cageform::StridedPoints<const T, 1> masked(mask.data(), points);
+    for (const cageform::CloneOptions<T>& options :
+         {cageform::CloneOptions<T>{}, {masked}, {.onto = CloneOnto::output}, {masked, CloneOnto::output}}) {
+        auto out = from, in_pieces = from;
+        if (clone(binding, pose, out, {}, options) != Status::ok ||
+            clone(binding, pose, in_pieces, made_up::Backwards{}, options) != Status::ok || in_pieces != out)
+            out.clear();
+        hash.add(out);
+    }
+}
+
+template <class T, std::size_t D>
+void print_clones(const char* what) {
+    Hash hash;
+    for (const std::size_t handles : {1u, 2u, 3u, 4u, 30u, 2100u}) {
+        const std::size_t points = handles > 1000 ? 40 : 300;
+        const auto pose = made_up::points<T, D>(handles, 1);
+        add_clones(hash, made_up::binding<T, D>(points, handles, 2), pose);
+        for (const auto format :
+             {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
+            for (const bool sparse : {false, true})
+                add_clones(hash, made_up::packed_binding<T, D>(format, sparse, points, handles, 3).view(),
+                           pose);
+        }
+    }
+    hash.print(what);
+}
+
+/// More than caches hold.
+void print_large() {
+    Hash hash;
+    add_clones(hash, made_up::binding<float, 3>(4000, 1100, 4), made_up::points<float, 3>(1100, 5));
+    hash.print("a large figure");
+}
+
+template <class T, std::size_t D>
+void print_clips(const char* what) {
+    Hash hash;
+    for (const auto outside : {Extrapolation::constant, Extrapolation::linear, Extrapolation::cycle,
+                               Extrapolation::cycle_with_offset, Extrapolation::ping_pong}) {
+        auto clip = made_up::clip<T, D>(37, outside, 6);
+        const auto track = [](std::uint32_t seed) {
+            made_up::Numbers numbers(seed);
+            std::vector<cageform::CubicPiece<T>> pieces;
+            for (int i = 0; i < 9; ++i)
+                pieces.push_back({T(i), numbers.fraction<T>(), numbers.fraction<T>(), numbers.fraction<T>(),
+                                  numbers.fraction<T>()});
+            return cageform::PiecewiseCubic<T>(std::move(pieces), T(9));
+        };
+        cageform::RigidMotion<T, D> motion;
+        for (std::size_t k = 0; k < D; ++k)
+            motion.translation[k] = {track(std::uint32_t(k)), outside, outside};
+        auto cursor = clip.make_cursor();
+        std::vector<Vec<T, D>> pose(clip.vertex_count());
+        std::vector<T> values;
+        const auto curve = track(8);
+        const cageform::QuantisedCubic<T> quantised(curve);
+        for (int frame = 0; frame < 400; ++frame) {
+            if (frame == 200) clip.set_rigid_motion(motion);
+            const T time = T(frame * (frame % 50 == 0 ? -3 : 1)) / T(10);
+            clip.sample(time, cursor, pose);
+            hash.add(pose);
+            values.insert(values.end(), {curve(time), curve.derivative(time), quantised(time),
+                                         motion.translation[0](time)});
+        }
+        hash.add(values);
+    }
+    hash.print(what);
+}
+
+} // namespace
+
+int main() {
+    print_clones<float, 1>("float, 1 dimension");
+    print_clones<float, 2>("float, 2 dimensions");
+    print_clones<float, 3>("float, 3 dimensions");
+    print_clones<double, 1>("double, 1 dimension");
+    print_clones<double, 2>("double, 2 dimensions");
+    print_clones<double, 3>("double, 3 dimensions");
+    print_large();
+    print_clips<float, 2>("clips of float");
+    print_clips<double, 3>("clips of double");
+}
+
+//> a9be8762e2b20fb8 float, 1 dimension
+//> 8c937b8c330cc0e0 float, 2 dimensions
+//> 1a0910a937d7ff45 float, 3 dimensions
+//> f6f1d64302ef0499 double, 1 dimension
+//> 6aa3adc6f0fa4f5f double, 2 dimensions
+//> 0e2fb9e538f2b066 double, 3 dimensions
+//> 84175fb6dcd5294e a large figure
+//> e82dc054008b7cd9 clips of float
+//> 0bb88aa0dfa480fc clips of double

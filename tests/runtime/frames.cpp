@@ -1,0 +1,113 @@
+// A hundred frames of an engine that allows no allocation once all is loaded: operator new ends the program then.
+#include "made_up.hpp"
+
+#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/glsl.hpp>
+#include <cageform/clone/normals.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+bool loaded = false;
+std::size_t allocations = 0;
+
+void* allocate(std::size_t size, std::size_t alignment) noexcept {
+    if (loaded) {
+        std::printf("failed: an allocation of %zu bytes in a frame\n", size);
+        std::_Exit(1);
+    }
+    ++allocations;
+    return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
+} // namespace
+
+void* operator new(std::size_t size) {
+    return allocate(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    return allocate(size, std::size_t(alignment));
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+    std::free(memory);
+}
+
+namespace {
+
+using cageform::Status;
+using cageform::WeightFormat;
+
+alignas(64) std::byte file[1 << 21]; ///< as a file of blobs is mapped
+std::size_t file_bytes = 0;
+
+/// Puts a blob behind those that are there.
+void save(std::span<const std::byte> blob) {
+    if (blob.size() > sizeof(file) - file_bytes) return; // is found out by their count
+    std::memcpy(file + file_bytes, blob.data(), blob.size());
+    file_bytes += blob.size();
+}
+
+template <class T>
+int play(std::size_t points, std::size_t handles) {
+    using Vector = cageform::Vec<T, 3>;
+    const auto dense = made_up::binding<T, 3>(points, handles, 1);
+    const auto clip = made_up::clip<T, 3>(handles, cageform::Extrapolation::ping_pong, 2);
+    auto cursor = clip.make_cursor();
+    std::vector<Vector> pose(handles), figure(points), normals(points), tangents(points);
+    std::vector<T> numbers(points * 9), mask(points, T(0.5));
+    std::vector<std::array<float, 4>> uniforms(handles + 4);
+    file_bytes = 0;
+    for (const bool sparse : {false, true}) {
+        for (const auto format :
+             {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8})
+            save(made_up::packed_binding<T, 3>(format, sparse, points, handles, 3).bytes());
+    }
+
+    loaded = true;
+    int failures = 0;
+    const auto expect = [&failures](Status status) { failures += status == Status::ok ? 0 : 1; };
+    for (int frame = 0; frame < 100; ++frame) {
+        clip.sample(T(frame) / 8, cursor, pose);
+        expect(clone(dense, pose, figure));
+        expect(clone_normals(dense, dense, pose, normals));
+        const std::array<cageform::BindingView<T, 3>, 3> axes{dense.view(), dense.view(), dense.view()};
+        expect(clone_jacobians(axes, pose, cageform::StridedMatrices<T, 3>(numbers.data(), points)));
+        std::size_t blobs = 0;
+        for (std::size_t at = 0; at < file_bytes; ++blobs) {
+            const auto blob =
+                cageform::open_blob<T, 3>(std::span<const std::byte>(file, file_bytes).subspan(at));
+            expect(blob.status);
+            if (blob.status != Status::ok) break;
+            at += blob.bytes;
+            expect(
+                clone(blob.binding, pose, figure, {}, {{mask.data(), points}, cageform::CloneOnto::output}));
+            expect(clone_tangent_frames(blob.binding, blob.binding, pose, normals, tangents));
+            if constexpr (std::is_same_v<T, float>) expect(write_displacements(blob.binding, pose, uniforms));
+        }
+        failures += blobs == 8 ? 0 : 1;
+    }
+    loaded = false;
+    return failures;
+}
+
+} // namespace
+
+int main() {
+    int failures = play<float>(777, 9) + play<double>(777, 9);
+    failures += play<float>(50, 1500);  // more handles than the table of displacements holds
+    if (allocations == 0) failures = 1; // or operator new was not replaced
+    std::printf(failures == 0 ? "ok\n" : "%d failures\n", failures);
+    return failures;
+}

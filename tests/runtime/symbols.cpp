@@ -1,0 +1,57 @@
+// What an engine calls every frame, and nothing else: cmake/check_symbols.cmake looks at what the compiler makes of it.
+#include <cageform/animate/clip.hpp>
+#include <cageform/binding/blob.hpp>
+#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/glsl.hpp>
+#include <cageform/clone/normals.hpp>
+
+namespace frame {
+
+using namespace cageform;
+
+template <class T, std::size_t D>
+using Points = std::span<Vec<T, D>>;
+
+template <class T, std::size_t D>
+Status move(const Binding<T, D>& dense, std::span<const std::byte> file, const CageClip<T, D>& clip,
+            typename CageClip<T, D>::Cursor& cursor, T time, Points<T, D> pose, Points<T, D> out,
+            StridedPoints<T, D> strided, const CloneOptions<T>& options) noexcept {
+    clip.sample(time, cursor, pose);
+    const auto blob = open_blob<T, D>(file);
+    Status status = blob.status;
+    if (status == Status::ok) status = clone(dense, pose, out, {}, options);
+    if (status == Status::ok) status = clone(blob.binding, pose, strided, {}, options);
+    return status;
+}
+template <class T>
+Status turn(const Binding<T, 3>& dense, const PackedBindingView<T, 3>& packed, Points<T, 3> pose,
+            Points<T, 3> normals, Points<T, 3> tangents, const StridedMatrices<T, 3>& jacobians) noexcept {
+    Status status = clone_normals(packed, packed, pose, normals);
+    if (status == Status::ok) status = clone_tangent_frames(dense, dense, pose, normals, tangents);
+    const std::array<BindingView<T, 3>, 3> columns{dense.view(), dense.view(), dense.view()};
+    if (status == Status::ok) status = clone_jacobians(columns, pose, jacobians);
+    return status;
+}
+
+#define CAGEFORM_TEST_MOVE(T, D)                                                                             \
+    template Status move<T, D>(const Binding<T, D>&, std::span<const std::byte>, const CageClip<T, D>&,      \
+                               CageClip<T, D>::Cursor&, T, Points<T, D>, Points<T, D>, StridedPoints<T, D>,  \
+                               const CloneOptions<T>&) noexcept;
+CAGEFORM_TEST_MOVE(float, 2)
+CAGEFORM_TEST_MOVE(float, 3)
+CAGEFORM_TEST_MOVE(double, 3)
+template Status turn<float>(const Binding<float, 3>&, const PackedBindingView<float, 3>&, Points<float, 3>,
+                            Points<float, 3>, Points<float, 3>, const StridedMatrices<float, 3>&) noexcept;
+
+Status upload(const PackedBindingView<float, 3>& binding, Points<float, 3> pose,
+              std::span<std::array<float, 4>> out) {
+    return write_displacements(binding, pose, out);
+}
+const char* shader(int part) {
+    return part == 0 ? glsl::displacements : part == 1 ? glsl::blob : part == 2 ? glsl::compute : glsl::skin;
+}
+const char* name(Status status) {
+    return to_string(status);
+}
+
+} // namespace frame
