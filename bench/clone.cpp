@@ -15,6 +15,9 @@
 #include <Eigen/Core>
 #include <benchmark/benchmark.h>
 
+#include <sys/mman.h>
+
+#include <cstdio>
 #include <cstring>
 #include <map>
 #include <numeric>
@@ -93,7 +96,8 @@ void limit_read_weights(benchmark::State& state) {
 template <class T>
 void limit_read_memory(benchmark::State& state) {
     std::vector<cageform::Lanes<T>> memory((std::size_t{256} << 20) / 64);
-    std::memset(&memory[0], 1, memory.size() * 64); // or all of it would be one page of zeros
+    std::memset(static_cast<void*>(memory.data()), 1,
+                memory.size() * 64); // or all of it would be one page of zeros
     for (auto _ : state) {
         std::array<cageform::detail::Pack<T>, 8> sums;
         sums.fill(T(0));
@@ -197,6 +201,30 @@ void clone_packed(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// A blob's way from a file that was read before into use: mapped, checked, given back. No byte of it is copied.
+template <class T, cageform::BlobCheck Check, cageform::WeightFormat Format>
+void map_blob(benchmark::State& state) {
+    const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
+    const auto packed =
+        cageform::pack(bumpy.binding, {.format = Format, .largest = std::size_t(state.range(1))}).binding;
+    const auto bytes = packed.bytes();
+    std::FILE* const file = std::tmpfile();
+    if (file == nullptr || std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size() ||
+        std::fflush(file) != 0)
+        return state.SkipWithError("no temporary file");
+    for (auto _ : state) {
+        void* const memory = mmap(nullptr, bytes.size(), PROT_READ, MAP_PRIVATE, fileno(file), 0);
+        if (memory == MAP_FAILED) return state.SkipWithError("not mapped");
+        const auto opened = cageform::open_blob<T, 3>({static_cast<const std::byte*>(memory), bytes.size()},
+                                                      {.check = Check});
+        if (opened.status != cageform::Status::ok) state.SkipWithError(to_string(opened.status));
+        benchmark::DoNotOptimize(opened.binding.weights);
+        munmap(memory, bytes.size());
+    }
+    state.SetBytesProcessed(std::int64_t(state.iterations()) * std::int64_t(bytes.size()));
+    std::fclose(file);
+}
+
 /// The points and, by two bound tangents, the normals.
 template <class T>
 void clone_with_normals(benchmark::State& state) {
@@ -244,6 +272,12 @@ void sizes_3d(benchmark::internal::Benchmark* benchmark) {
         ->Args({100000, 112});
 }
 
+void sizes_mapped(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"points", "largest"})
+        ->Unit(benchmark::kMicrosecond)
+        ->Args({100000, 0})
+        ->Args({100000, 8});
+}
 void sizes_packed(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "largest", "in_order"})->Unit(benchmark::kMicrosecond);
     for (const long points : {8019L, 100000L})
@@ -270,3 +304,7 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
 
 CAGEFORM_BENCH_CLONE(float)
 CAGEFORM_BENCH_CLONE(double)
+BENCHMARK_TEMPLATE(map_blob, float, cageform::BlobCheck::structure, cageform::WeightFormat::scalar)
+    ->Apply(sizes_mapped);
+BENCHMARK_TEMPLATE(map_blob, float, cageform::BlobCheck::all, cageform::WeightFormat::scalar)
+    ->Apply(sizes_mapped);

@@ -9,9 +9,8 @@
 //                                    level of optimisation and the registers: every product and every sum is rounded by
 //                                    itself, and sums are taken in one order. GNU and clang, x86-64 and 64-bit ARM, not with
 //                                    -ffast-math. Clones from caches take as long, from memory up to a third longer, clips up to
-//                                    twice as long. Left out: what
-//                                    is bound, normals, and angles and rotations of a RigidMotion, which take sines from the
-//                                    standard library.
+//                                    twice as long. Left out: what is bound, normals, and angles and rotations of a
+//                                    RigidMotion, which take sines from the standard library.
 //
 // All change code, and so do -fno-exceptions and -ffast-math. All are part of the inline namespace CAGEFORM_ABI
 // (of an assert of one's own, only that it is one): two files compiled with different settings have different

@@ -238,7 +238,7 @@ public:
 
     PackedBinding() = default;
     /// Makes room for a blob: sets the offsets and the size of `header`, in which a part is wanted that is not zero. The
-    /// parts are to be written through `part`, and `seal` ends it. std::bad_alloc where there is no memory.
+    /// parts are zero, `writable` until `seal` ends it. std::bad_alloc where there is no memory.
     explicit PackedBinding(BlobHeader header) {
         header.scalar_bytes = sizeof(T);
         header.dimension = D;
@@ -252,6 +252,10 @@ public:
         memory_.resize(std::size_t(end / 64));
         std::memset(data(), 0, std::size_t(end));
         std::memcpy(data(), &header, sizeof(header));
+    }
+    template <class X>
+    X* writable(const X* part_of_view) noexcept {
+        return const_cast<X*>(part_of_view); // into memory_, which is not const
     }
     void seal() noexcept {
         BlobHeader header;

@@ -222,10 +222,10 @@ public:
         header.figure_hash = options_.figure_hash != 0 ? options_.figure_hash
                                                        : hash_memory(std::span<const Vec<T, D>>(at_rest));
         PackedBinding<T, D> result(header);
-        fill_tables(result.view());
+        fill_tables(result);
         const EvaluateOptions rest_of_way{options_.parallel, share_of_progress(0.5, 1)};
         status = for_each_block(blocks_, rest_of_way, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t b = begin; b < end; ++b) fill_block(b, result.view(), report);
+            for (std::size_t b = begin; b < end; ++b) fill_block(b, result, report);
         });
         if (status != Status::ok) return status;
         result.seal();
@@ -339,34 +339,30 @@ private:
         pieces_ = std::move(pieces);
     }
 
-    /// A part of the blob under construction, to be written.
-    template <class X>
-    static X* open(const X* part) noexcept {
-        return const_cast<X*>(part);
-    }
-
-    void fill_tables(const PackedBindingView<T, D>& out) const {
+    void fill_tables(PackedBinding<T, D>& blob) const {
+        const auto out = blob.view();
         if (sparse_) {
-            std::copy(row_begin_.begin(), row_begin_.end(), open(out.row_begin));
-            auto* place = open(out.row_handle);
+            std::copy(row_begin_.begin(), row_begin_.end(), blob.writable(out.row_begin));
+            auto* place = blob.writable(out.row_handle);
             for (const Piece& piece : pieces_)
                 place = std::copy(piece.handles.begin(), piece.handles.end(), place);
-            std::copy(order_.begin(), order_.end(), open(out.order));
+            std::copy(order_.begin(), order_.end(), blob.writable(out.order));
         }
-        std::copy(binding_.rest_handles, binding_.rest_handles + handles_, open(out.rest_handles));
+        std::copy(binding_.rest_handles, binding_.rest_handles + handles_, blob.writable(out.rest_handles));
         for (std::size_t h = 0; out.affine_fit != nullptr && h < handles_; ++h) {
             const Column fit = moments_.fit(h);
             for (std::size_t r = 0; r <= D; ++r)
-                open(out.affine_fit)[h][r] = static_cast<T>(fit[Eigen::Index(r)]);
+                blob.writable(out.affine_fit)[h][r] = static_cast<T>(fit[Eigen::Index(r)]);
         }
     }
 
-    void fill_block(std::size_t block, const PackedBindingView<T, D>& out, PackReport& report) {
+    void fill_block(std::size_t block, PackedBinding<T, D>& blob, PackReport& report) {
+        const auto out = blob.view();
         Piece& piece = pieces_[block];
         const std::size_t first = out.first_row(block), rows = out.first_row(block + 1) - first;
         const auto handle = [&](std::size_t row) { return sparse_ ? std::size_t(piece.handles[row]) : row; };
         std::vector<double> kept(rows * lanes, 0.0);
-        Lanes<T>* const rest = open(out.rest) + block * D;
+        Lanes<T>* const rest = blob.writable(out.rest) + block * D;
         const Matrix inverse = sparse_ ? Moments<D>::power(moments_.sum_of_squares([&](std::size_t h) {
             return std::binary_search(piece.handles.begin(), piece.handles.end(), h);
         }),
@@ -397,7 +393,7 @@ private:
             for (std::size_t lane = used(block); lane < lanes; ++lane)
                 rest[k][lane] = rest[k][used(block) - 1];
         }
-        store(block, first, rows, kept, out);
+        store(block, first, rows, kept, blob);
 
         // What was stored, and what it lacks.
         for (std::size_t lane = 0; lane < used(block); ++lane) {
@@ -405,7 +401,7 @@ private:
             Column lack = wanted[lane];
             for (std::size_t r = 0; r < rows; ++r) lack -= kept[r * lanes + lane] * moments_[handle(r)];
             for (std::size_t k = 0; out.lack != nullptr && k <= D; ++k)
-                open(out.lack)[block * (D + 1) + k][lane] = static_cast<T>(lack[Eigen::Index(k)]);
+                blob.writable(out.lack)[block * (D + 1) + k][lane] = static_cast<T>(lack[Eigen::Index(k)]);
             double error = 0;
             for (std::size_t h = 0, r = 0; h < handles_; ++h) {
                 double effective = 0;
@@ -419,8 +415,9 @@ private:
 
     /// Writes the weights of a block in their format and puts into `kept` what they have become.
     void store(std::size_t block, std::size_t first, std::size_t rows, std::vector<double>& kept,
-               const PackedBindingView<T, D>& out) const {
-        std::byte* place = open(out.weights) + first * lanes * weight_bytes<T>(options_.format);
+               PackedBinding<T, D>& blob) const {
+        const auto out = blob.view();
+        std::byte* place = blob.writable(out.weights) + first * lanes * weight_bytes<T>(options_.format);
         const auto write = [&place](auto x) {
             std::memcpy(place, &x, sizeof(x));
             place += sizeof(x);
@@ -440,7 +437,7 @@ private:
                              : options_.format == WeightFormat::int8 ? 127.0
                                                                      : 32768.0;
         const T scale = largest > 0 ? static_cast<T>(largest / reach) : T(1);
-        open(out.scale)[block] = scale;
+        blob.writable(out.scale)[block] = scale;
         for (std::size_t n = 0; n < rows * lanes; ++n) {
             const double q = std::clamp(kept[n] / double(scale), -reach, reach);
             if (options_.format == WeightFormat::half) {

@@ -303,7 +303,7 @@ void for_moved_vectors(const Pose& pose, const Parallel& parallel_for, const Bod
 
 } // namespace detail
 
-/// A Binding, or a view that `clone` reads, of dimension `D`.
+/// A Binding, or a view that `clone` reads, of dimension `D`; for packed ones include clone/clone_packed.hpp too.
 template <class B, std::size_t D>
 concept VectorBinding = requires(const B& binding) {
     typename B::scalar;

@@ -128,7 +128,7 @@ private:
         if (options.mask.size() != 0) {
             for (std::size_t lane = 0; lane < used; ++lane) {
                 const T m = options.mask[place(first + lane)][0];
-                for (std::size_t k = 0; k < D; ++k) sums[k][lane] *= m;
+                for (std::size_t k = 0; k < D; ++k) sums[k][lane] = product(sums[k][lane], m);
             }
         }
         Lanes<T> onto[D];
