@@ -200,6 +200,16 @@ for type in mean-value harmonic; do
   cmp -s character.obj rest.obj && ok=yes || ok=no
   report $ok "at rest, $type, the file is the same"
 done
+# What a game loads: sizes told, no half-written file.
+bind="$programs/bind_mesh"
+works "a packed character" "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv \
+  --largest 8 --format int16 -o character.figure --report
+grep -q '^points: ' log && [ "$(grep -c '^tangents: ' log)" = 2 ] && ok=yes || ok=no
+report $ok "the report tells the sizes"
+refuses 'nowhere.obj' "$bind" nowhere.obj --cage character_cage.obj -o out.figure
+refuses 'nowhere.csv' "$bind" character.obj --cage character_cage.obj --clip nowhere.csv -o out.figure
+refuses 'linear precision' "$bind" character.obj --cage character_cage.obj --largest 3 -o out.figure
+refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
 cmp -s posed_mean-value.obj posed_harmonic.obj && ok=no || ok=yes
 report $ok "the coordinates differ"
 printf '%s\n' 'v 0 0 0' 'v 4 0 0' 'v 4 4 0' 'v 0 4 0' 'v 0 0 4' 'v 4 0 4' 'v 4 4 4' 'v 0 4 4' \

@@ -108,18 +108,19 @@ template <Scalar T>
 class MeanValueGradients<T, 2> : GradientsInDouble<T, 2> {
 public:
     MeanValueGradients() = default;
-    explicit MeanValueGradients(const Polygon<T>& cage) {
-        const auto bounds = bounds_of(cage.vertices());
+    explicit MeanValueGradients(const Polygon<T>& polygon) {
+        const auto bounds = bounds_of(polygon.vertices());
         tolerance_ = coincidence_tolerance(bounds);
         scale_ = double(unit_scale(bounds));
         near_ = std::max(scale_ * double(tolerance_), Base::near_boundary);
-        for (std::size_t k = 0; k < cage.loops().size(); ++k) {
-            const auto& loop = cage.loops()[k];
-            const bool turns_left = signed_area(cage, loop) > 0;
-            const double sign = turns_left == (loop_depth(cage, k) % 2 == 0) ? 1 : -1;
+        for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
+            const auto& loop = polygon.loops()[k];
+            const bool turns_left = signed_area(polygon, loop) > 0;
+            const double sign = turns_left == (loop_depth(polygon, k) % 2 == 0) ? 1 : -1;
             for (std::size_t i = loop.begin; i < loop.end; ++i) {
                 const std::size_t j = i + 1 < loop.end ? i + 1 : loop.begin;
-                const auto a = scale_ * vec_cast<double>(cage[i]), b = scale_ * vec_cast<double>(cage[j]);
+                const auto a = scale_ * vec_cast<double>(polygon[i]),
+                           b = scale_ * vec_cast<double>(polygon[j]);
                 const double reach = near_ * (std::fabs(b[0] - a[0]) + std::fabs(b[1] - a[1]));
                 edges_.push_back({i, j, a, b, sign * (b - a), sign, reach});
             }
