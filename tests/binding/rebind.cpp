@@ -637,6 +637,7 @@ TEST_CASE("what cannot be moved is refused by name; nothing at all is no fault",
     CHECK(refused.report.culprit == 33);
     CHECK(refused.binding.point_count() == 0);
 
+#if !defined(CAGEFORM_SANITIZED) // sanitizers end a program that asks for so much
     struct Endless {
         static std::size_t size() { return std::size_t{1} << 60; }
         Vec<double, 3> operator[](std::size_t) const { return {1, 1, 1}; }
@@ -644,6 +645,7 @@ TEST_CASE("what cannot be moved is refused by name; nothing at all is no fault",
     const auto large = rebind(old, Endless{});
     CHECK(large.report.status == Status::out_of_memory);
     CHECK(large.report.points == std::size_t{1} << 60);
+#endif
 
     // A binding without handles moves nothing.
     const Binding<double, 2> idle({}, std::vector<cageform::Lanes<double>>(2), {}, 3);

@@ -2,7 +2,7 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
-//     mkdir corpus && ./fuzz_open_blob --seeds=corpus && ./fuzz_open_blob -max_len=8192 corpus
+//     mkdir corpus && ./fuzz_open_blob --seeds=corpus && ./fuzz_open_blob -max_len=24576 corpus
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone_packed.hpp>
 
@@ -167,15 +167,19 @@ private:
 /// A blob of random counts whose parts are where they should be and whose tables make sense.
 template <class T, std::size_t D>
 std::vector<std::byte> made_up(Numbers& numbers) {
-    const std::size_t handles = numbers.below(4) == 0 ? numbers.below(3) : 1 + numbers.below(40);
+    // Now and then more handles than clones keep a table of.
+    const bool many = numbers.below(8) == 0;
+    const std::size_t handles = many                    ? 16384 / sizeof(Vec<T, D>) + numbers.below(8)
+                                : numbers.below(4) == 0 ? numbers.below(3)
+                                                        : 1 + numbers.below(40);
     const std::size_t points = numbers.below(4) == 0 ? numbers.below(2) : numbers.below(60);
     const std::size_t blocks = cageform::block_count<T>(points);
-    const bool sparse = numbers.below(2) == 0;
+    const bool sparse = many || numbers.below(2) == 0;
     std::vector<std::uint32_t> row_begin(1, 0);
     for (std::size_t b = 0; b < blocks; ++b)
         row_begin.push_back(row_begin.back() + std::uint32_t(handles == 0 ? 0 : numbers.below(5)));
     BlobHeader header;
-    header.format = std::uint32_t(numbers.below(4));
+    header.format = many ? 0 : std::uint32_t(numbers.below(4));
     header.handles = handles;
     header.points = points;
     header.rows = sparse ? row_begin.back() : blocks * handles;
@@ -220,9 +224,9 @@ std::vector<std::byte> packed(Numbers& numbers, const cageform::PackOptions& opt
     return {result.binding.bytes().begin(), result.binding.bytes().end()};
 }
 
-/// Sets or shifts a number by what may matter.
+/// Sets or shifts a number by what may matter; `limit` is one that others are checked against.
 template <class X>
-void disturb(std::byte* at, Numbers& numbers, std::size_t size) {
+void disturb(std::byte* at, Numbers& numbers, std::size_t limit) {
     X x;
     std::memcpy(&x, at, sizeof(x));
     const X values[] = {X(0),
@@ -233,14 +237,14 @@ void disturb(std::byte* at, Numbers& numbers, std::size_t size) {
                         X(x - 64),
                         X(2 * x),
                         X(x / 2),
-                        X(size),
-                        X(size - 64),
+                        X(limit),
+                        X(limit - 1),
                         X(~X(0)),
-                        X(numbers.below(size)),
+                        X(numbers.below(limit)),
                         X(192),
                         X(~X(63)),
                         X(x ^ (X(1) << numbers.below(8 * sizeof(X)))),
-                        X(numbers.below(size) & ~std::size_t{63}),
+                        X(numbers.below(limit) & ~std::size_t{63}),
                         X(numbers.bits())};
     x = values[numbers.below(std::size(values))];
     std::memcpy(at, &x, sizeof(x));
@@ -282,9 +286,11 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
         const std::uint64_t tables[] = {header.row_begin, header.row_handle, header.order,
                                         header.rest_handles};
         const std::uint64_t table = tables[numbers.below(4)];
+        const std::uint64_t limits[] = {size, header.handles, header.points, header.rows};
+        const auto limit = std::max<std::size_t>(std::size_t(limits[numbers.below(4)]), 1);
         switch (numbers.below(5)) {
-        case 0: disturb<std::uint64_t>(bytes + counts + 8 * numbers.below(3), numbers, size); break;
-        case 1: disturb<std::uint64_t>(bytes + offsets + 8 * numbers.below(9), numbers, size); break;
+        case 0: disturb<std::uint64_t>(bytes + counts + 8 * numbers.below(3), numbers, limit); break;
+        case 1: disturb<std::uint64_t>(bytes + offsets + 8 * numbers.below(9), numbers, limit); break;
         case 2: { // a part in the place of another, or none
             const std::size_t to = offsets + 8 * numbers.below(9), from = offsets + 8 * numbers.below(9);
             std::memmove(bytes + to, bytes + from, 8);
@@ -298,8 +304,8 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
         default: {
             const std::size_t at = std::size_t(table) + 2 * numbers.below(64);
             if (table >= size || at + 4 > size) break;
-            numbers.below(2) == 0 ? disturb<std::uint16_t>(bytes + at, numbers, size)
-                                  : disturb<std::uint32_t>(bytes + at, numbers, size);
+            numbers.below(2) == 0 ? disturb<std::uint16_t>(bytes + at, numbers, limit)
+                                  : disturb<std::uint32_t>(bytes + at, numbers, limit);
         }
         }
     }

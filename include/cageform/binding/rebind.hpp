@@ -7,9 +7,8 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
+#include <span>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -435,8 +434,8 @@ private:
 ///   returns  the binding and its report. Unless the report's status is ok the binding is empty; no points give a binding of
 ///            none. The result depends neither on threads nor on the order of the points
 ///   cost     O(#old (log #old + #handles)), and O(log #old + #handles) for a point that is matched, O(log #old +
-///            neighbours · #handles) for one that is not: 3 µs at 66 handles in space. Memory: the new binding, and some 60 bytes for
-///            each old and new point
+///            neighbours · #handles) for one that is not: 3 µs at 66 handles in space. Memory: the new binding, and some
+///            60 bytes for each old and new point
 ///   fails    binding_empty: points, but none before; weight_not_finite (RebindReport::culprit); cancelled; out_of_memory
 template <Scalar T, std::size_t D, PointRange R>
     requires(range_dimension<R> == D)
