@@ -209,7 +209,7 @@ TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[bl
         sound.emplace_back(small_blob(format, 4).bytes());
         sound.emplace_back(small_blob(format, 0).bytes());
     }
-    Random random(GENERATE(range(0, 4)));
+    Random random{std::uint64_t(GENERATE(range(0, 4)))};
     std::size_t opened_count = 0;
     for (int round = 0; round < 20000; ++round) {
         Aligned memory = sound[random.below(sound.size())];

@@ -186,8 +186,10 @@ TEMPLATE_TEST_CASE("every point keeps its largest weights, within what restoring
         const auto row = bound.row(i);
         std::vector<std::size_t> ranked(row.size());
         std::iota(ranked.begin(), ranked.end(), std::size_t{0});
-        std::stable_sort(ranked.begin(), ranked.end(),
-                         [&](std::size_t a, std::size_t b) { return std::fabs(row[a]) > std::fabs(row[b]); });
+        std::sort(ranked.begin(), ranked.end(), [&](std::size_t a, std::size_t b) {
+            const double of_a = std::fabs(row[a]), of_b = std::fabs(row[b]);
+            return of_a != of_b ? of_a > of_b : a < b;
+        });
         std::vector<std::uint16_t> handles(view.row_handle + view.first_row(block),
                                            view.row_handle + view.first_row(block + 1));
         CHECK(std::is_sorted(handles.begin(), handles.end()));

@@ -324,8 +324,9 @@ private:
     void sort_blocks() {
         std::vector<std::uint32_t> sequence(points_ / lanes);
         std::iota(sequence.begin(), sequence.end(), 0u);
-        std::stable_sort(sequence.begin(), sequence.end(), [this](std::uint32_t a, std::uint32_t b) {
-            return pieces_[a].handles.size() < pieces_[b].handles.size();
+        std::sort(sequence.begin(), sequence.end(), [this](std::uint32_t a, std::uint32_t b) {
+            const std::size_t rows_a = pieces_[a].handles.size(), rows_b = pieces_[b].handles.size();
+            return rows_a != rows_b ? rows_a < rows_b : a < b;
         });
         std::vector<std::uint32_t> order(order_);
         std::vector<Piece> pieces(blocks_);

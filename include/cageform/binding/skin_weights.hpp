@@ -520,8 +520,9 @@ std::vector<Integer> to_normalised(const SkinWeights& skin) {
             out[k] = static_cast<Integer>(exact(k));
             lacking -= out[k];
         }
-        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return exact(a) - double(out[a]) > exact(b) - double(out[b]);
+        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            const double of_a = exact(a) - double(out[a]), of_b = exact(b) - double(out[b]);
+            return of_a != of_b ? of_a > of_b : a < b;
         });
         for (std::size_t n = 0; n < lacking && n < order.size(); ++n) ++out[order[n]];
     }
