@@ -124,15 +124,14 @@ void sum_dense(const std::byte* weights, std::size_t handles, std::size_t blocks
     std::size_t b = begin;
     if (blocks * handles * row_bytes < cached) {
         // One by one at the end, in the same order of additions: ranges may be cut anywhere.
-        const auto sum = [&](auto count) {
+        const auto sum = [&](auto count, std::size_t block) {
             Lanes<T> sums[count][D];
-            sum_rows<count, 1, Format, T, D>(weights + b * handles * row_bytes, handles, handles,
+            sum_rows<count, 1, Format, T, D>(weights + block * handles * row_bytes, handles, handles,
                                              displacement, sums);
-            for (std::size_t n = 0; n < count; ++n) finish(b + n, sums[n]);
-            b += count;
+            for (std::size_t n = 0; n < count; ++n) finish(block + n, sums[n]);
         };
-        while (b + together <= end) sum(std::integral_constant<std::size_t, together>{});
-        while (b < end) sum(std::integral_constant<std::size_t, 1>{});
+        for (; b + together <= end; b += together) sum(std::integral_constant<std::size_t, together>{}, b);
+        for (; b < end; ++b) sum(std::integral_constant<std::size_t, 1>{}, b);
         return;
     }
     for (; b < end; ++b) {

@@ -367,7 +367,8 @@ private:
             for (const double flag : flags.v) any = any || flag != 0;
             if (any) correct_lanes(face, flags, height, rho, seen, w);
             for (std::size_t k = 0; k < 3; ++k) {
-                for (std::size_t n = 0; n < 4; ++n) Base::add(rows[4 * face.corner[k] + n], w[n][k]);
+                for (std::size_t n = 0; n < 4; ++n)
+                    Base::add(rows[std::size_t{4} * face.corner[k] + n], w[n][k]);
             }
         }
         return Base::store_quotients(rows, cage.size(), scale_, out, first);
