@@ -18,7 +18,7 @@ public:
     explicit Aligned(std::span<const std::byte> bytes)
         : lines_((bytes.size() + 63) / 64)
         , size_(bytes.size()) {
-        std::memcpy(data(), bytes.data(), bytes.size());
+        if (!bytes.empty()) std::memcpy(data(), bytes.data(), bytes.size());
     }
     std::byte* data() { return reinterpret_cast<std::byte*>(lines_.data()); }
     std::span<std::byte> bytes() { return {data(), size_}; }
