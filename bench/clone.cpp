@@ -81,11 +81,11 @@ void limit_read_weights(benchmark::State& state) {
     const std::size_t lines = weights.blocks() * weights.rows;
     for (auto _ : state) {
         // Eight sums, so that the additions of a sum do not wait for each other.
-        std::array<cageform::detail::Pack<T>, 8> sums;
+        std::array<cageform::detail::Simd<T>, 8> sums;
         sums.fill(T(0));
         for (std::size_t i = 0; i + 8 <= lines; i += 8) {
             for (std::size_t s = 0; s < 8; ++s)
-                sums[s] = sums[s] + cageform::detail::Pack<T>::load(weights.data[i + s]);
+                sums[s] = sums[s] + cageform::detail::Simd<T>::load(weights.data[i + s]);
         }
         benchmark::DoNotOptimize(sums);
     }
@@ -99,11 +99,11 @@ void limit_read_memory(benchmark::State& state) {
     std::memset(static_cast<void*>(memory.data()), 1,
                 memory.size() * 64); // or all of it would be one page of zeros
     for (auto _ : state) {
-        std::array<cageform::detail::Pack<T>, 8> sums;
+        std::array<cageform::detail::Simd<T>, 8> sums;
         sums.fill(T(0));
         for (std::size_t i = 0; i + 8 <= memory.size(); i += 8) {
             for (std::size_t s = 0; s < 8; ++s)
-                sums[s] = sums[s] + cageform::detail::Pack<T>::load(memory[i + s]);
+                sums[s] = sums[s] + cageform::detail::Simd<T>::load(memory[i + s]);
         }
         benchmark::DoNotOptimize(sums);
     }

@@ -24,7 +24,7 @@ public:
     // The whole batch at once. A row of `weights` belongs to a handle, a column to a point.
     cageform::Evaluation evaluate(cageform::BlockView<const double> points,
                                   cageform::BlockView<double> weights, std::span<cageform::PointState> states,
-                                  const cageform::EvaluateOptions&) const {
+                                  const cageform::Running&) const {
         if (report_.status != cageform::Status::ok) return {report_.status, {}};
         const auto count = long(cage_.size());
         Eigen::Matrix3Xd a(3, count);

@@ -158,7 +158,7 @@ public:
     const cageform::CageReport& cage_report() const { return report_; }
     cageform::Evaluation evaluate(cageform::BlockView<const double> points,
                                   cageform::BlockView<double> weights, std::span<PointState> states,
-                                  const cageform::EvaluateOptions&) const {
+                                  const cageform::Running&) const {
         for (std::size_t i = 0; i < states.size(); ++i) {
             if (states[i] == PointState::not_finite) continue;
             const auto p = cageform::block_point<2>(points, i);
@@ -194,8 +194,7 @@ public:
     T offset = 0;
 
     cageform::Evaluation evaluate(cageform::BlockView<const T> points, cageform::BlockView<T> weights,
-                                  std::span<PointState> states,
-                                  const cageform::EvaluateOptions& options) const {
+                                  std::span<PointState> states, const cageform::Running& options) const {
         const auto evaluation = Mean<T>::evaluate(points, weights, states, options);
         for (std::size_t i = 0; i < states.size(); ++i) {
             for (std::size_t h = 0; h < weights.rows; ++h) {

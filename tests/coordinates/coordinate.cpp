@@ -63,7 +63,7 @@ struct Minimal {
     std::span<const Vec<float, 3>> handles() const { return {}; }
     const cageform::CageReport& cage_report() const { return report; }
     cageform::Evaluation evaluate(cageform::BlockView<const float>, cageform::BlockView<float>,
-                                  std::span<PointState>, const cageform::EvaluateOptions&) const {
+                                  std::span<PointState>, const cageform::Running&) const {
         return {};
     }
     Vec<float, 3> nearest_boundary(const Vec<float, 3>& p, std::span<float>) const { return p; }
@@ -89,13 +89,13 @@ struct ReportByValue : Minimal {
 };
 struct ReturnsStatusOnly : Minimal {
     Status evaluate(cageform::BlockView<const float>, cageform::BlockView<float>, std::span<PointState>,
-                    const cageform::EvaluateOptions&) const {
+                    const cageform::Running&) const {
         return Status::ok;
     }
 };
 struct EvaluateNotConst : Minimal {
     cageform::Evaluation evaluate(cageform::BlockView<const float>, cageform::BlockView<float>,
-                                  std::span<PointState>, const cageform::EvaluateOptions&) {
+                                  std::span<PointState>, const cageform::Running&) {
         return {};
     }
 };
@@ -423,7 +423,7 @@ TEST_CASE("for_each_block covers every block once and tells its progress", "[coo
     CAPTURE(blocks, told);
     std::vector<int> visits(blocks);
     std::vector<double> progress;
-    cageform::EvaluateOptions options;
+    cageform::Running options;
     if (told) {
         options.progress = [&](double done) {
             progress.push_back(done);
@@ -447,7 +447,7 @@ TEST_CASE("for_each_block covers every block once and tells its progress", "[coo
 
 TEST_CASE("for_each_block stops when it is told to", "[coordinates][detail]") {
     std::size_t asked = 0, visited = 0;
-    cageform::EvaluateOptions options;
+    cageform::Running options;
     options.progress = [&](double) { return ++asked < 3; };
     const auto status = cageform::detail::for_each_block(
         100000, options, [&](std::size_t begin, std::size_t end) { visited += end - begin; });

@@ -387,7 +387,7 @@ TEST_CASE("harmonic progress never falls and its callback cancels", "[coordinate
     const HarmonicOptions options{
         .solver = pyramid, .resolution = 48, .averaging = {.tolerance = 1e-6}, .handles_at_once = 3};
     std::vector<double> told;
-    cageform::EvaluateOptions evaluate_options;
+    cageform::Running evaluate_options;
     evaluate_options.progress = [&](double done) {
         told.push_back(done);
         return true;

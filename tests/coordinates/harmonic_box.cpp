@@ -167,7 +167,7 @@ TEMPLATE_TEST_CASE("weights in a box sum to 1, reproduce the point and stay in [
         CHECK(distance(combine(weights.rows[i], box.vertices()), points[i]) <= m * tolerance * size);
         for (const T w : weights.rows[i]) CHECK((w >= T(0) && w <= T(1)));
     }
-    cageform::EvaluateOptions threaded;
+    cageform::Running threaded;
     threaded.parallel = cageform::ThreadedFor{2};
     CHECK((evaluate_all(coordinates, points, threaded).rows == weights.rows));
 }

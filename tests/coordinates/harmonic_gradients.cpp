@@ -131,7 +131,7 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     Random random(1);
     const std::vector<Vec<double, 2>> inside(20, random_inside(cage, random, 1e-3));
     const auto expected = gradients_of<double, 2>(coordinates, inside);
-    cageform::EvaluateOptions threaded;
+    cageform::Running threaded;
     threaded.parallel = cageform::ThreadedFor{2};
     REQUIRE(coordinates.solve(threaded).status == Status::ok);
     const auto again = gradients_of<double, 2>(coordinates, inside, threaded);

@@ -67,7 +67,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
               total * size + 64 * double(epsilon<T>) * double(bounds.magnitude()));
         for (const T w : weights.rows[i]) CHECK((w >= T(0) && w <= T(1)));
     }
-    cageform::EvaluateOptions threaded;
+    cageform::Running threaded;
     threaded.parallel = cageform::ThreadedFor{2};
     CHECK((evaluate_all(coordinates, points, threaded).rows == weights.rows));
 }

@@ -119,7 +119,7 @@ TEST_CASE("solving before, in batches or on threads gives the same bits",
     Harmonic<double> coordinates(cage, {.resolution = 96, .multigrid = {.tolerance = 1e-11}});
     const auto expected = evaluate_all(coordinates, points);
     REQUIRE(expected.status() == Status::ok);
-    cageform::EvaluateOptions threaded;
+    cageform::Running threaded;
     threaded.parallel = cageform::ThreadedFor{3};
     CHECK(evaluate_all(coordinates, points, threaded).rows == expected.rows);
     REQUIRE(coordinates.solve(threaded).status == Status::ok);
@@ -139,7 +139,7 @@ TEST_CASE("the multigrid tells its progress and is cancelled", "[coordinates][ha
     const Harmonic<double> coordinates(cage, {.resolution = 64});
     double last = 0;
     int calls = 0;
-    cageform::EvaluateOptions options;
+    cageform::Running options;
     options.progress = [&](double done) {
         CHECK(done >= last);
         CHECK(done <= 1);
@@ -163,7 +163,7 @@ TEST_CASE("a solve that is cancelled keeps nothing", "[coordinates][harmonic][pr
     const auto points = points_in(cage, 20, 3);
     const auto expected = evaluate_all(Harmonic<double>(cage, options), points);
     Harmonic<double> coordinates(cage, options);
-    cageform::EvaluateOptions stop;
+    cageform::Running stop;
     stop.progress = [](double done) { return done < 0.7; };
     CHECK(coordinates.solve(stop).status == Status::cancelled);
     CHECK(evaluate_all(coordinates, points).rows == expected.rows);

@@ -432,7 +432,7 @@ TEST_CASE("gradients of mean value weights tell where they are not",
     const Mean3<double> coordinates(mesh);
     const auto gradients = gradients_of<double, 3>(coordinates, points);
     CHECK(gradients.states[3] == PointState::not_finite);
-    cageform::EvaluateOptions threaded;
+    cageform::Running threaded;
     threaded.parallel = cageform::ThreadedFor{2};
     const auto again = gradients_of<double, 3>(coordinates, points, threaded);
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -85,7 +85,7 @@ void check_laws(int seed) {
         }
     }
     auto threaded = before;
-    cageform::EvaluateOptions running;
+    cageform::Running running;
     running.parallel = cageform::ThreadedFor{2};
     REQUIRE(cageform::solve_dirichlet<D, T>(problem.cells, problem.given, threaded, {.tolerance = tolerance},
                                             running)
@@ -132,7 +132,7 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     std::vector<std::uint8_t> given(20, 1);
     std::vector<double> values(40, 2.0);
     const auto solve = [&](const cageform::DirichletOptions& options = {},
-                           const cageform::EvaluateOptions& running = {}) {
+                           const cageform::Running& running = {}) {
         return cageform::solve_dirichlet<2, double>(cells, given, values, options, running);
     };
     CHECK(solve().status == Status::ok); // nothing to do
@@ -149,7 +149,7 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     CHECK(solve({.tolerance = 0}).status == Status::tolerance_not_positive);
     CHECK(solve({.tolerance = std::numeric_limits<double>::quiet_NaN()}).status ==
           Status::tolerance_not_positive);
-    cageform::EvaluateOptions stop;
+    cageform::Running stop;
     stop.progress = [](double) { return false; };
     CHECK(solve({}, stop).status == Status::cancelled);
     CHECK(solve({.tolerance = 1e-9, .max_cycles = 0}).status == Status::not_converged);
@@ -182,7 +182,7 @@ TEST_CASE("the Dirichlet solver asks its progress after every cycle", "[grid][di
     const auto before = values;
     int asked = 0;
     double last = 0;
-    cageform::EvaluateOptions running;
+    cageform::Running running;
     running.progress = [&](double done) {
         CHECK(done >= last);
         last = done;

@@ -15,7 +15,7 @@ struct Gradients {
 /// Evaluates a whole batch at once, in buffers exactly as long as promised.
 template <class T, std::size_t D, class Coordinates>
 Gradients<T, D> gradients_of(const Coordinates& coordinates, const std::vector<Vec<T, D>>& points,
-                             const cageform::EvaluateOptions& options = {}) {
+                             const cageform::Running& options = {}) {
     const std::size_t handles = coordinates.handles().size(),
                       blocks = cageform::block_count<T>(points.size());
     std::vector<cageform::Lanes<T>> position(blocks * D), rows(blocks * D * handles);

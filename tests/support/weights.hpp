@@ -26,7 +26,7 @@ struct Weights {
 /// Evaluates a whole batch at once, in buffers exactly as long as the concept promises.
 template <cageform::CageCoordinates C, cageform::PointRange R>
 Weights<typename C::scalar> evaluate_all(const C& coordinates, const R& points,
-                                         const cageform::EvaluateOptions& options = {}) {
+                                         const cageform::Running& options = {}) {
     using T = typename C::scalar;
     constexpr std::size_t D = C::dimension;
     const std::size_t count = std::size(points);

@@ -2,7 +2,7 @@
 // library; evaluation allocates nothing.
 #pragma once
 
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/simd.hpp>
 #include <cageform/core/view.hpp>
 
 #include <cmath>

@@ -148,7 +148,7 @@ public:
         } else {
             Status status = for_each_piece(0, 0.1, [this](std::size_t piece) { load(piece); });
             if (status != Status::ok) return status;
-            EvaluateOptions options{options_.parallel};
+            Running options{options_.parallel};
             if (options_.progress) {
                 options.progress = [this](double done) { return options_.progress(0.1 + 0.8 * done); };
             }
@@ -172,7 +172,7 @@ private:
     /// Runs body(piece) for all pieces in parallel, telling the progress from `from` to `to` in between.
     template <class Body>
     Status for_each_piece(double from, double to, const Body& body) const {
-        EvaluateOptions options{options_.parallel};
+        Running options{options_.parallel};
         if (options_.progress) {
             options.progress = [&](double done) { return options_.progress(from + (to - from) * done); };
         }

@@ -95,8 +95,8 @@ private:
     /// All points together, so that a solver solves once.
     Status at_once(BindReport& report) {
         Batch batch(0, count_, handles_.size());
-        for (auto& row : batch.slopes) Pack<T>(T(0)).store(row); // where there are none nothing is written
-        EvaluateOptions options{options_.parallel};
+        for (auto& row : batch.slopes) Simd<T>(T(0)).store(row); // where there are none nothing is written
+        Running options{options_.parallel};
         if (options_.progress) {
             options.progress = [this](double done) { return options_.progress(0.9 * done); };
         }
@@ -116,7 +116,7 @@ private:
     }
 
     /// The gradients of a batch; for points that follow the boundary, those at the nearest place of it.
-    Evaluation evaluate(Batch& batch, const EvaluateOptions& options) {
+    Evaluation evaluate(Batch& batch, const Running& options) {
         const auto states = states_of(batch);
         const std::size_t used = batch.points.blocks() * lanes;
         for (std::size_t i = 0; i < used; ++i) {
@@ -188,9 +188,9 @@ private:
             }
         }
         for (std::size_t h = 0; h < handles_.size(); ++h) {
-            Pack<T> sum(T(0));
+            Simd<T> sum(T(0));
             for (std::size_t k = 0; k < D; ++k)
-                sum = sum + Pack<T>::load(target[k]) * Pack<T>::load(slopes[k * handles_.size() + h]);
+                sum = sum + Simd<T>::load(target[k]) * Simd<T>::load(slopes[k * handles_.size() + h]);
             sum.store(row[h]);
         }
         for (std::size_t lane = 0; lane < lanes; ++lane) {

@@ -195,7 +195,7 @@ public:
                                             : std::vector(options_.order.begin(), options_.order.end());
             if (!is_permutation(order_)) return Status::order_not_a_permutation;
         }
-        const EvaluateOptions half_way{options_.parallel, share_of_progress(0, 0.5)};
+        const Running half_way{options_.parallel, share_of_progress(0, 0.5)};
         Status status = for_each_block(blocks_, half_way, [this](std::size_t begin, std::size_t end) {
             for (std::size_t b = begin; sparse_ && b < end; ++b) choose_rows(b);
         });
@@ -223,7 +223,7 @@ public:
                                                        : hash_memory(std::span<const Vec<T, D>>(at_rest));
         PackedBinding<T, D> result(header);
         fill_tables(result);
-        const EvaluateOptions rest_of_way{options_.parallel, share_of_progress(0.5, 1)};
+        const Running rest_of_way{options_.parallel, share_of_progress(0.5, 1)};
         status = for_each_block(blocks_, rest_of_way, [&](std::size_t begin, std::size_t end) {
             for (std::size_t b = begin; b < end; ++b) fill_block(b, result, report);
         });

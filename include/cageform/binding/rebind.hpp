@@ -184,8 +184,8 @@ private:
         std::vector<double> row;
     };
 
-    EvaluateOptions share_of_progress(double from, double to) const {
-        EvaluateOptions options{options_.parallel};
+    Running share_of_progress(double from, double to) const {
+        Running options{options_.parallel};
         if (options_.progress)
             options.progress = [this, from, to](double done) {
                 return options_.progress(from + (to - from) * done);

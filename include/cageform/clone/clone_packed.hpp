@@ -29,9 +29,9 @@ struct AffineFit {
         if (binding.scale == nullptr) return;
         const Lanes<T>* const lack = binding.lack + block * (D + 1);
         for (std::size_t k = 0; k < D; ++k) {
-            Pack<T> sum = Pack<T>(binding.scale[block]) * Pack<T>::load(sums[k]);
+            Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
             for (std::size_t r = 0; r <= D; ++r)
-                sum = multiply_add<T>(Pack<T>::load(lack[r]), Pack<T>(part[r][k]), sum);
+                sum = multiply_add<T>(Simd<T>::load(lack[r]), Simd<T>(part[r][k]), sum);
             sum.store(sums[k]);
         }
     }

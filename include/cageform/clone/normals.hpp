@@ -216,7 +216,7 @@ template <class Tile>
 void frames_of_block(const Tile& along, const Tile& across, std::size_t block, std::size_t points,
                      Lanes<typename Tile::T> (&normal)[3], Lanes<typename Tile::T> (&tangent)[3]) noexcept {
     using T = typename Tile::T;
-    using P = Pack<T>;
+    using P = Simd<T>;
     P t[3], b[3], t_rest[3], b_rest[3];
     for (std::size_t k = 0; k < 3; ++k) {
         t[k] = P::load(along.moved_row(block, k));

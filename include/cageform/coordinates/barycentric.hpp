@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/simd.hpp>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -57,7 +57,7 @@ public:
     const CageReport& cage_report() const noexcept { return report_; }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const EvaluateOptions& options = {}) const {
+                        const Running& options = {}) const {
         return detail::evaluate_blocks(report_, D + 1, points, weights, states, options,
                                        [&](std::size_t begin, std::size_t end) {
                                            for (std::size_t b = begin; b < end; ++b)
@@ -70,7 +70,7 @@ public:
     ///   points     as for `evaluate`; so are the states on entry and on return
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const EvaluateOptions& options = {}) const {
+                                  std::span<PointState> states, const Running& options = {}) const {
         return detail::evaluate_blocks(report_, D * (D + 1), points, gradients, states, options,
                                        [&](std::size_t begin, std::size_t end) {
                                            for (std::size_t b = begin; b < end; ++b)
@@ -111,7 +111,7 @@ public:
     }
 
 private:
-    using Pack = detail::Pack<T>;
+    using Simd = detail::Simd<T>;
     using Column = Eigen::Matrix<double, int(D), 1>;
 
     static Column eigen(const Vec<T, D>& p) {
@@ -159,7 +159,7 @@ private:
         auto* const row = gradients.block(b);
         for (std::size_t k = 0; k <= D; ++k) {
             for (std::size_t axis = 0; axis < D; ++axis)
-                Pack(gradient_[k][axis]).store(row[axis * (D + 1) + k]);
+                Simd(gradient_[k][axis]).store(row[axis * (D + 1) + k]);
         }
     }
 
@@ -167,9 +167,9 @@ private:
         // β_k grows from a vertex of the opposite face, so that it is accurate on that face.
         for (std::size_t k = 0; k <= D; ++k) {
             const Vec<T, D>& from = vertices_[k < D ? D : 0];
-            Pack beta(T(0));
+            Simd beta(T(0));
             for (std::size_t axis = 0; axis < D; ++axis) {
-                beta = beta + Pack(gradient_[k][axis]) * (Pack::load(position[axis]) - Pack(from[axis]));
+                beta = beta + Simd(gradient_[k][axis]) * (Simd::load(position[axis]) - Simd(from[axis]));
             }
             beta.store(row[k]);
         }

@@ -71,20 +71,20 @@ public:
     std::size_t refused_part() const noexcept { return refused_; }
 
     /// Of parts that can: solves the functions of all and keeps them.
-    Evaluation solve(const EvaluateOptions& options = {}) requires requires(C c) { c.solve(options); }
+    Evaluation solve(const Running& options = {}) requires requires(C c) { c.solve(options); }
     {
-        return for_each_part(
-            options, [&](std::size_t k, const EvaluateOptions& some) { return parts_[k].solve(some); });
+        return for_each_part(options,
+                             [&](std::size_t k, const Running& some) { return parts_[k].solve(some); });
     }
 
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
-                        std::span<PointState> states, const EvaluateOptions& options = {}) const {
+                        std::span<PointState> states, const Running& options = {}) const {
         CAGEFORM_ASSERT(weights.rows == handles_.size() && states.size() == points.points,
                         "one row per handle");
         Evaluation result;
         const Status status = detail::guard_memory([&] {
             std::vector<PointState> all(parts_.size() * states.size());
-            result = for_each_part(options, [&](std::size_t k, const EvaluateOptions& some) {
+            result = for_each_part(options, [&](std::size_t k, const Running& some) {
                 const auto own = std::span(all).subspan(k * states.size(), states.size());
                 std::copy(states.begin(), states.end(), own.begin());
                 return evaluate_part(k, points, weights, own, some);
@@ -124,11 +124,11 @@ private:
 
     /// evaluation = f(part, options), one after the other until one fails.
     template <class F>
-    Evaluation for_each_part(const EvaluateOptions& options, const F& f) const {
+    Evaluation for_each_part(const Running& options, const F& f) const {
         Evaluation total;
         total.status = report_.status;
         for (std::size_t k = 0; k < parts_.size() && total.status == Status::ok; ++k) {
-            EvaluateOptions some = options;
+            Running some = options;
             if (options.progress) {
                 some.progress = [&options, k, count = double(parts_.size())](double done) {
                     return options.progress((double(k) + done) / count);
@@ -148,7 +148,7 @@ private:
 
     /// The weights of part `k`, into its rows.
     Evaluation evaluate_part(std::size_t k, BlockView<const scalar> points, BlockView<scalar> weights,
-                             std::span<PointState> states, const EvaluateOptions& options) const {
+                             std::span<PointState> states, const Running& options) const {
         const std::size_t count = first_[k + 1] - first_[k];
         std::vector<Lanes<scalar>> memory(points.blocks() * count);
         const BlockView<scalar> own{memory.data(), count, points.points};

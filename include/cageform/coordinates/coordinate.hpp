@@ -35,7 +35,7 @@ concept CageCoordinateConstants = requires {
 template <class C>
 concept CageCoordinates = CageCoordinateConstants<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> weights,
-             std::span<PointState> states, const EvaluateOptions& options,
+             std::span<PointState> states, const Running& options,
              const Vec<typename C::scalar, C::dimension>& p, std::span<typename C::scalar> row) {
     { c.handles() } -> std::same_as<std::span<const Vec<typename C::scalar, C::dimension>>>;
     { c.cage_report() } -> std::same_as<const CageReport&>;
@@ -52,7 +52,7 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
 template <class C>
 concept GradientCoordinates = CageCoordinates<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> gradients,
-             std::span<PointState> states, const EvaluateOptions& options) {
+             std::span<PointState> states, const Running& options) {
     { c.evaluate_gradients(points, gradients, states, options) } -> std::same_as<Evaluation>;
 };
 
@@ -77,7 +77,7 @@ namespace detail {
 template <class T, class Body>
 Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t handles,
                            BlockView<const T> points, [[maybe_unused]] BlockView<T> weights,
-                           [[maybe_unused]] std::span<PointState> states, const EvaluateOptions& options,
+                           [[maybe_unused]] std::span<PointState> states, const Running& options,
                            const Body& body) {
     if (cage.status != Status::ok) return {cage.status, {}};
     CAGEFORM_ASSERT(weights.rows == handles && states.size() == points.points, "one row per handle");

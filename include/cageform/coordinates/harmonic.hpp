@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   accuracy  of order h² in the open and around corners with ten cells of room (grid/corner_functions.hpp); next to
 ///             an untreated corner of interior angle ω, or edge in space, of order h^(π/ω)
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so before), and samples them.
-///             EvaluateOptions::parallel shares the sixteens out; each thread needs `solver_memory().block` bytes,
+///             Running::parallel shares the sixteens out; each thread needs `solver_memory().block` bytes,
 ///             every point about 80 bytes in the plane and 150 in space, and next to treated corners #V scalars. The
 ///             progress is asked after every cycle on the calling thread, which has to take part in the work
 ///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse; not_converged;
@@ -61,14 +61,14 @@ public:
 
     /// Solves all functions and keeps them, for several batches of points to be evaluated; their reports repeat
     /// this solve's.
-    Evaluation solve(const EvaluateOptions& options = {}) {
+    Evaluation solve(const Running& options = {}) {
         return guarded([&](SolverReport& report) {
             return by_averaging() ? averaging_.solve(grid_, options, report) : grid_.solve(options, report);
         });
     }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const EvaluateOptions& options = {}) const {
+                        const Running& options = {}) const {
         CAGEFORM_ASSERT(weights.rows == cage().size() && states.size() == points.points,
                         "one row per handle");
         return guarded([&](SolverReport& report) {
@@ -87,7 +87,7 @@ public:
     ///              inside (unreached where there is none)
     ///   cost       of evaluating 2D + 1 points for each, with the memory of their weights
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const EvaluateOptions& options = {}) const {
+                                  std::span<PointState> states, const Running& options = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,
                         "a row per axis and handle");
         return guarded([&](SolverReport& report) {

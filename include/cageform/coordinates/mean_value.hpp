@@ -3,7 +3,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/mean_value_gradients.hpp>
-#include <cageform/core/detail/pack_sqrt.hpp>
+#include <cageform/core/detail/simd_sqrt.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -71,7 +71,7 @@ public:
     const CageReport& cage_report() const noexcept { return report_; }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const EvaluateOptions& options = {}) const {
+                        const Running& options = {}) const {
         return detail::evaluate_blocks(report_, cage_.size(), points, weights, states, options,
                                        [&](std::size_t begin, std::size_t end) {
                                            for (std::size_t b = begin; b < end; ++b)
@@ -90,7 +90,7 @@ public:
     ///   cost       two to three times that of `evaluate`; tens of times for a point on the boundary, nearer to it than 1e-5
     ///              diagonals (double), or some diagonals away
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const EvaluateOptions& options = {}) const {
+                                  std::span<PointState> states, const Running& options = {}) const {
         return detail::evaluate_blocks(report_, 2 * cage_.size(), points, gradients, states, options,
                                        [&](std::size_t begin, std::size_t end) {
                                            gradients_.run(cage_, begin, end, points, gradients, states);
@@ -102,7 +102,7 @@ public:
     }
 
 private:
-    using Pack = detail::Pack<T>;
+    using Simd = detail::Simd<T>;
     static constexpr std::size_t lanes = lane_count<T>;
     static constexpr T far_away = 64; // diagonals
 
@@ -116,49 +116,49 @@ private:
                         std::span<PointState> states) const {
         const auto* const position = points.block(b);
         auto* const row = weights.block(b);
-        const Pack zero(T(0)), one(T(1));
-        const Pack px = Pack(scale_) * Pack::load(position[0]);
-        const Pack py = Pack(scale_) * Pack::load(position[1]);
-        const Pack on_vertex((scale_ * tolerance_) * (scale_ * tolerance_));
-        Pack special = zero; // set to one in lanes that need the careful scalar way
-        Pack sum = zero;
+        const Simd zero(T(0)), one(T(1));
+        const Simd px = Simd(scale_) * Simd::load(position[0]);
+        const Simd py = Simd(scale_) * Simd::load(position[1]);
+        const Simd on_vertex((scale_ * tolerance_) * (scale_ * tolerance_));
+        Simd special = zero; // set to one in lanes that need the careful scalar way
+        Simd sum = zero;
 
         // u is the vector to a vertex, r its length, t = tan(α/2) of the edge that starts there. Dividing by
         // the product of the tangent's denominator and the next r serves both the tangent and 1/r.
         for (const auto& loop : cage_.loops()) {
-            const Pack ux_first = Pack(corners_[loop.begin].position[0]) - px;
-            const Pack uy_first = Pack(corners_[loop.begin].position[1]) - py;
-            const Pack rr_first = ux_first * ux_first + uy_first * uy_first;
-            const Pack r_first = sqrt(rr_first);
+            const Simd ux_first = Simd(corners_[loop.begin].position[0]) - px;
+            const Simd uy_first = Simd(corners_[loop.begin].position[1]) - py;
+            const Simd rr_first = ux_first * ux_first + uy_first * uy_first;
+            const Simd r_first = sqrt(rr_first);
             special = select<T>(rr_first <= on_vertex, one, special);
-            special = select<T>(Pack(far_away * far_away) < rr_first, one, special);
-            Pack ux = ux_first, uy = uy_first, r = r_first;
-            Pack t_before = zero, inverse_r = zero, t_first = zero, inverse_r_first = zero;
+            special = select<T>(Simd(far_away * far_away) < rr_first, one, special);
+            Simd ux = ux_first, uy = uy_first, r = r_first;
+            Simd t_before = zero, inverse_r = zero, t_first = zero, inverse_r_first = zero;
             for (std::size_t i = loop.begin; i < loop.end; ++i) {
                 const Corner& corner = corners_[i];
-                Pack vx = ux_first, vy = uy_first, q = r_first;
+                Simd vx = ux_first, vy = uy_first, q = r_first;
                 if (i + 1 < loop.end) {
-                    vx = Pack(corners_[i + 1].position[0]) - px;
-                    vy = Pack(corners_[i + 1].position[1]) - py;
-                    const Pack qq = vx * vx + vy * vy;
+                    vx = Simd(corners_[i + 1].position[0]) - px;
+                    vy = Simd(corners_[i + 1].position[1]) - py;
+                    const Simd qq = vx * vx + vy * vy;
                     q = sqrt(qq);
                     special = select<T>(qq <= on_vertex, one, special);
                 }
                 // tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever does not cancel. The cross product is
                 // taken with the edge: with v it would cancel far away.
-                const Pack c = ux * Pack(corner.edge[1]) - uy * Pack(corner.edge[0]);
-                const Pack d = ux * vx + uy * vy;
-                const Pack s = r * q + abs<T>(d);
+                const Simd c = ux * Simd(corner.edge[1]) - uy * Simd(corner.edge[0]);
+                const Simd d = ux * vx + uy * vy;
+                const Simd s = r * q + abs<T>(d);
                 const auto acute = zero < d;
-                special = select<T>((abs<T>(c) <= Pack(corner.on_edge)) & (d <= zero), one, special);
-                const Pack numerator = select<T>(acute, c, s);
-                const Pack denominator = select<T>(acute, s, c);
-                const Pack inverse = one / (denominator * q);
-                const Pack t = numerator * q * inverse;
+                special = select<T>((abs<T>(c) <= Simd(corner.on_edge)) & (d <= zero), one, special);
+                const Simd numerator = select<T>(acute, c, s);
+                const Simd denominator = select<T>(acute, s, c);
+                const Simd inverse = one / (denominator * q);
+                const Simd t = numerator * q * inverse;
                 if (i == loop.begin) {
                     t_first = t;
                 } else {
-                    const Pack w = (t_before + t) * inverse_r;
+                    const Simd w = (t_before + t) * inverse_r;
                     w.store(row[i]);
                     sum = sum + w;
                 }
@@ -169,14 +169,14 @@ private:
                 r = q;
                 inverse_r_first = inverse_r; // after the last edge: that of the loop's first vertex
             }
-            const Pack w = (t_before + t_first) * inverse_r_first;
+            const Simd w = (t_before + t_first) * inverse_r_first;
             w.store(row[loop.begin]);
             sum = sum + w;
         }
         special = select<T>(abs<T>(sum) <= zero, one, special);
 
-        const Pack inverse_sum = one / sum;
-        for (std::size_t i = 0; i < cage_.size(); ++i) (Pack::load(row[i]) * inverse_sum).store(row[i]);
+        const Simd inverse_sum = one / sum;
+        for (std::size_t i = 0; i < cage_.size(); ++i) (Simd::load(row[i]) * inverse_sum).store(row[i]);
 
         // The sum is positive inside and negative outside (Hormann & Floater 2006, sec. 4.1 and 4.2).
         Lanes<T> sums, specials;

@@ -4,7 +4,7 @@
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/coordinates/detail/mean_value_gradients.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/detail/pack_angle.hpp>
+#include <cageform/core/detail/simd_angle.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -58,7 +58,7 @@ public:
     const CageReport& cage_report() const noexcept { return report_; }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const EvaluateOptions& options = {}) const {
+                        const Running& options = {}) const {
         return detail::evaluate_blocks(report_, cage_.size(), points, weights, states, options,
                                        [&](std::size_t begin, std::size_t end) {
                                            std::vector<Lanes<T>> angles(frame_.edges.size());
@@ -78,7 +78,7 @@ public:
     ///   cost       twice that of `evaluate` (float: five times, as it is computed in double); hundreds of times for a point on
     ///              the boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const EvaluateOptions& options = {}) const {
+                                  std::span<PointState> states, const Running& options = {}) const {
         return detail::evaluate_blocks(report_, 3 * cage_.size(), points, gradients, states, options,
                                        [&](std::size_t begin, std::size_t end) {
                                            gradients_.run(cage_, begin, end, points, gradients, states);
@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    using Pack = detail::Pack<T>;
+    using Simd = detail::Simd<T>;
     using Face = typename detail::MeshFrame<T>::Face;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
     static constexpr std::size_t lanes = lane_count<T>;
@@ -100,50 +100,50 @@ private:
                         std::span<PointState> states, Lanes<T>* angles) const {
         const auto* const position = points.block(b);
         auto* const row = weights.block(b);
-        const Pack zero(T(0)), one(T(1)), half(T(0.5));
-        std::array<Pack, 3> p; // from the first vertex, in units about the diagonal
+        const Simd zero(T(0)), one(T(1)), half(T(0.5));
+        std::array<Simd, 3> p; // from the first vertex, in units about the diagonal
         for (std::size_t k = 0; k < 3; ++k)
-            p[k] = Pack(scale_) * (Pack::load(position[k]) - Pack(origin_[k]));
+            p[k] = Simd(scale_) * (Simd::load(position[k]) - Simd(origin_[k]));
         const auto dot_p = [&p](const Vec<T, 3>& v) {
-            return Pack(v[0]) * p[0] + (Pack(v[1]) * p[1] + Pack(v[2]) * p[2]);
+            return Simd(v[0]) * p[0] + (Simd(v[1]) * p[1] + Simd(v[2]) * p[2]);
         };
-        const Pack least(std::numeric_limits<T>::min() * T(1e6));
-        Pack special = zero; // set to one in lanes that need the careful way
+        const Simd least(std::numeric_limits<T>::min() * T(1e6));
+        Simd special = zero; // set to one in lanes that need the careful way
         for (std::size_t e = 0; e < frame_.edges.size(); ++e) {
             const auto& edge = frame_.edges[e];
-            const Pack x = Pack(edge.origin[0]) - p[0], y = Pack(edge.origin[1]) - p[1],
-                       z = Pack(edge.origin[2]) - p[2];
-            const Pack tx(edge.direction[0]), ty(edge.direction[1]), tz(edge.direction[2]),
+            const Simd x = Simd(edge.origin[0]) - p[0], y = Simd(edge.origin[1]) - p[1],
+                       z = Simd(edge.origin[2]) - p[2];
+            const Simd tx(edge.direction[0]), ty(edge.direction[1]), tz(edge.direction[2]),
                 length(edge.length);
-            const Pack begin = x * tx + (y * ty + z * tz), end = begin + length;
-            const Pack cx = y * tz - z * ty, cy = z * tx - x * tz, cz = x * ty - y * tx;
-            const Pack rr = max<T>(cx * cx + (cy * cy + cz * cz), least);
-            const Pack r = sqrt(rr);
+            const Simd begin = x * tx + (y * ty + z * tz), end = begin + length;
+            const Simd cx = y * tz - z * ty, cy = z * tx - x * tz, cz = x * ty - y * tx;
+            const Simd rr = max<T>(cx * cx + (cy * cy + cz * cz), least);
+            const Simd r = sqrt(rr);
             (detail::angle<T>(r * length, rr + begin * end) / r).store(angles[e]);
-            special = select<T>(Pack(far_away * far_away) < rr, one, special);
+            special = select<T>(Simd(far_away * far_away) < rr, one, special);
         }
         for (std::size_t i = 0; i < cage_.size(); ++i) zero.store(row[i]);
-        const Pack near{T(near_plane)}, on{scale_ * tolerance_}, opposite{T(0.5)};
+        const Simd near{T(near_plane)}, on{scale_ * tolerance_}, opposite{T(0.5)};
         for (const Face& face : frame_.faces) {
-            const Pack height = Pack(face.offset) - dot_p(face.normal);
-            std::array<Pack, 3> g, rho;
-            Pack m = zero;
+            const Simd height = Simd(face.offset) - dot_p(face.normal);
+            std::array<Simd, 3> g, rho;
+            Simd m = zero;
             for (std::size_t k = 0; k < 3; ++k) {
-                g[k] = Pack::load(angles[face.edge[k]]);
-                rho[k] = Pack(face.across_offset[k]) - dot_p(face.across[k]);
+                g[k] = Simd::load(angles[face.edge[k]]);
+                rho[k] = Simd(face.across_offset[k]) - dot_p(face.across[k]);
                 m = m + g[k] * rho[k];
             }
             m = half * m;
-            const Pack distance = abs<T>(height);
-            const Pack inmost = min<T>(rho[0], min<T>(rho[1], rho[2]));
+            const Simd distance = abs<T>(height);
+            const Simd inmost = min<T>(rho[0], min<T>(rho[1], rho[2]));
             special = select<T>((distance <= on) & (zero - on <= inmost), one, special);
             const auto beside = (distance < near) & (inmost < zero) & (m < opposite);
-            const Pack s = m / select<T>(distance <= least, least, height);
-            std::array<Pack, 3> w;
+            const Simd s = m / select<T>(distance <= least, least, height);
+            std::array<Simd, 3> w;
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
-                const Pack bent = g[k] + (Pack(face.cosine[n]) * g[l] + Pack(face.cosine[l]) * g[n]);
-                w[k] = Pack(face.inverse_altitude[k]) * (s * rho[k] + half * (height * bent));
+                const Simd bent = g[k] + (Simd(face.cosine[n]) * g[l] + Simd(face.cosine[l]) * g[n]);
+                w[k] = Simd(face.inverse_altitude[k]) * (s * rho[k] + half * (height * bent));
             }
             Lanes<T> flags;
             select<T>(beside, one, zero).store(flags);
@@ -151,13 +151,13 @@ private:
             for (const T flag : flags.v) any = any || flag != T(0);
             if (any) correct_lanes(face, flags, height, rho, g, w);
             for (std::size_t k = 0; k < 3; ++k)
-                (Pack::load(row[face.corner[k]]) + w[k]).store(row[face.corner[k]]);
+                (Simd::load(row[face.corner[k]]) + w[k]).store(row[face.corner[k]]);
         }
-        Pack sum = zero;
-        for (std::size_t i = 0; i < cage_.size(); ++i) sum = sum + Pack::load(row[i]);
+        Simd sum = zero;
+        for (std::size_t i = 0; i < cage_.size(); ++i) sum = sum + Simd::load(row[i]);
         special = select<T>(abs<T>(sum) <= zero, one, special);
-        const Pack inverse = one / sum;
-        for (std::size_t i = 0; i < cage_.size(); ++i) (Pack::load(row[i]) * inverse).store(row[i]);
+        const Simd inverse = one / sum;
+        for (std::size_t i = 0; i < cage_.size(); ++i) (Simd::load(row[i]) * inverse).store(row[i]);
 
         // The sum is positive inside and negative outside: of the faces behind each other the nearest counts most.
         Lanes<T> sums, specials;
@@ -180,9 +180,9 @@ private:
     static constexpr double near_plane = sizeof(T) == 8 ? 5e-4 : 1e-3;
 
     /// The weights of a face in the lanes flagged.
-    void correct_lanes(const Face& face, const Lanes<T>& flags, const Pack& height,
-                       const std::array<Pack, 3>& rho, const std::array<Pack, 3>& g,
-                       std::array<Pack, 3>& w) const noexcept {
+    void correct_lanes(const Face& face, const Lanes<T>& flags, const Simd& height,
+                       const std::array<Simd, 3>& rho, const std::array<Simd, 3>& g,
+                       std::array<Simd, 3>& w) const noexcept {
         Lanes<T> heights;
         height.store(heights);
         std::array<Lanes<T>, 3> rhos, gs, ws;
@@ -203,7 +203,7 @@ private:
                 {double(gs[0][lane]), double(gs[1][lane]), double(gs[2][lane])}, altitude, cosine, true);
             for (std::size_t k = 0; k < 3; ++k) ws[k][lane] = static_cast<T>(weights[k]);
         }
-        for (std::size_t k = 0; k < 3; ++k) w[k] = Pack::load(ws[k]);
+        for (std::size_t k = 0; k < 3; ++k) w[k] = Simd::load(ws[k]);
     }
 
     /// One point the plain way: limits on the boundary, and one precision higher off it.

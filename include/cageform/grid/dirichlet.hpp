@@ -31,7 +31,7 @@ struct DirichletOptions {
 ///            tolerance_not_positive; not_converged; cancelled; out_of_memory (also for 2³¹ cells and more)
 template <std::size_t D, Scalar T>
 Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t> given, std::span<T> values,
-                           const DirichletOptions& options = {}, const EvaluateOptions& running = {}) {
+                           const DirichletOptions& options = {}, const Running& running = {}) {
     const std::size_t size = cells.size();
     CAGEFORM_ASSERT(given.size() == size && (size == 0 ? values.empty() : values.size() % size == 0),
                     "a mark for each cell, and whole fields");

@@ -1,27 +1,9 @@
-// What a computation that may take long is told and tells: threads, progress, its outcome.
+// The outcome of evaluating coordinates, and what a solver tells of its work.
 #pragma once
 
-#include <cageform/core/detail/guard_memory.hpp>
-#include <cageform/core/parallel.hpp>
-#include <cageform/core/status.hpp>
-
-#include <algorithm>
-#include <cstddef>
-#include <functional>
+#include <cageform/core/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// body(begin, end); see core/parallel.hpp.
-using RangeBody = std::function<void(std::size_t, std::size_t)>;
-/// parallel_for(count, grain, body); see core/parallel.hpp.
-using ParallelFor = std::function<void(std::size_t, std::size_t, const RangeBody&)>;
-/// Called on the calling thread with the fraction done, in [0, 1] and never falling; false cancels.
-using Progress = std::function<bool(double)>;
-
-struct EvaluateOptions {
-    ParallelFor parallel = SerialFor{};
-    Progress progress{};
-};
 
 /// What a solver did. All zero for closed forms.
 struct SolverReport {
@@ -68,34 +50,5 @@ struct Evaluation {
     Status status = Status::ok;
     SolverReport solver;
 };
-
-namespace detail {
-
-/// The caller's parallel_for; one left empty is the serial one.
-template <class Body>
-void in_parallel(const EvaluateOptions& options, std::size_t count, std::size_t grain, const Body& body) {
-    if (options.parallel) {
-        options.parallel(count, grain, body);
-    } else {
-        SerialFor{}(count, grain, body);
-    }
-}
-
-/// Runs body(first, last) over `blocks` (or pieces) in parallel, in at most fifty steps between which the
-/// caller's progress is told. Returns Status::cancelled when it says so.
-template <class Body>
-Status for_each_block(std::size_t blocks, const EvaluateOptions& options, const Body& body) {
-    constexpr std::size_t grain = 16;
-    const std::size_t step = options.progress ? std::max<std::size_t>(blocks / 50, 16 * grain) : blocks;
-    for (std::size_t begin = 0; begin < blocks; begin += step) {
-        const std::size_t count = std::min(step, blocks - begin);
-        in_parallel(options, count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
-        if (options.progress && !options.progress(double(begin + count) / double(blocks)))
-            return Status::cancelled;
-    }
-    return Status::ok;
-}
-
-} // namespace detail
 
 } // namespace cageform::inline CAGEFORM_ABI

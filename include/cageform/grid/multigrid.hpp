@@ -11,7 +11,7 @@
 // Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3), so that the sum is right to the digits of double.
 #pragma once
 
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/simd.hpp>
 #include <cageform/grid/detail/hierarchy.hpp>
 
 #include <Eigen/Cholesky>
@@ -155,8 +155,8 @@ public:
     Error start(Block& block) const {
         if constexpr (D == 1) return solve_lines(block);
         const std::size_t bottom_level = levels_.size() - 1;
-        Pack(0.0f).store(block.gain_);
-        Pack(0.0f).store(block.residual_);
+        Simd(0.0f).store(block.gain_);
+        Simd(0.0f).store(block.residual_);
         block.settled_.clear();
         block.remainder_.clear();
         block.refined_ = false;
@@ -168,7 +168,7 @@ public:
         if (bottom_level > 0 && inner_sources_.empty()) {
             clear(block.fields_[1].b);
             for (std::size_t j = 0; j < block.odd_source_.size(); ++j)
-                give_to_coarse(block, 0, j, Pack::load(block.odd_source_[j]));
+                give_to_coarse(block, 0, j, Simd::load(block.odd_source_[j]));
         } else if (bottom_level > 0) {
             clear(block.fields_[0].u);
             pass(block, 0, false, 1, true);
@@ -220,17 +220,17 @@ public:
     }
 
 private:
-    using Pack = detail::Pack<float>;
+    using Simd = detail::Simd<float>;
     using Stretch = detail::Stretch<D>;
 
     /// Largest |b − A u|: of nodes without given data beside them, and of the others over what draws them to it.
     struct Residual {
-        Pack inner, drawn;
+        Simd inner, drawn;
 
-        void add(const Pack& r) noexcept { inner = max<float>(inner, abs<float>(r)); }
-        void add_odd(const typename detail::Level<D>::Odd& node, const Pack& r) noexcept {
+        void add(const Simd& r) noexcept { inner = max<float>(inner, abs<float>(r)); }
+        void add_odd(const typename detail::Level<D>::Odd& node, const Simd& r) noexcept {
             if (node.pull >= 1) {
-                drawn = max<float>(drawn, Pack(1 / node.pull) * abs<float>(r));
+                drawn = max<float>(drawn, Simd(1 / node.pull) * abs<float>(r));
             } else {
                 add(r);
             }
@@ -273,7 +273,7 @@ private:
         return {Values{}, Values{}};
     }
 
-    static Values widened(const Pack& p) noexcept {
+    static Values widened(const Simd& p) noexcept {
         Row row;
         p.store(row);
         Values values;
@@ -389,13 +389,13 @@ private:
     /// The last pass of a cycle over the finest level, and what it says of the error.
     Error finish(Block& block, bool direct) const {
         Residual now;
-        Pack caution(2.0f);
+        Simd caution(2.0f);
         if (direct) {
-            now = {Pack(0.0f), Pack(0.0f)};
+            now = {Simd(0.0f), Simd(0.0f)};
             for (std::size_t j = 0; j < levels_[0].odd.size(); ++j)
                 now.add_odd(levels_[0].odd[j], odd_residual(block, 0, j));
             const auto& [u, b] = block.fields_[0];
-            const auto add = [&now](std::uint32_t, const Pack& r) { now.add(r); };
+            const auto add = [&now](std::uint32_t, const Simd& r) { now.add(r); };
             for (const auto& s : levels_[0].stretches) {
                 for (const std::uint32_t begin : {0u, 1u}) {
                     if (block.refined_ || !inner_sources_.empty()) {
@@ -407,24 +407,24 @@ private:
             }
         } else {
             // The correction just found is the error of the solution before, up to what relaxation takes away.
-            Pack correction(0.0f);
+            Simd correction(0.0f);
             for (const Row& row : block.fields_[1].u)
-                correction = max<float>(correction, abs<float>(Pack::load(row)));
-            const Pack before = Pack::load(block.residual_);
-            const Pack gain = correction / max<float>(before, Pack(std::numeric_limits<float>::min()));
-            const Pack known = select<float>(Pack(0.0f) < before, gain, Pack(0.0f));
+                correction = max<float>(correction, abs<float>(Simd::load(row)));
+            const Simd before = Simd::load(block.residual_);
+            const Simd gain = correction / max<float>(before, Simd(std::numeric_limits<float>::min()));
+            const Simd known = select<float>(Simd(0.0f) < before, gain, Simd(0.0f));
             // Residuals get smoother and tell of more error: as the gain has grown it may grow again.
-            const Pack last = Pack::load(block.gain_), largest = max<float>(last, known);
-            const Pack growth = largest / max<float>(last, Pack(std::numeric_limits<float>::min()));
-            caution = caution * select<float>(Pack(0.0f) < last, min<float>(growth, Pack(2.0f)), Pack(2.0f));
+            const Simd last = Simd::load(block.gain_), largest = max<float>(last, known);
+            const Simd growth = largest / max<float>(last, Simd(std::numeric_limits<float>::min()));
+            caution = caution * select<float>(Simd(0.0f) < last, min<float>(growth, Simd(2.0f)), Simd(2.0f));
             largest.store(block.gain_);
             now = pass(block, 0, true, finest_sweeps, true);
         }
-        const Pack largest = max<float>(now.inner, now.drawn);
+        const Simd largest = max<float>(now.inner, now.drawn);
         largest.store(block.residual_);
-        const Pack known = Pack::load(block.gain_);
-        const Pack gain = select<float>(Pack(0.0f) < known, max<float>(Pack(1.0f), known), Pack(4.0f));
-        return {widened(caution * gain * largest), widened(Pack(float(reach_)) * now.inner + now.drawn)};
+        const Simd known = Simd::load(block.gain_);
+        const Simd gain = select<float>(Simd(0.0f) < known, max<float>(Simd(1.0f), known), Simd(4.0f));
+        return {widened(caution * gain * largest), widened(Simd(float(reach_)) * now.inner + now.drawn)};
     }
 
     void factorise(const detail::Equations<D>& e) {
@@ -468,13 +468,13 @@ private:
         }
         const float* factor = factor_.data();
         const auto eliminate = [&](const Row& right, std::size_t begin, std::size_t end) {
-            Pack sum(0.0f), other(0.0f); // two sums side by side hide the time an addition takes
+            Simd sum(0.0f), other(0.0f); // two sums side by side hide the time an addition takes
             for (; begin + 1 < end; begin += 2, factor += 2) {
-                sum = sum + Pack(factor[0]) * Pack::load(u[begin]);
-                other = other + Pack(factor[1]) * Pack::load(u[begin + 1]);
+                sum = sum + Simd(factor[0]) * Simd::load(u[begin]);
+                other = other + Simd(factor[1]) * Simd::load(u[begin + 1]);
             }
-            if (begin < end) sum = sum + Pack(*factor++) * Pack::load(u[begin]);
-            return Pack(*factor++) * Pack::load(right) - (sum + other);
+            if (begin < end) sum = sum + Simd(*factor++) * Simd::load(u[begin]);
+            return Simd(*factor++) * Simd::load(right) - (sum + other);
         };
         for (std::size_t i = 0; i < n; ++i) eliminate(b[i], 0, i).store(u[i]);
         for (std::size_t i = n; i-- > 0;) eliminate(u[i], i + 1, n).store(u[i]);
@@ -482,30 +482,30 @@ private:
 
     // ---- one node ---------------------------------------------------------------------------------
 
-    Pack odd_neighbours(const Block& block, std::size_t l, std::size_t j) const noexcept {
+    Simd odd_neighbours(const Block& block, std::size_t l, std::size_t j) const noexcept {
         const auto& level = levels_[l];
         const Row* const u = block.fields_[l].u.data();
         const auto* entry = level.entries.data();
         if (l == 0) {
-            Pack sum = Pack::load(block.odd_source_[j]);
+            Simd sum = Simd::load(block.odd_source_[j]);
             entry += j * finest_entries;
             for (std::size_t n = 0; n < finest_entries; ++n)
-                sum = sum + Pack(entry[n].weight) * Pack::load(u[entry[n].node]);
+                sum = sum + Simd(entry[n].weight) * Simd::load(u[entry[n].node]);
             return sum;
         }
-        Pack sum = Pack::load(block.fields_[l].b[level.odd[j].node]);
+        Simd sum = Simd::load(block.fields_[l].b[level.odd[j].node]);
         const auto* const end = entry + level.odd[j].stencil_end;
-        Pack other(0.0f);
+        Simd other(0.0f);
         for (entry += j == 0 ? 0 : level.odd[j - 1].stencil_end; entry != end; entry += 2) {
-            sum = sum + Pack(entry[0].weight) * Pack::load(u[entry[0].node]);
-            other = other + Pack(entry[1].weight) * Pack::load(u[entry[1].node]);
+            sum = sum + Simd(entry[0].weight) * Simd::load(u[entry[0].node]);
+            other = other + Simd(entry[1].weight) * Simd::load(u[entry[1].node]);
         }
         return sum + other;
     }
-    Pack odd_residual(const Block& block, std::size_t l, std::size_t j) const noexcept {
+    Simd odd_residual(const Block& block, std::size_t l, std::size_t j) const noexcept {
         const auto& node = levels_[l].odd[j];
         return odd_neighbours(block, l, j) -
-               Pack(float(node.diagonal)) * Pack::load(block.fields_[l].u[node.node]);
+               Simd(float(node.diagonal)) * Simd::load(block.fields_[l].u[node.node]);
     }
 
     // ---- one stretch ------------------------------------------------------------------------------
@@ -524,14 +524,14 @@ private:
         const std::uint32_t count = s.count;
         for (std::uint32_t n = begin; n < count; n += 2) {
             const Row* const here = at + n;
-            Pack sum = Pack::load(here[-1]) + Pack::load(here[1]);
-            if constexpr (WithSource) sum = sum + Pack::load(b[n]);
+            Simd sum = Simd::load(here[-1]) + Simd::load(here[1]);
+            if constexpr (WithSource) sum = sum + Simd::load(b[n]);
             for (std::size_t k = 1; k < D; ++k)
-                sum = sum + (Pack::load(here[to[2 * k]]) + Pack::load(here[to[2 * k + 1]]));
+                sum = sum + (Simd::load(here[to[2 * k]]) + Simd::load(here[to[2 * k + 1]]));
             if constexpr (Residual) {
-                body(n, sum - Pack(diagonal) * Pack::load(*here));
+                body(n, sum - Simd(diagonal) * Simd::load(*here));
             } else {
-                body(n, sum * Pack(1 / diagonal));
+                body(n, sum * Simd(1 / diagonal));
             }
         }
     }
@@ -541,29 +541,29 @@ private:
                             Body body) noexcept {
         // Sums over the neighbouring rows are carried along: what is a column ahead now is beside next.
         struct Column {
-            std::array<Pack, D> sum; ///< over the rows at distance 1 … D − 1 from the node's own
+            std::array<Simd, D> sum; ///< over the rows at distance 1 … D − 1 from the node's own
         };
         std::array<std::ptrdiff_t, row_count> to{};
         for (std::size_t r = 0; r < row_count; ++r) to[r] = s.row[r];
         const auto column = [&to](const Row* x) {
             Column c;
-            for (std::size_t d = 1; d < D; ++d) c.sum[d] = Pack(0.0f);
+            for (std::size_t d = 1; d < D; ++d) c.sum[d] = Simd(0.0f);
             for (std::size_t r = 0; r < row_count; ++r) {
-                if (r != middle_row) c.sum[row_distance[r]] = c.sum[row_distance[r]] + Pack::load(x[to[r]]);
+                if (r != middle_row) c.sum[row_distance[r]] = c.sum[row_distance[r]] + Simd::load(x[to[r]]);
             }
             return c;
         };
         const float share = Residual ? 1.0f : 1 / level.diagonal;
-        std::array<Pack, D + 1> weight;
-        for (std::size_t d = 1; d <= D; ++d) weight[d] = Pack(share * level.by_distance[d]);
-        const Pack diagonal(level.diagonal), one(share);
+        std::array<Simd, D + 1> weight;
+        for (std::size_t d = 1; d <= D; ++d) weight[d] = Simd(share * level.by_distance[d]);
+        const Simd diagonal(level.diagonal), one(share);
         Column before = column(at - 1), here = column(at);
-        Pack left = Pack::load(at[-1]), middle = Pack::load(at[0]);
+        Simd left = Simd::load(at[-1]), middle = Simd::load(at[0]);
         const std::uint32_t count = s.count;
         for (std::uint32_t n = 0; n < count; ++n, ++at) {
             const Column ahead = column(at + 1);
-            const Pack right = Pack::load(at[1]);
-            Pack sum = one * Pack::load(b[n]);
+            const Simd right = Simd::load(at[1]);
+            Simd sum = one * Simd::load(b[n]);
             for (std::size_t d = 1; d < D; ++d)
                 sum = sum + (weight[d] * here.sum[d] + weight[d + 1] * (before.sum[d] + ahead.sum[d]));
             sum = (sum + weight[1] * right) + weight[1] * left; // what the last step made comes in last
@@ -596,7 +596,7 @@ private:
     void relax_odd(Block& block, std::size_t l, std::size_t q) const noexcept {
         for (std::size_t j = first_odd(l, q); j < levels_[l].slabs[q].odd_end; ++j) {
             const auto& node = levels_[l].odd[j];
-            (odd_neighbours(block, l, j) * Pack(node.inverse)).store(block.fields_[l].u[node.node]);
+            (odd_neighbours(block, l, j) * Simd(node.inverse)).store(block.fields_[l].u[node.node]);
         }
     }
     /// Every second node of the finest level's stretches, those of one colour.
@@ -607,7 +607,7 @@ private:
             const auto& s = levels_[0].stretches[t];
             Row* const at = u.data() + s.first;
             walk_finest<false, WithSource>(at, b.data() + s.first, s, first_of(s, colour),
-                                           [at](std::uint32_t n, const Pack& x) { x.store(at[n]); });
+                                           [at](std::uint32_t n, const Simd& x) { x.store(at[n]); });
         }
     }
     /// A sweep along the rows of a coarser level.
@@ -625,24 +625,24 @@ private:
         const auto& level = levels_[l];
         auto& [u, b] = block.fields_[l];
         Row* const coarse = block.fields_[l + 1].b.data();
-        const Pack half(0.5f);
+        const Simd half(0.5f);
         for (std::size_t t = first_stretch(l, q); t < level.slabs[q].stretches_end; ++t) {
             const auto& s = level.stretches[t];
-            const Pack share(1.0f / float(s.coarse_rows));
-            const auto give = [coarse, &s](std::int32_t x, const Pack& r) {
+            const Simd share(1.0f / float(s.coarse_rows));
+            const auto give = [coarse, &s](std::int32_t x, const Simd& r) {
                 for (std::uint32_t c = 0; c < s.coarse_rows; ++c) {
                     Row& row = coarse[s.coarse[c] + std::uint32_t(x)];
-                    (Pack::load(row) + r).store(row);
+                    (Simd::load(row) + r).store(row);
                 }
             };
             std::int32_t x = s.x >> 1;
-            Pack gathered(0.0f); // for coarse node x
+            Simd gathered(0.0f); // for coarse node x
             if (l > 0) {
                 bool between = (s.x & 1) != 0;
                 walk_coarse<true>(level, u.data() + s.first, b.data() + s.first, s,
-                                  [&](std::uint32_t, const Pack& residual) {
+                                  [&](std::uint32_t, const Simd& residual) {
                                       largest.add(residual);
-                                      const Pack r = share * residual;
+                                      const Simd r = share * residual;
                                       if (between) {
                                           give(x, gathered + half * r);
                                           gathered = half * r;
@@ -656,11 +656,11 @@ private:
                 const std::uint32_t begin = first_of(s, 0);
                 x = (s.x + std::int32_t(begin)) >> 1;
                 const bool between = ((s.x + std::int32_t(begin)) & 1) != 0;
-                const Pack part = between ? half * share : share;
+                const Simd part = between ? half * share : share;
                 walk_finest<true, WithSource>(u.data() + s.first, b.data() + s.first, s, begin,
-                                              [&](std::uint32_t, const Pack& residual) {
+                                              [&](std::uint32_t, const Simd& residual) {
                                                   largest.add(residual);
-                                                  const Pack r = part * residual;
+                                                  const Simd r = part * residual;
                                                   give(x, gathered + r);
                                                   if (between) gathered = r;
                                                   ++x;
@@ -671,27 +671,27 @@ private:
             if (2 * x <= s.x + std::int32_t(s.count)) give(x, gathered);
         }
         for (std::size_t j = first_odd(l, q); j < level.slabs[q].odd_end; ++j) {
-            const Pack r = odd_residual(block, l, j);
+            const Simd r = odd_residual(block, l, j);
             largest.add_odd(level.odd[j], r);
             give_to_coarse(block, l, j, r);
         }
     }
-    void give_to_coarse(Block& block, std::size_t l, std::size_t j, const Pack& r) const noexcept {
+    void give_to_coarse(Block& block, std::size_t l, std::size_t j, const Simd& r) const noexcept {
         const auto& level = levels_[l];
         Row* const coarse = block.fields_[l + 1].b.data();
         for (std::uint32_t n = j == 0 ? 0 : level.odd[j - 1].coarse_end; n < level.odd[j].coarse_end; ++n) {
             Row& row = coarse[level.from_coarse[n].node];
-            (Pack::load(row) + Pack(level.from_coarse[n].weight) * r).store(row);
+            (Simd::load(row) + Simd(level.from_coarse[n].weight) * r).store(row);
         }
     }
     /// Adds the interpolated coarse solution, or sets it.
     template <bool Set>
     void prolong(Block& block, std::size_t l, std::size_t q) const noexcept {
-        const auto add = [](Row& row, const Pack& x) {
+        const auto add = [](Row& row, const Simd& x) {
             if constexpr (Set) {
                 x.store(row);
             } else {
-                (Pack::load(row) + x).store(row);
+                (Simd::load(row) + x).store(row);
             }
         };
         const auto& level = levels_[l];
@@ -701,32 +701,32 @@ private:
             const auto& s = level.stretches[t];
             const std::uint32_t rows = s.coarse_rows;
             const auto from = s.coarse;
-            const Pack share(1.0f / float(rows)), half(0.5f);
+            const Simd share(1.0f / float(rows)), half(0.5f);
             const auto take = [=](std::int32_t x) {
-                Pack sum = Pack::load(coarse[from[0] + std::uint32_t(x)]);
+                Simd sum = Simd::load(coarse[from[0] + std::uint32_t(x)]);
                 for (std::uint32_t c = 1; c < rows; ++c)
-                    sum = sum + Pack::load(coarse[from[c] + std::uint32_t(x)]);
+                    sum = sum + Simd::load(coarse[from[c] + std::uint32_t(x)]);
                 return share * sum;
             };
             Row* here = u + s.first;
             Row* const end = here + s.count;
             std::int32_t x = s.x / 2;
-            Pack low = take(x);
+            Simd low = take(x);
             if ((s.x & 1) == 0) {
                 add(*here, low);
                 ++here;
             }
             for (; here < end; here += 2) { // an odd node and the even one after it
-                const Pack high = take(++x);
+                const Simd high = take(++x);
                 add(here[0], half * (low + high));
                 if (here + 1 < end) add(here[1], high);
                 low = high;
             }
         }
         for (std::size_t j = first_odd(l, q); j < level.slabs[q].odd_end; ++j) {
-            Pack sum(0.0f);
+            Simd sum(0.0f);
             for (std::uint32_t n = j == 0 ? 0 : level.odd[j - 1].coarse_end; n < level.odd[j].coarse_end; ++n)
-                sum = sum + Pack(level.from_coarse[n].weight) * Pack::load(coarse[level.from_coarse[n].node]);
+                sum = sum + Simd(level.from_coarse[n].weight) * Simd::load(coarse[level.from_coarse[n].node]);
             add(u[level.odd[j].node], sum);
         }
     }
@@ -751,7 +751,7 @@ private:
         const auto at = [&](std::size_t step, std::size_t behind) {
             return step >= behind && step - behind < slabs ? step - behind : slabs;
         };
-        Residual largest{Pack(0.0f), Pack(0.0f)};
+        Residual largest{Simd(0.0f), Simd(0.0f)};
         const bool blank = l == 0 && block.blank_;
         block.blank_ = block.blank_ && l > 0;
         if (to_coarse) clear(block.fields_[l + 1].b);

@@ -56,11 +56,11 @@ template <std::size_t Blocks, std::size_t Chains, WeightFormat Format, Scalar T,
           class Displacement>
 void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
               const Displacement& displacement, Lanes<T> (*sums)[D]) noexcept {
-    using Register = typename Pack<T>::Register;
+    using Register = typename Simd<T>::Register;
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
     // A register's width of the block at a time; the rows stay in the first cache level meanwhile.
-    for (std::size_t part = 0; part < Pack<T>::count; ++part) {
-        const std::byte* const begin = weights + part * (row_bytes / Pack<T>::count);
+    for (std::size_t part = 0; part < Simd<T>::count; ++part) {
+        const std::byte* const begin = weights + part * (row_bytes / Simd<T>::count);
         Register sum[Chains][Blocks][D] = {};
         const auto add = [&](std::size_t row, auto chain) CAGEFORM_DETAIL_INLINE {
             const auto& d = displacement(row);
@@ -86,7 +86,7 @@ void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
         for (; row < rows; ++row) add(row, std::integral_constant<std::size_t, 0>{});
         unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
             unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE {
-                std::memcpy(sums[b][k].v + part * (lane_count<T> / Pack<T>::count), &sum[0][b][k],
+                std::memcpy(sums[b][k].v + part * (lane_count<T> / Simd<T>::count), &sum[0][b][k],
                             sizeof(Register));
             });
         });

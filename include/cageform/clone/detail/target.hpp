@@ -1,7 +1,7 @@
 // Where the points of a clone go, a block at a time: to any range, at once where its numbers lie one after the other.
 #pragma once
 
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/simd.hpp>
 #include <cageform/core/view.hpp>
 
 #include <utility>
@@ -47,7 +47,7 @@ Register interleaved_register(const Register* axis, std::index_sequence<L...>) n
 
 /// A block's points, x y z x y z …, from its D rows.
 template <Scalar T, std::size_t D>
-void interleave(const Pack<T>* rows, T* points) noexcept {
+void interleave(const Simd<T>* rows, T* points) noexcept {
 #if CAGEFORM_REGISTER_BYTES != 0
     if constexpr (D == 2 || D == 3) {
         using Register = typename ShuffledOf<T>::type;
@@ -140,9 +140,9 @@ private:
         } else {
             for (std::size_t k = 0; k < D; ++k) onto[k] = rest[block * D + k];
         }
-        Pack<T> moved[D];
+        Simd<T> moved[D];
         for (std::size_t k = 0; k < D; ++k) {
-            const Pack<T> from = Pack<T>::load(onto[k]), to = from + Pack<T>::load(sums[k]);
+            const Simd<T> from = Simd<T>::load(onto[k]), to = from + Simd<T>::load(sums[k]);
             // An unmoved point keeps its bits: −0 plus nothing would be +0.
             moved[k] = select<T>((to <= from) & (from <= to), from, to);
         }

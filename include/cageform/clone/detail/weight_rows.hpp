@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/binding/packed_binding.hpp>
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/simd.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -31,8 +31,8 @@ using Wholes = typename WholeOf<Whole, T>::type;
 
 /// One register of numbers from the bytes of a format.
 template <WeightFormat Format, Scalar T>
-typename Pack<T>::Register load_weights(const std::byte* bytes) noexcept {
-    using Register = typename Pack<T>::Register;
+typename Simd<T>::Register load_weights(const std::byte* bytes) noexcept {
+    using Register = typename Simd<T>::Register;
     if constexpr (Format == WeightFormat::scalar) {
         Register r;
         std::memcpy(&r, bytes, sizeof(r));

@@ -12,7 +12,7 @@ public:
     using Cage = HarmonicOnGrid<Polygon<T>>; ///< the polygon with its options and its report
 
     /// Solves all functions and keeps them.
-    Status solve(const Cage& cage, const EvaluateOptions& options, SolverReport& report) {
+    Status solve(const Cage& cage, const Running& options, SolverReport& report) {
         Solution solution;
         Status status = begin(cage, solution, report);
         if (status == Status::ok)
@@ -25,8 +25,7 @@ public:
     }
 
     Status evaluate(const Cage& cage, BlockView<const T> points, BlockView<T> weights,
-                    std::span<PointState> states, const EvaluateOptions& options,
-                    SolverReport& report) const {
+                    std::span<PointState> states, const Running& options, SolverReport& report) const {
         if (!kept_.fields.empty()) {
             report = kept_report_;
             return for_each_block(points.blocks(), options, [&](std::size_t b, std::size_t e) {

@@ -56,7 +56,7 @@ public:
     T tolerance() const noexcept { return tolerance_; } ///< coincidence_tolerance of the cage
 
     /// Solves all functions and keeps them.
-    Status solve(const EvaluateOptions& options, SolverReport& report) {
+    Status solve(const Running& options, SolverReport& report) {
         std::shared_ptr<Grid> grid;
         Status status = make_grid(grid, report);
         if (status != Status::ok) return status;
@@ -77,14 +77,14 @@ public:
     }
 
     Status evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                    const EvaluateOptions& options, SolverReport& report) const {
+                    const Running& options, SolverReport& report) const {
         return with_grid(
             report, [&](const Grid& grid) { return sample(grid, points, weights, states, options, report); });
     }
 
     /// Row axis · #handles + handle gets the derivative of the handle's function along the axis.
     Status gradients(BlockView<const T> points, BlockView<T> gradients, std::span<PointState> states,
-                     const EvaluateOptions& options, SolverReport& report) const {
+                     const Running& options, SolverReport& report) const {
         return with_grid(report, [&](const Grid& grid) {
             return sample_gradients(grid, points, gradients, states, options, report);
         });
@@ -210,7 +210,7 @@ private:
 
     /// Solves group after group and hands each to take(group, block, at_corners), on the threads of `options`.
     template <class Take>
-    Status solve_groups(const Grid& grid, SolverReport& report, const EvaluateOptions& options,
+    Status solve_groups(const Grid& grid, SolverReport& report, const Running& options,
                         const Take& take) const {
         const auto start = std::chrono::steady_clock::now();
         GroupProgress progress(options.progress, grid.groups);
@@ -324,7 +324,7 @@ private:
 
     /// The weights of points from a grid's functions, kept or solved now.
     Status sample(const Grid& grid, BlockView<const T> points, BlockView<T> weights,
-                  std::span<PointState> states, const EvaluateOptions& options, SolverReport& report) const {
+                  std::span<PointState> states, const Running& options, SolverReport& report) const {
         const std::size_t lanes = points.blocks() * lane_count<T>; // every lane of the last block is written
         std::vector<Stencils> stencils((lanes + points_together - 1) / points_together);
         in_parallel(options, stencils.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -459,7 +459,7 @@ private:
     /// Differences of values a cell apart, which have the same part of their cells' error, so that it drops out; up to
     /// the boundary only where that is nearer.
     Status sample_gradients(const Grid& grid, BlockView<const T> points, BlockView<T> gradients,
-                            std::span<PointState> states, const EvaluateOptions& options,
+                            std::span<PointState> states, const Running& options,
                             SolverReport& report) const {
         struct Difference { // Σ factor · sample
             std::size_t point, axis;

@@ -3,7 +3,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/core/blocks.hpp>
-#include <cageform/core/detail/pack_sqrt.hpp>
+#include <cageform/core/detail/simd_sqrt.hpp>
 
 #include <Eigen/LU>
 
@@ -46,53 +46,53 @@ public:
     /// `row` holds the weights of a block of points; `bound` is one in lanes to treat and zero in others. Measures alone
     /// unless `restore`.
     Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
-        Pack wanted[D + 1];
-        wanted[0] = Pack(T(1));
+        Simd wanted[D + 1];
+        wanted[0] = Simd(T(1));
         for (std::size_t k = 0; k < D; ++k)
-            wanted[k + 1] = (Pack::load(target[k]) - Pack(centre_[k])) * Pack(T(1) / size_);
-        return run_to(wanted, Pack(T(1)), bound, row, restore);
+            wanted[k + 1] = (Simd::load(target[k]) - Simd(centre_[k])) * Simd(T(1) / size_);
+        return run_to(wanted, Simd(T(1)), bound, row, restore);
     }
 
     /// The same for vectors. What is worth a change is relative to their length.
     Result run_vectors(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
-        Pack wanted[D + 1], longest(T(0));
-        wanted[0] = Pack(T(0));
+        Simd wanted[D + 1], longest(T(0));
+        wanted[0] = Simd(T(0));
         for (std::size_t k = 0; k < D; ++k) {
-            wanted[k + 1] = Pack::load(target[k]) * Pack(T(1) / size_);
+            wanted[k + 1] = Simd::load(target[k]) * Simd(T(1) / size_);
             longest = max<T>(longest, abs<T>(wanted[k + 1]));
         }
         return run_to(wanted, longest, bound, row, restore);
     }
 
 private:
-    using Pack = detail::Pack<T>;
+    using Simd = detail::Simd<T>;
 
     /// `wanted`: Σw and Σwĉ. `unit` is what sums are to be accurate relative to.
-    Result run_to(const Pack* wanted, const Pack& unit, const Lanes<T>& bound, Lanes<T>* row,
+    Result run_to(const Simd* wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
         // Two roundings of the cage's size are not worth a change: exact zeros on edges would be lost.
-        const Pack enough = Pack(4 * epsilon<T>) * unit;
-        const Pack treat = Pack::load(bound);
-        Pack missing[D + 1], change(T(0));
+        const Simd enough = Simd(4 * epsilon<T>) * unit;
+        const Simd treat = Simd::load(bound);
+        Simd missing[D + 1], change(T(0));
         Result result;
-        Pack least = measure(row, wanted, missing);
+        Simd least = measure(row, wanted, missing);
         distance(missing).store(result.before);
         for (int round = 0; restore && round < 3; ++round) {
-            Pack worst = abs<T>(missing[0]);
+            Simd worst = abs<T>(missing[0]);
             for (std::size_t k = 1; k <= D; ++k) worst = max<T>(worst, abs<T>(missing[k]));
-            const Pack apply = select<T>(enough < worst, treat, Pack(T(0)));
+            const Simd apply = select<T>(enough < worst, treat, Simd(T(0)));
             if (!any(apply)) break;
-            Pack y[D + 1];
+            Simd y[D + 1];
             for (std::size_t r = 0; r <= D; ++r) {
-                y[r] = Pack(inverse_[r][0]) * missing[0];
-                for (std::size_t c = 1; c <= D; ++c) y[r] = y[r] + Pack(inverse_[r][c]) * missing[c];
+                y[r] = Simd(inverse_[r][0]) * missing[0];
+                for (std::size_t c = 1; c <= D; ++c) y[r] = y[r] + Simd(inverse_[r][c]) * missing[c];
                 y[r] = y[r] * apply;
             }
             for (std::size_t i = 0; i < columns_.size(); ++i) {
-                Pack delta = y[0];
-                for (std::size_t k = 0; k < D; ++k) delta = delta + y[k + 1] * Pack(columns_[i][k]);
+                Simd delta = y[0];
+                for (std::size_t k = 0; k < D; ++k) delta = delta + y[k + 1] * Simd(columns_[i][k]);
                 change = max<T>(change, abs<T>(delta));
-                (Pack::load(row[i]) + delta).store(row[i]);
+                (Simd::load(row[i]) + delta).store(row[i]);
             }
             least = measure(row, wanted, missing);
         }
@@ -104,29 +104,29 @@ private:
     }
 
     /// What is missing to what is wanted; returns the least weight.
-    Pack measure(const Lanes<T>* row, const Pack* wanted, Pack* missing) const {
+    Simd measure(const Lanes<T>* row, const Simd* wanted, Simd* missing) const {
         for (std::size_t k = 0; k <= D; ++k) missing[k] = wanted[k];
-        Pack least = Pack::load(row[0]);
+        Simd least = Simd::load(row[0]);
         for (std::size_t i = 0; i < columns_.size(); ++i) {
-            const Pack w = Pack::load(row[i]);
+            const Simd w = Simd::load(row[i]);
             least = min<T>(least, w);
             missing[0] = missing[0] - w;
-            for (std::size_t k = 0; k < D; ++k) missing[k + 1] = missing[k + 1] - w * Pack(columns_[i][k]);
+            for (std::size_t k = 0; k < D; ++k) missing[k + 1] = missing[k + 1] - w * Simd(columns_[i][k]);
         }
         return least;
     }
 
-    Pack distance(const Pack* missing) const {
+    Simd distance(const Simd* missing) const {
         // Squared in units of the cage: in the caller's the square of a small error may vanish.
-        Pack sum(T(0));
+        Simd sum(T(0));
         for (std::size_t k = 0; k < D; ++k) {
-            const Pack d = missing[k + 1] + Pack(centre_[k] / size_) * missing[0];
+            const Simd d = missing[k + 1] + Simd(centre_[k] / size_) * missing[0];
             sum = sum + d * d;
         }
-        return Pack(size_) * sqrt(sum);
+        return Simd(size_) * sqrt(sum);
     }
 
-    static bool any(const Pack& flags) {
+    static bool any(const Simd& flags) {
         Lanes<T> lanes;
         flags.store(lanes);
         T sum = 0;

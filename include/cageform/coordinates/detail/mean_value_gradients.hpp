@@ -4,8 +4,8 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/coordinates/detail/dual.hpp>
 #include <cageform/coordinates/detail/mean_value_face.hpp>
-#include <cageform/core/detail/pack_angle.hpp>
-#include <cageform/core/detail/pack_sqrt.hpp>
+#include <cageform/core/detail/simd_angle.hpp>
+#include <cageform/core/detail/simd_sqrt.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -14,7 +14,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// differences lose digits, point by point in `Wide` by forward differentiation (detail/dual.hpp).
 template <Scalar T, std::size_t D>
 struct GradientsInDouble {
-    using Pack = detail::Pack<double>;
+    using Simd = detail::Simd<double>;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
     using Number = Dual<Wide, D>;
     static constexpr std::size_t lanes = lane_count<double>;
@@ -25,32 +25,32 @@ struct GradientsInDouble {
     static constexpr double step_inside = 0x1p-20;
 
     /// Lanes [first, first + 8) of a row of either scalar.
-    static Pack load(const Lanes<T>& row, std::size_t first) noexcept {
+    static Simd load(const Lanes<T>& row, std::size_t first) noexcept {
         Lanes<double> eight;
         for (std::size_t lane = 0; lane < lanes; ++lane) eight[lane] = double(row[first + lane]);
-        return Pack::load(eight);
+        return Simd::load(eight);
     }
-    static void store(const Pack& pack, Lanes<T>& row, std::size_t first) noexcept {
+    static void store(const Simd& x, Lanes<T>& row, std::size_t first) noexcept {
         Lanes<double> eight;
-        pack.store(eight);
+        x.store(eight);
         for (std::size_t lane = 0; lane < lanes; ++lane) row[first + lane] = static_cast<T>(eight[lane]);
     }
-    static void add(Lanes<double>& row, const Pack& x) noexcept { (Pack::load(row) + x).store(row); }
+    static void add(Lanes<double>& row, const Simd& x) noexcept { (Simd::load(row) + x).store(row); }
 
     /// From w and its derivatives (D + 1 rows a handle) to those of w/Σw, times `scale`. Returns Σw.
-    static Pack store_quotients(const Lanes<double>* rows, std::size_t handles, double scale, Lanes<T>* out,
+    static Simd store_quotients(const Lanes<double>* rows, std::size_t handles, double scale, Lanes<T>* out,
                                 std::size_t first) noexcept {
-        Pack sum[D + 1];
-        for (Pack& s : sum) s = Pack(0.0);
+        Simd sum[D + 1];
+        for (Simd& s : sum) s = Simd(0.0);
         for (std::size_t i = 0; i < handles; ++i) {
-            for (std::size_t k = 0; k <= D; ++k) sum[k] = sum[k] + Pack::load(rows[i * (D + 1) + k]);
+            for (std::size_t k = 0; k <= D; ++k) sum[k] = sum[k] + Simd::load(rows[i * (D + 1) + k]);
         }
-        const Pack inverse = Pack(1.0) / sum[0];
+        const Simd inverse = Simd(1.0) / sum[0];
         for (std::size_t i = 0; i < handles; ++i) {
-            const Pack weight = Pack::load(rows[i * (D + 1)]) * inverse;
+            const Simd weight = Simd::load(rows[i * (D + 1)]) * inverse;
             for (std::size_t k = 0; k < D; ++k) {
-                const Pack slope = Pack::load(rows[i * (D + 1) + k + 1]) - weight * sum[k + 1];
-                store(Pack(scale) * (slope * inverse), out[k * handles + i], first);
+                const Simd slope = Simd::load(rows[i * (D + 1) + k + 1]) - weight * sum[k + 1];
+                store(Simd(scale) * (slope * inverse), out[k * handles + i], first);
             }
         }
         return sum[0];
@@ -80,7 +80,7 @@ struct GradientsInDouble {
                            std::span<PointState> states, const Eight& eight, const One& one) {
         for (std::size_t b = begin; b < end; ++b) {
             for (std::size_t first = 0; first < lane_count<T>; first += lanes) {
-                Pack special(0.0); // set to one in lanes that need the careful way
+                Simd special(0.0); // set to one in lanes that need the careful way
                 Lanes<double> sums, specials;
                 eight(b, first, special).store(sums);
                 special.store(specials);
@@ -134,7 +134,7 @@ public:
         std::vector<Number> weights(cage.size());
         Base::for_points(
             begin, end, points, states,
-            [&](std::size_t b, std::size_t first, Pack& special) {
+            [&](std::size_t b, std::size_t first, Simd& special) {
                 return eight(cage, points.block(b), rows.data(), gradients.block(b), first, special);
             },
             [&](const Vec<T, 2>& p, std::size_t b, std::size_t lane) {
@@ -145,7 +145,7 @@ public:
 private:
     using Base = GradientsInDouble<T, 2>;
     using typename Base::Number;
-    using typename Base::Pack;
+    using typename Base::Simd;
     using typename Base::Wide;
 
     struct Edge {
@@ -156,30 +156,30 @@ private:
         double near; // |cross(u, along)| at most this: near the edge's line
     };
 
-    Pack eight(const Polygon<T>& cage, const Lanes<T>* position, Lanes<double>* rows, Lanes<T>* out,
-               std::size_t first, Pack& special) const noexcept {
-        const Pack zero(0.0), one(1.0), half(0.5);
-        const Pack px = Pack(scale_) * Base::load(position[0], first);
-        const Pack py = Pack(scale_) * Base::load(position[1], first);
-        const Pack near(near_ * near_), far(Base::far_away * Base::far_away);
+    Simd eight(const Polygon<T>& cage, const Lanes<T>* position, Lanes<double>* rows, Lanes<T>* out,
+               std::size_t first, Simd& special) const noexcept {
+        const Simd zero(0.0), one(1.0), half(0.5);
+        const Simd px = Simd(scale_) * Base::load(position[0], first);
+        const Simd py = Simd(scale_) * Base::load(position[1], first);
+        const Simd near(near_ * near_), far(Base::far_away * Base::far_away);
         for (std::size_t n = 0; n < 3 * cage.size(); ++n) zero.store(rows[n]);
         for (const Edge& edge : edges_) {
-            const Pack ux = Pack(edge.from[0]) - px, uy = Pack(edge.from[1]) - py;
-            const Pack vx = Pack(edge.to[0]) - px, vy = Pack(edge.to[1]) - py;
-            const Pack ex(edge.along[0]), ey(edge.along[1]);
-            const Pack rr = ux * ux + uy * uy, qq = vx * vx + vy * vy;
-            const Pack c = ux * ey - uy * ex, d = ux * vx + uy * vy;
+            const Simd ux = Simd(edge.from[0]) - px, uy = Simd(edge.from[1]) - py;
+            const Simd vx = Simd(edge.to[0]) - px, vy = Simd(edge.to[1]) - py;
+            const Simd ex(edge.along[0]), ey(edge.along[1]);
+            const Simd rr = ux * ux + uy * uy, qq = vx * vx + vy * vy;
+            const Simd c = ux * ey - uy * ex, d = ux * vx + uy * vy;
             special = select<double>((rr <= near) | (far < rr), one, special);
-            special = select<double>((abs<double>(c) <= Pack(edge.near)) & (d <= zero), one, special);
-            const Pack r = sqrt(rr), q = sqrt(qq), s = r * q + abs<double>(d);
+            special = select<double>((abs<double>(c) <= Simd(edge.near)) & (d <= zero), one, special);
+            const Simd r = sqrt(rr), q = sqrt(qq), s = r * q + abs<double>(d);
             const auto acute = zero < d;
-            const Pack t = select<double>(acute, c, s) / select<double>(acute, s, c);
-            const Pack inverse = one / (rr * qq), bent = ex * (ux + vx) + ey * (uy + vy);
-            const Pack turn = half * (one + t * t) * inverse;
-            const Pack tx = turn * (ey * rr - uy * bent), ty = turn * (ux * bent - ex * rr);
-            const auto add = [&](std::size_t i, const Pack& x, const Pack& y, const Pack& length,
-                                 const Pack& length2) {
-                const Pack shorter = one / length, weight = t * shorter, pull = weight / length2;
+            const Simd t = select<double>(acute, c, s) / select<double>(acute, s, c);
+            const Simd inverse = one / (rr * qq), bent = ex * (ux + vx) + ey * (uy + vy);
+            const Simd turn = half * (one + t * t) * inverse;
+            const Simd tx = turn * (ey * rr - uy * bent), ty = turn * (ux * bent - ex * rr);
+            const auto add = [&](std::size_t i, const Simd& x, const Simd& y, const Simd& length,
+                                 const Simd& length2) {
+                const Simd shorter = one / length, weight = t * shorter, pull = weight / length2;
                 Base::add(rows[3 * i], weight);
                 Base::add(rows[3 * i + 1], tx * shorter + pull * x);
                 Base::add(rows[3 * i + 2], ty * shorter + pull * y);
@@ -270,7 +270,7 @@ public:
         std::vector<Number> weights(cage.size());
         Base::for_points(
             begin, end, points, states,
-            [&](std::size_t b, std::size_t first, Pack& special) {
+            [&](std::size_t b, std::size_t first, Simd& special) {
                 return eight(cage, points.block(b), seen.data(), rows.data(), gradients.block(b), first,
                              special);
             },
@@ -282,7 +282,7 @@ public:
 private:
     using Base = GradientsInDouble<T, 3>;
     using typename Base::Number;
-    using typename Base::Pack;
+    using typename Base::Simd;
     using typename Base::Wide;
     using Face = typename MeshFrame<double>::Face;
     using Base::lanes;
@@ -294,70 +294,70 @@ private:
     /// many digits.
     static constexpr double near_plane = 2e-3;
 
-    Pack eight(const TriangleMesh<T>& cage, const Lanes<T>* position, SeenEdge* seen, Lanes<double>* rows,
-               Lanes<T>* out, std::size_t first, Pack& special) const noexcept {
-        const Pack zero(0.0), one(1.0), half(0.5), least(std::numeric_limits<double>::min() * 1e6);
+    Simd eight(const TriangleMesh<T>& cage, const Lanes<T>* position, SeenEdge* seen, Lanes<double>* rows,
+               Lanes<T>* out, std::size_t first, Simd& special) const noexcept {
+        const Simd zero(0.0), one(1.0), half(0.5), least(std::numeric_limits<double>::min() * 1e6);
         const auto origin = vec_cast<double>(cage[0]);
-        std::array<Pack, 3> p;
+        std::array<Simd, 3> p;
         for (std::size_t k = 0; k < 3; ++k)
-            p[k] = Pack(scale_) * (Base::load(position[k], first) - Pack(origin[k]));
+            p[k] = Simd(scale_) * (Base::load(position[k], first) - Simd(origin[k]));
         const auto dot_p = [&p](const Vec<double, 3>& v) {
-            return Pack(v[0]) * p[0] + (Pack(v[1]) * p[1] + Pack(v[2]) * p[2]);
+            return Simd(v[0]) * p[0] + (Simd(v[1]) * p[1] + Simd(v[2]) * p[2]);
         };
         for (std::size_t n = 0; n < frame_.edges.size(); ++n) {
             const auto& edge = frame_.edges[n];
-            const Pack x = Pack(edge.origin[0]) - p[0], y = Pack(edge.origin[1]) - p[1],
-                       z = Pack(edge.origin[2]) - p[2];
-            const Pack tx(edge.direction[0]), ty(edge.direction[1]), tz(edge.direction[2]),
+            const Simd x = Simd(edge.origin[0]) - p[0], y = Simd(edge.origin[1]) - p[1],
+                       z = Simd(edge.origin[2]) - p[2];
+            const Simd tx(edge.direction[0]), ty(edge.direction[1]), tz(edge.direction[2]),
                 length(edge.length);
-            const Pack begin = x * tx + (y * ty + z * tz), end = begin + length;
-            const Pack cx = y * tz - z * ty, cy = z * tx - x * tz, cz = x * ty - y * tx;
-            const Pack rr = max<double>(cx * cx + (cy * cy + cz * cz), least);
-            const Pack r = sqrt(rr);
-            const Pack g = angle<double>(r * length, rr + begin * end) / r;
-            const Pack ends = length / ((rr + begin * begin) * (rr + end * end));
-            const Pack axial = (begin + end) * ends;
-            const Pack radial = (g + (rr - begin * end) * ends) / rr;
+            const Simd begin = x * tx + (y * ty + z * tz), end = begin + length;
+            const Simd cx = y * tz - z * ty, cy = z * tx - x * tz, cz = x * ty - y * tx;
+            const Simd rr = max<double>(cx * cx + (cy * cy + cz * cz), least);
+            const Simd r = sqrt(rr);
+            const Simd g = angle<double>(r * length, rr + begin * end) / r;
+            const Simd ends = length / ((rr + begin * begin) * (rr + end * end));
+            const Simd axial = (begin + end) * ends;
+            const Simd radial = (g + (rr - begin * end) * ends) / rr;
             g.store(seen[n].g);
             (tx * axial + (x - begin * tx) * radial).store(seen[n].slope[0]);
             (ty * axial + (y - begin * ty) * radial).store(seen[n].slope[1]);
             (tz * axial + (z - begin * tz) * radial).store(seen[n].slope[2]);
-            special = select<double>(Pack(Base::far_away * Base::far_away) < rr, one, special);
+            special = select<double>(Simd(Base::far_away * Base::far_away) < rr, one, special);
         }
         for (std::size_t n = 0; n < 4 * cage.size(); ++n) zero.store(rows[n]);
         for (const Face& face : frame_.faces) {
-            const Pack height = Pack(face.offset) - dot_p(face.normal);
-            std::array<Pack, 3> g, rho, bent;
-            Pack m = zero;
+            const Simd height = Simd(face.offset) - dot_p(face.normal);
+            std::array<Simd, 3> g, rho, bent;
+            Simd m = zero;
             for (std::size_t k = 0; k < 3; ++k) {
-                g[k] = Pack::load(seen[face.edge[k]].g);
-                rho[k] = Pack(face.across_offset[k]) - dot_p(face.across[k]);
+                g[k] = Simd::load(seen[face.edge[k]].g);
+                rho[k] = Simd(face.across_offset[k]) - dot_p(face.across[k]);
                 m = m + g[k] * rho[k];
             }
             m = half * m;
-            const Pack distance = abs<double>(height);
-            const Pack inmost = min<double>(rho[0], min<double>(rho[1], rho[2]));
-            special = select<double>((distance <= Pack(near_)) & (Pack(-near_) <= inmost), one, special);
-            const Pack low = Pack(near_plane) * max<double>(one, inmost * inmost);
+            const Simd distance = abs<double>(height);
+            const Simd inmost = min<double>(rho[0], min<double>(rho[1], rho[2]));
+            special = select<double>((distance <= Simd(near_)) & (Simd(-near_) <= inmost), one, special);
+            const Simd low = Simd(near_plane) * max<double>(one, inmost * inmost);
             const auto beside = (distance < low) & (inmost < zero) & (m < half);
-            const Pack inverse = one / select<double>(distance <= least, least, height);
-            const Pack s = m * inverse;
-            std::array<std::array<Pack, 3>, 4> w; // the weights of the corners, and their derivatives
+            const Simd inverse = one / select<double>(distance <= least, least, height);
+            const Simd s = m * inverse;
+            std::array<std::array<Simd, 3>, 4> w; // the weights of the corners, and their derivatives
             for (std::size_t k = 0; k < 3; ++k) {
                 bent[k] = half * bend(face, k, g);
-                w[0][k] = Pack(face.inverse_altitude[k]) * (s * rho[k] + height * bent[k]);
+                w[0][k] = Simd(face.inverse_altitude[k]) * (s * rho[k] + height * bent[k]);
             }
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                std::array<Pack, 3> slope;
-                Pack m_slope = zero;
+                std::array<Simd, 3> slope;
+                Simd m_slope = zero;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    slope[k] = Pack::load(seen[face.edge[k]].slope[axis]);
-                    m_slope = m_slope + (rho[k] * slope[k] - g[k] * Pack(face.across[k][axis]));
+                    slope[k] = Simd::load(seen[face.edge[k]].slope[axis]);
+                    m_slope = m_slope + (rho[k] * slope[k] - g[k] * Simd(face.across[k][axis]));
                 }
-                const Pack normal(face.normal[axis]), s_slope = (half * m_slope + s * normal) * inverse;
+                const Simd normal(face.normal[axis]), s_slope = (half * m_slope + s * normal) * inverse;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    const Pack flat = rho[k] * s_slope - s * Pack(face.across[k][axis]);
-                    w[axis + 1][k] = Pack(face.inverse_altitude[k]) *
+                    const Simd flat = rho[k] * s_slope - s * Simd(face.across[k][axis]);
+                    w[axis + 1][k] = Simd(face.inverse_altitude[k]) *
                                      (flat + (half * height * bend(face, k, slope) - normal * bent[k]));
                 }
             }
@@ -375,15 +375,15 @@ private:
     }
 
     /// Σ_l g_l ν_k·ν_l.
-    static Pack bend(const Face& face, std::size_t k, const std::array<Pack, 3>& g) noexcept {
+    static Simd bend(const Face& face, std::size_t k, const std::array<Simd, 3>& g) noexcept {
         const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
-        return g[k] + (Pack(face.cosine[n]) * g[l] + Pack(face.cosine[l]) * g[n]);
+        return g[k] + (Simd(face.cosine[n]) * g[l] + Simd(face.cosine[l]) * g[n]);
     }
 
     /// The weights of a face, and their derivatives, in the lanes flagged.
-    static void correct_lanes(const Face& face, const Lanes<double>& flags, const Pack& height,
-                              const std::array<Pack, 3>& rho, const SeenEdge* seen,
-                              std::array<std::array<Pack, 3>, 4>& w) noexcept {
+    static void correct_lanes(const Face& face, const Lanes<double>& flags, const Simd& height,
+                              const std::array<Simd, 3>& rho, const SeenEdge* seen,
+                              std::array<std::array<Simd, 3>, 4>& w) noexcept {
         using Near = Dual<double, 3>;
         Lanes<double> heights;
         height.store(heights);
@@ -412,7 +412,7 @@ private:
             }
         }
         for (std::size_t k = 0; k < 3; ++k) {
-            for (std::size_t n = 0; n < 4; ++n) w[n][k] = Pack::load(ws[n][k]);
+            for (std::size_t n = 0; n < 4; ++n) w[n][k] = Simd::load(ws[n][k]);
         }
     }
 

@@ -49,7 +49,7 @@ R product(R a, R b) noexcept {
     return ab;
 }
 
-/// a · b + c of numbers or registers, rounded as `multiply_add` of packs says.
+/// a · b + c of numbers or registers, rounded as `multiply_add` of registers says.
 template <class R>
 R multiply_add(R a, R b, R c) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
@@ -64,7 +64,7 @@ R multiply_add(R a, R b, R c) noexcept {
 /// `lane_count<T>` numbers held in registers, with elementwise arithmetic. The loops below run over
 /// registers (one to four), never over lanes, and disappear.
 template <Scalar T>
-struct Pack {
+struct Simd {
     using Register = typename RegisterOf<T>::type;
     static constexpr std::size_t count = 64 / sizeof(Register);
 
@@ -84,12 +84,12 @@ struct Pack {
 
     Register r[count];
 
-    Pack() noexcept = default;
-    Pack(T x) noexcept { // NOLINT(google-explicit-constructor): constants in formulas
+    Simd() noexcept = default;
+    Simd(T x) noexcept { // NOLINT(google-explicit-constructor): constants in formulas
         for (std::size_t k = 0; k < count; ++k) r[k] = x - Register{};
     }
-    static Pack load(const Lanes<T>& lanes) noexcept {
-        Pack p; // register by register: as a whole GNU would copy in pieces of another width
+    static Simd load(const Lanes<T>& lanes) noexcept {
+        Simd p; // register by register: as a whole GNU would copy in pieces of another width
         for (std::size_t k = 0; k < count; ++k)
             std::memcpy(&p.r[k], lanes.v + k * (64 / sizeof(T) / count), sizeof(Register));
         return p;
@@ -99,28 +99,28 @@ struct Pack {
             std::memcpy(lanes.v + k * (64 / sizeof(T) / count), &r[k], sizeof(Register));
     }
 
-    friend Pack operator+(Pack a, const Pack& b) noexcept {
+    friend Simd operator+(Simd a, const Simd& b) noexcept {
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] + b.r[k];
         return a;
     }
-    friend Pack operator-(Pack a, const Pack& b) noexcept {
+    friend Simd operator-(Simd a, const Simd& b) noexcept {
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] - b.r[k];
         return a;
     }
-    friend Pack operator*(Pack a, const Pack& b) noexcept {
+    friend Simd operator*(Simd a, const Simd& b) noexcept {
         for (std::size_t k = 0; k < count; ++k) a.r[k] = product(a.r[k], b.r[k]);
         return a;
     }
-    friend Pack operator/(Pack a, const Pack& b) noexcept {
+    friend Simd operator/(Simd a, const Simd& b) noexcept {
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] / b.r[k];
         return a;
     }
-    friend Mask operator<(const Pack& a, const Pack& b) noexcept {
+    friend Mask operator<(const Simd& a, const Simd& b) noexcept {
         Mask m;
         for (std::size_t k = 0; k < count; ++k) m.m[k] = a.r[k] < b.r[k];
         return m;
     }
-    friend Mask operator<=(const Pack& a, const Pack& b) noexcept {
+    friend Mask operator<=(const Simd& a, const Simd& b) noexcept {
         Mask m;
         for (std::size_t k = 0; k < count; ++k) m.m[k] = a.r[k] <= b.r[k];
         return m;
@@ -128,31 +128,31 @@ struct Pack {
 };
 
 template <Scalar T>
-Pack<T> select(const typename Pack<T>::Mask& m, Pack<T> a, const Pack<T>& b) noexcept {
-    for (std::size_t k = 0; k < Pack<T>::count; ++k) a.r[k] = m.m[k] ? a.r[k] : b.r[k];
+Simd<T> select(const typename Simd<T>::Mask& m, Simd<T> a, const Simd<T>& b) noexcept {
+    for (std::size_t k = 0; k < Simd<T>::count; ++k) a.r[k] = m.m[k] ? a.r[k] : b.r[k];
     return a;
 }
 
 /// a · b + c. One rounding or two, as the compiler and its target have it; under CAGEFORM_DETERMINISTIC always two.
 template <Scalar T>
-Pack<T> multiply_add(const Pack<T>& a, const Pack<T>& b, Pack<T> c) noexcept {
-    for (std::size_t k = 0; k < Pack<T>::count; ++k) c.r[k] = multiply_add(a.r[k], b.r[k], c.r[k]);
+Simd<T> multiply_add(const Simd<T>& a, const Simd<T>& b, Simd<T> c) noexcept {
+    for (std::size_t k = 0; k < Simd<T>::count; ++k) c.r[k] = multiply_add(a.r[k], b.r[k], c.r[k]);
     return c;
 }
 
 template <Scalar T>
-Pack<T> abs(const Pack<T>& a) noexcept {
-    return select<T>(a < Pack<T>(T(0)), Pack<T>(T(0)) - a, a);
+Simd<T> abs(const Simd<T>& a) noexcept {
+    return select<T>(a < Simd<T>(T(0)), Simd<T>(T(0)) - a, a);
 }
 
 // Named in parentheses, for windows.h defines macros of these names.
 template <Scalar T>
-Pack<T>(max)(const Pack<T>& a, const Pack<T>& b) noexcept {
+Simd<T>(max)(const Simd<T>& a, const Simd<T>& b) noexcept {
     return select<T>(a < b, b, a);
 }
 
 template <Scalar T>
-Pack<T>(min)(const Pack<T>& a, const Pack<T>& b) noexcept {
+Simd<T>(min)(const Simd<T>& a, const Simd<T>& b) noexcept {
     return select<T>(a < b, a, b);
 }
 

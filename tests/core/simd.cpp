@@ -1,14 +1,14 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/core/detail/pack_sqrt.hpp>
+#include <cageform/core/detail/simd_sqrt.hpp>
 
 #include <bit>
 #include <cmath>
 
 using cageform::lane_count;
 using cageform::Lanes;
-using cageform::detail::Pack;
+using cageform::detail::Simd;
 using cageform_tests::Random;
 
 namespace {
@@ -43,7 +43,7 @@ bool same(T a, T b) {
 }
 
 template <class T, class Scalars>
-void check_lanes(const Pack<T>& pack, const Scalars& expected) {
+void check_lanes(const Simd<T>& pack, const Scalars& expected) {
     Lanes<T> got;
     pack.store(got);
     for (std::size_t i = 0; i < lane_count<T>; ++i) {
@@ -54,15 +54,15 @@ void check_lanes(const Pack<T>& pack, const Scalars& expected) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("pack arithmetic is that of its lanes", "[core][pack][property]", float, double) {
+TEMPLATE_TEST_CASE("register arithmetic is that of its lanes", "[core][simd][property]", float, double) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
     const auto a = random_lanes<T>(random);
     const auto b = random_lanes<T>(random);
-    const auto x = Pack<T>::load(a);
-    const auto y = Pack<T>::load(b);
+    const auto x = Simd<T>::load(a);
+    const auto y = Simd<T>::load(b);
     check_lanes<T>(x, [&](std::size_t i) { return a[i]; });
     check_lanes<T>(x + y, [&](std::size_t i) { return a[i] + b[i]; });
     check_lanes<T>(x - y, [&](std::size_t i) { return a[i] - b[i]; });
@@ -72,12 +72,12 @@ TEMPLATE_TEST_CASE("pack arithmetic is that of its lanes", "[core][pack][propert
     check_lanes<T>(max(x, y), [&](std::size_t i) { return a[i] < b[i] ? b[i] : a[i]; });
     check_lanes<T>(min(x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
     // Of abs only the value is promised: the sign of a zero may stay.
-    const Pack<T> size = abs(x) + Pack<T>(T(0));
+    const Simd<T> size = abs(x) + Simd<T>(T(0));
     check_lanes<T>(size, [&](std::size_t i) { return std::fabs(a[i]); });
     check_lanes<T>(sqrt(size), [&](std::size_t i) { return std::sqrt(std::fabs(a[i])); });
 }
 
-TEMPLATE_TEST_CASE("pack comparisons select lane by lane", "[core][pack][property]", float, double) {
+TEMPLATE_TEST_CASE("register comparisons select lane by lane", "[core][simd][property]", float, double) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -87,11 +87,11 @@ TEMPLATE_TEST_CASE("pack comparisons select lane by lane", "[core][pack][propert
     for (std::size_t i = 0; i < lane_count<T>; ++i) {
         if (random.below(4) == 0) b[i] = a[i]; // where < and <= differ
     }
-    const auto x = Pack<T>::load(a);
-    const auto y = Pack<T>::load(b);
-    const Pack<T> yes(T(1));
-    const Pack<T> no(T(2));
-    const Pack<T> zero(T(0));
+    const auto x = Simd<T>::load(a);
+    const auto y = Simd<T>::load(b);
+    const Simd<T> yes(T(1));
+    const Simd<T> no(T(2));
+    const Simd<T> zero(T(0));
     const auto choice = [](bool first) { return first ? T(1) : T(2); };
     check_lanes<T>(select<T>(x < y, yes, no), [&](std::size_t i) { return choice(a[i] < b[i]); });
     check_lanes<T>(select<T>(x <= y, yes, no), [&](std::size_t i) { return choice(a[i] <= b[i]); });
@@ -102,11 +102,11 @@ TEMPLATE_TEST_CASE("pack comparisons select lane by lane", "[core][pack][propert
     check_lanes<T>(select<T>(x < y, x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
 }
 
-TEMPLATE_TEST_CASE("a pack of one number holds it in every lane", "[core][pack]", float, double) {
+TEMPLATE_TEST_CASE("a register of one number holds it in every lane", "[core][simd]", float, double) {
     using limits = std::numeric_limits<TestType>;
     for (const TestType x : {TestType(1.5), TestType(0), TestType(-0.0), limits::infinity(),
                              limits::quiet_NaN(), limits::denorm_min()}) {
-        check_lanes<TestType>(Pack<TestType>(x), [&](std::size_t) { return x; });
+        check_lanes<TestType>(Simd<TestType>(x), [&](std::size_t) { return x; });
     }
-    STATIC_REQUIRE(sizeof(Pack<TestType>) == 64);
+    STATIC_REQUIRE(sizeof(Simd<TestType>) == 64);
 }

@@ -1,7 +1,7 @@
-// Square roots of packs: the only place that knows instructions by name, apart since their header is large.
+// Square roots of registers: the only place that knows instructions by name, apart since their header is large.
 #pragma once
 
-#include <cageform/core/detail/pack.hpp>
+#include <cageform/core/detail/simd.hpp>
 
 #if CAGEFORM_REGISTER_BYTES != 0 && (defined(__x86_64__) || defined(__i386__))
 #include <immintrin.h>
@@ -13,15 +13,15 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Square roots. A loop over std::sqrt would stay scalar unless the user compiles with -fno-math-errno.
 template <Scalar T>
-Pack<T> sqrt(Pack<T> a) noexcept {
-    for (std::size_t k = 0; k < Pack<T>::count; ++k) {
+Simd<T> sqrt(Simd<T> a) noexcept {
+    for (std::size_t k = 0; k < Simd<T>::count; ++k) {
         auto& x = a.r[k];
 #if CAGEFORM_REGISTER_BYTES == 64
         if constexpr (sizeof(T) == 8)
-            x = __builtin_bit_cast(typename Pack<T>::Register,
+            x = __builtin_bit_cast(typename Simd<T>::Register,
                                    _mm512_sqrt_pd(__builtin_bit_cast(__m512d, x)));
         else
-            x = __builtin_bit_cast(typename Pack<T>::Register, _mm512_sqrt_ps(__builtin_bit_cast(__m512, x)));
+            x = __builtin_bit_cast(typename Simd<T>::Register, _mm512_sqrt_ps(__builtin_bit_cast(__m512, x)));
 #elif CAGEFORM_REGISTER_BYTES == 32
         if constexpr (sizeof(T) == 8)
             x = _mm256_sqrt_pd(x);
