@@ -114,7 +114,7 @@ cageform::PackedBinding<T, D> packed_binding(WeightFormat format, bool sparse, s
                                                        : T(127);
         put(view.scale, b, T(1 + numbers.fraction<T>() / 4) / (unit * T(handles)));
         for (std::size_t k = 0; k <= D; ++k)
-            put_row(view.lack, b * (D + 1) + k, [&] { return numbers.fraction<T>() / 64; });
+            put_row(view.residual, b * (D + 1) + k, [&] { return numbers.fraction<T>() / 64; });
     }
     for (std::size_t h = 0; h < handles; ++h) {
         Vec<T, D> place{};

@@ -61,9 +61,9 @@ Vec<double, D> by_definition(const cageform::PackedBindingView<T, D>& view,
         const double scale = view.scale != nullptr ? double(view.scale[block]) : 1;
         p = p + scale * stored_weight(view, row * lanes + lane) * d(view.handle_of_row(block, row));
     }
-    for (std::size_t h = 0; view.lack != nullptr && h < view.handles; ++h) {
+    for (std::size_t h = 0; view.residual != nullptr && h < view.handles; ++h) {
         for (std::size_t r = 0; r <= D; ++r)
-            p = p + double(view.lack[block * (D + 1) + r][lane]) * double(view.affine_fit[h][r]) * d(h);
+            p = p + double(view.residual[block * (D + 1) + r][lane]) * double(view.affine_fit[h][r]) * d(h);
     }
     return p;
 }

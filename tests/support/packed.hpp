@@ -48,9 +48,9 @@ std::vector<std::vector<double>> effective_weights(const PackedBindingView<T, D>
         for (std::size_t r = view.first_row(block); r < view.first_row(block + 1); ++r)
             row[view.handle_of_row(block, r)] +=
                 (view.scale != nullptr ? double(view.scale[block]) : 1.0) * stored_number(view, r, lane);
-        for (std::size_t h = 0; view.lack != nullptr && h < view.handles; ++h) {
+        for (std::size_t h = 0; view.residual != nullptr && h < view.handles; ++h) {
             for (std::size_t k = 0; k <= D; ++k)
-                row[h] += double(view.lack[block * (D + 1) + k][lane]) * double(view.affine_fit[h][k]);
+                row[h] += double(view.residual[block * (D + 1) + k][lane]) * double(view.affine_fit[h][k]);
         }
     }
     return weights;

@@ -7,7 +7,7 @@
 //     weights       #rows × L of the format: a row holds the weights of a block's points for one handle, block by block
 //     row_begin     B + 1 × uint32, row_handle  #rows × uint16     only of sparse bindings; else #rows = B · #handles
 //     order         #points × uint32: the point at each place      only where points are not in their own order
-//     scale         B × T, lack  B × (D + 1) × L × T, affine_fit  #handles × (D + 1) × T     not with scalar weights
+//     scale         B × T, residual  B × (D + 1) × L × T, affine_fit  #handles × (D + 1) × T     not with scalar weights
 //     rest          B × D × L × T
 //     rest_handles  #handles × D × T
 //
@@ -36,8 +36,8 @@ struct BlobHeader {
     std::uint32_t scalar_bytes = 0, dimension = 0, format = 0, reserved = 0;
     std::uint64_t handles = 0, points = 0, rows = 0;
     std::uint64_t cage_hash = 0, figure_hash = 0;
-    std::uint64_t weights = 0, row_begin = 0, row_handle = 0, order = 0, scale = 0, lack = 0, affine_fit = 0,
-                  rest = 0, rest_handles = 0;
+    std::uint64_t weights = 0, row_begin = 0, row_handle = 0, order = 0, scale = 0, residual = 0,
+                  affine_fit = 0, rest = 0, rest_handles = 0;
     std::uint64_t padding[4] = {};
 };
 static_assert(sizeof(BlobHeader) == 192);
@@ -117,7 +117,7 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     find(view.row_handle, header.row_handle);
     find(view.order, header.order);
     find(view.scale, header.scale);
-    find(view.lack, header.lack);
+    find(view.residual, header.residual);
     find(view.affine_fit, header.affine_fit);
     find(view.rest, header.rest);
     find(view.rest_handles, header.rest_handles);
@@ -136,7 +136,7 @@ void for_each_blob_part(Header& header, const Visit& visit) noexcept {
     visit(header.row_handle, rows * 2, sparse);
     visit(header.order, points * 4, header.order != 0);
     visit(header.scale, blocks * sizeof(T), rounded);
-    visit(header.lack, blocks * ((D + 1) * sizeof(Lanes<T>)), rounded);
+    visit(header.residual, blocks * ((D + 1) * sizeof(Lanes<T>)), rounded);
     visit(header.affine_fit, handles * ((D + 1) * sizeof(T)), rounded);
     visit(header.rest, blocks * (D * sizeof(Lanes<T>)), true);
     visit(header.rest_handles, handles * (D * sizeof(T)), true);

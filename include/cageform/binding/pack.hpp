@@ -396,18 +396,19 @@ private:
         }
         store(block, first, rows, kept, blob);
 
-        // What was stored, and what it lacks.
+        // What was stored, and its residual.
         for (std::size_t lane = 0; lane < used(block); ++lane) {
             const std::size_t i = point(block, lane);
-            Column lack = wanted[lane];
-            for (std::size_t r = 0; r < rows; ++r) lack -= kept[r * lanes + lane] * moments_[handle(r)];
-            for (std::size_t k = 0; out.lack != nullptr && k <= D; ++k)
-                blob.writable(out.lack)[block * (D + 1) + k][lane] = static_cast<T>(lack[Eigen::Index(k)]);
+            Column residual = wanted[lane];
+            for (std::size_t r = 0; r < rows; ++r) residual -= kept[r * lanes + lane] * moments_[handle(r)];
+            for (std::size_t k = 0; out.residual != nullptr && k <= D; ++k)
+                blob.writable(out.residual)[block * (D + 1) + k][lane] =
+                    static_cast<T>(residual[Eigen::Index(k)]);
             double error = 0;
             for (std::size_t h = 0, r = 0; h < handles_; ++h) {
                 double effective = 0;
                 if (r < rows && handle(r) == h) effective = kept[r++ * lanes + lane];
-                if (out.lack != nullptr) effective += lack.dot(moments_.fit(h));
+                if (out.residual != nullptr) effective += residual.dot(moments_.fit(h));
                 error += std::fabs(effective - double(binding_.weights(i, h)));
             }
             report.errors[i] = static_cast<float>(error);

@@ -40,7 +40,7 @@ struct PackedBindingView {
     const std::uint16_t* row_handle = nullptr; ///< #rows: ascending in a block; null with `row_begin`
     const std::uint32_t* order = nullptr; ///< #points: which point lies at a place; null: they are in order
     const T* scale = nullptr;             ///< #blocks: s; null for scalar weights
-    const Lanes<T>* lack = nullptr;       ///< D + 1 rows a block: e; null for scalar weights
+    const Lanes<T>* residual = nullptr;   ///< D + 1 rows a block: e; null for scalar weights
     const Vec<T, D + 1>* affine_fit = nullptr; ///< #handles: F; null for scalar weights
     const Lanes<T>* rest = nullptr;            ///< D rows a block
     const Vec<T, D>* rest_handles = nullptr;   ///< #handles

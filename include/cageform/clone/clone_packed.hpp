@@ -27,11 +27,11 @@ struct AffineFit {
     /// s Σ q d + Σ e a for a block.
     void complete(const PackedBindingView<T, D>& binding, std::size_t block, Lanes<T>* sums) const noexcept {
         if (binding.scale == nullptr) return;
-        const Lanes<T>* const lack = binding.lack + block * (D + 1);
+        const Lanes<T>* const residual = binding.residual + block * (D + 1);
         for (std::size_t k = 0; k < D; ++k) {
             Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
             for (std::size_t r = 0; r <= D; ++r)
-                sum = multiply_add<T>(Simd<T>::load(lack[r]), Simd<T>(part[r][k]), sum);
+                sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(part[r][k]), sum);
             sum.store(sums[k]);
         }
     }

@@ -140,10 +140,10 @@ highp vec3 cageform_displacement(highp uint base, highp uint place) {
     }
     if (format != 0u) { // what rounding has lost
         highp uint terms = CAGEFORM_DIMENSION + 1u;
-        highp uint lack = cageform_part(base, 32u) + block * terms * 16u + lane;
+        highp uint residual = cageform_part(base, 32u) + block * terms * 16u + lane;
         sum *= uintBitsToFloat(cageform_blob[cageform_part(base, 30u) + block]);
         for (highp uint r = 0u; r < terms; ++r)
-            sum += uintBitsToFloat(cageform_blob[lack + r * 16u]) * cageform_displacements[handles + r].xyz;
+            sum += uintBitsToFloat(cageform_blob[residual + r * 16u]) * cageform_displacements[handles + r].xyz;
     }
     return sum;
 }
@@ -231,7 +231,7 @@ static_assert(offsetof(BlobHeader, dimension) == 9 * 4 && offsetof(BlobHeader, f
               offsetof(BlobHeader, handles) == 12 * 4 && offsetof(BlobHeader, points) == 14 * 4 &&
               offsetof(BlobHeader, weights) == 22 * 4 && offsetof(BlobHeader, row_begin) == 24 * 4 &&
               offsetof(BlobHeader, row_handle) == 26 * 4 && offsetof(BlobHeader, order) == 28 * 4 &&
-              offsetof(BlobHeader, scale) == 30 * 4 && offsetof(BlobHeader, lack) == 32 * 4 &&
+              offsetof(BlobHeader, scale) == 30 * 4 && offsetof(BlobHeader, residual) == 32 * 4 &&
               offsetof(BlobHeader, rest) == 36 * 4 && lane_count<float> == 16);
 
 } // namespace cageform::inline CAGEFORM_ABI
