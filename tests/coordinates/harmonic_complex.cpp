@@ -76,12 +76,12 @@ TEMPLATE_TEST_CASE(
         Random random(number);
         Points2<T> points;
         for (int n = 0; n < 200; ++n) points.push_back({T(random.uniform(0, 1)), T(random.uniform(0, 1))});
-        for (const auto& wall : cage.cells().walls)
-            points.push_back(T(0.5) * (cage[wall[0]] + cage[wall[1]]));
+        for (const auto& facet : cage.cells().facets)
+            points.push_back(T(0.5) * (cage[facet[0]] + cage[facet[1]]));
         const auto weights = evaluate_all(HarmonicCoordinates(cage, {.resolution = 90}), points);
         REQUIRE(weights.status() == Status::ok);
         double radius = 0;
-        for (const auto& cell : cage.cells().thick) radius = std::max(radius, cell.radius);
+        for (const auto& cell : cage.cells().bones) radius = std::max(radius, cell.radius);
         const double allowed = double(cage.size()) * (1e-6 + double(epsilon<T>));
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i);

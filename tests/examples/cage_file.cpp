@@ -98,8 +98,8 @@ TEST_CASE("handles are the loops' vertices, then the new ones of chains and poin
     REQUIRE(complex.size() == cage.vertices.size());
     for (std::size_t i = 0; i < complex.size(); ++i)
         CHECK((Point2{complex[i][0], complex[i][1]} == cage.vertices[i]));
-    CHECK(complex.cells().walls.size() == 3);
-    CHECK(complex.cells().thick.size() == 1);
+    CHECK(complex.cells().facets.size() == 3);
+    CHECK(complex.cells().bones.size() == 1);
     std::vector<std::array<std::size_t, 2>> edges;
     cage.for_each_edge([&](std::size_t i, std::size_t j) { edges.push_back({i, j}); });
     CHECK(edges == std::vector<std::array<std::size_t, 2>>{
@@ -107,9 +107,9 @@ TEST_CASE("handles are the loops' vertices, then the new ones of chains and poin
 
     // Vertices of loops stay apart even where they coincide: the library reports them.
     CHECK(cage_of("0,0\n4,0\n4,0\n0,4\n").vertices.size() == 4);
-    const auto walls = [](const auto& shape) { return cageform::interior_cells(shape).walls.size(); };
-    CHECK(cage.visit<float>(walls) == 3);
-    CHECK(cage_of(square).visit<float>(walls) == 0);
+    const auto facets = [](const auto& shape) { return cageform::interior_cells(shape).facets.size(); };
+    CHECK(cage.visit<float>(facets) == 3);
+    CHECK(cage_of(square).visit<float>(facets) == 0);
 }
 
 TEST_CASE("a pose has the blocks of its cage", "[examples][cage]") {

@@ -5,9 +5,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A point (`i` = `j`), or in space an edge, that needs a radius to be felt: without one it has no capacity, and no
-/// harmonic function takes notice of its value. Places nearer to it than the radius have the value of its nearest place.
-struct ThickCell {
+/// A point (`i` = `j`), or in space an edge of a chain. It has a radius because without one it has no capacity, and no
+/// harmonic function takes notice of its value. Places within the radius have the value of the bone's nearest place.
+struct Bone {
     std::uint32_t i = 0, j = 0; ///< handles
     double radius = 0;          ///< in the units of the cage
 };
@@ -15,10 +15,10 @@ struct ThickCell {
 /// Cells inside a cage, by their handles.
 template <std::size_t D>
 struct InteriorCells {
-    std::vector<std::array<std::uint32_t, D>> walls; ///< edges in the plane, triangles in space
-    std::vector<ThickCell> thick;
+    std::vector<std::array<std::uint32_t, D>> facets; ///< edges of chains in the plane, faces in space
+    std::vector<Bone> bones;                          ///< points, and chains in space
 
-    bool empty() const noexcept { return walls.empty() && thick.empty(); }
+    bool empty() const noexcept { return facets.empty() && bones.empty(); }
 };
 
 /// A boundary and cells inside it (Joshi et al. 2007, sec. 4.1), for local control: a vertex in the head, a line of bones,
@@ -29,14 +29,14 @@ struct InteriorCells {
 ///     const std::size_t head = cage.add_point(eye, 12.0);
 ///     cage.add_chain(spine);
 ///
-/// About thick cells linear functions are missed, by at most the radius. `bind` restores them by default, for poses that turn
+/// About bones linear functions are missed, by at most the radius. `bind` restores them by default, for poses that turn
 /// the whole cage; weights then leave [0, 1] by about the radius over the cage's size (LinearPrecision::leave keeps them).
 ///
 /// A point that equals a vertex already there is that vertex: so cells meet, and a chain from boundary to boundary
 /// parts the cage. Construction never fails; `check` tells whether the complex can serve as a cage. To add a point takes
 /// O(#handles).
 ///
-/// Next to the free rim of a wall in space, and the end of a chain without ten grid cells of room about it, the functions rise
+/// Next to the free rim of faces in space, and the end of a chain without ten grid cells of room about it, the functions rise
 /// like the square root of the distance, which a grid misses by some tenths within a cell.
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
@@ -55,7 +55,7 @@ public:
     template <Point P>
     std::size_t add_point(const P& point, T radius) {
         const auto i = vertex(to_vec<T>(point));
-        cells_.thick.push_back({i, i, double(radius)});
+        cells_.bones.push_back({i, i, double(radius)});
         return i;
     }
 
@@ -65,7 +65,7 @@ public:
     std::vector<std::size_t> add_chain(const R& points) {
         auto handles = vertices_of(points);
         for (std::size_t n = 0; n + 1 < handles.size(); ++n)
-            cells_.walls.push_back({std::uint32_t(handles[n]), std::uint32_t(handles[n + 1])});
+            cells_.facets.push_back({std::uint32_t(handles[n]), std::uint32_t(handles[n + 1])});
         return handles;
     }
     /// Edges in space; everything within `radius` of them follows them.
@@ -75,7 +75,7 @@ public:
         auto handles = vertices_of(points);
         if (handles.size() == 1) (void)add_point(vertices_[handles[0]], radius);
         for (std::size_t n = 0; n + 1 < handles.size(); ++n)
-            cells_.thick.push_back(
+            cells_.bones.push_back(
                 {std::uint32_t(handles[n]), std::uint32_t(handles[n + 1]), double(radius)});
         return handles;
     }
@@ -86,13 +86,13 @@ public:
     std::vector<std::size_t> add_faces(const R& points, const Faces& faces) {
         auto handles = vertices_of(points);
         for (std::size_t f = 0; f < std::size(faces); ++f) {
-            std::array<std::uint32_t, D> wall;
+            std::array<std::uint32_t, D> facet;
             for (std::size_t k = 0; k < D; ++k) {
                 const auto n = faces[f][k];
                 const bool there = n >= 0 && std::uint64_t(n) < handles.size();
-                wall[k] = there ? std::uint32_t(handles[std::size_t(n)]) : TriangleMesh<T>::no_vertex;
+                facet[k] = there ? std::uint32_t(handles[std::size_t(n)]) : TriangleMesh<T>::no_vertex;
             }
-            cells_.walls.push_back(wall);
+            cells_.facets.push_back(facet);
         }
         return handles;
     }
@@ -150,30 +150,30 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
 /// What coordinate types that know no interior cells report.
 template <Scalar T, std::size_t D>
 void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
-    const std::size_t cells = cage.cells().walls.size() + cage.cells().thick.size();
+    const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();
     if (cells > 0 || cage.size() > cage.boundary().size())
         report.add(CageFaultKind::interior_cells_not_supported, cells);
 }
 
 namespace detail {
 
-/// The place of a wall nearest to `p`, as weights of its vertices.
-inline std::array<double, 2> nearest_on_wall(const Vec<double, 2>& p,
-                                             const std::array<Vec<double, 2>, 2>& wall) noexcept {
-    const double s = part_of_segment(p, wall[0], wall[1]);
+/// The place of a facet nearest to `p`, as weights of its vertices.
+inline std::array<double, 2> nearest_on_facet(const Vec<double, 2>& p,
+                                              const std::array<Vec<double, 2>, 2>& facet) noexcept {
+    const double s = part_of_segment(p, facet[0], facet[1]);
     return {1 - s, s};
 }
-inline std::array<double, 3> nearest_on_wall(const Vec<double, 3>& p,
-                                             const std::array<Vec<double, 3>, 3>& wall) noexcept {
-    return nearest_on_triangle(p, wall[0], wall[1], wall[2]);
+inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p,
+                                              const std::array<Vec<double, 3>, 3>& facet) noexcept {
+    return nearest_on_triangle(p, facet[0], facet[1], facet[2]);
 }
 
-/// The place with these weights of a wall's vertices.
+/// The place with these weights of a facet's vertices.
 template <std::size_t D>
-Vec<double, D> place_on_wall(const std::array<double, D>& weights,
-                             const std::array<Vec<double, D>, D>& wall) noexcept {
+Vec<double, D> place_on_facet(const std::array<double, D>& weights,
+                              const std::array<Vec<double, D>, D>& facet) noexcept {
     Vec<double, D> x{};
-    for (std::size_t k = 0; k < D; ++k) x = x + weights[k] * wall[k];
+    for (std::size_t k = 0; k < D; ++k) x = x + weights[k] * facet[k];
     return x;
 }
 
@@ -195,47 +195,47 @@ double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const 
     }
     return least;
 }
-/// The distance of a segment from a wall.
-inline double distance_to_wall(const Vec<double, 2>& a, const Vec<double, 2>& b,
-                               const std::array<Vec<double, 2>, 2>& wall) noexcept {
-    return segment_distance(a, b, wall[0], wall[1]);
+/// The distance of a segment from a facet.
+inline double distance_to_facet(const Vec<double, 2>& a, const Vec<double, 2>& b,
+                                const std::array<Vec<double, 2>, 2>& facet) noexcept {
+    return segment_distance(a, b, facet[0], facet[1]);
 }
-inline double distance_to_wall(const Vec<double, 3>& a, const Vec<double, 3>& b,
-                               const std::array<Vec<double, 3>, 3>& wall) noexcept {
-    if (pierces(a, b, wall[0], wall[1], wall[2])) return 0;
+inline double distance_to_facet(const Vec<double, 3>& a, const Vec<double, 3>& b,
+                                const std::array<Vec<double, 3>, 3>& facet) noexcept {
+    if (pierces(a, b, facet[0], facet[1], facet[2])) return 0;
     double least = std::numeric_limits<double>::infinity();
     for (const auto& p : {a, b}) {
-        least = std::min(least, length(p - place_on_wall(nearest_on_wall(p, wall), wall)));
+        least = std::min(least, length(p - place_on_facet(nearest_on_facet(p, facet), facet)));
     }
     for (std::size_t k = 0; k < 3; ++k)
-        least = std::min(least, segment_distance(a, b, wall[k], wall[(k + 1) % 3]));
+        least = std::min(least, segment_distance(a, b, facet[k], facet[(k + 1) % 3]));
     return least;
 }
 
-/// f(walls of the boundary), as arrays of handles.
+/// f(facets of the boundary), as arrays of handles.
 template <Scalar T, class F>
-void for_each_wall(const Polygon<T>& polygon, F&& f) {
+void for_each_facet(const Polygon<T>& polygon, F&& f) {
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
         f(std::array<std::uint32_t, 2>{std::uint32_t(i), std::uint32_t(j)});
     });
 }
 template <Scalar T, class F>
-void for_each_wall(const TriangleMesh<T>& mesh, F&& f) {
+void for_each_facet(const TriangleMesh<T>& mesh, F&& f) {
     for (const auto& face : mesh.faces()) f(face);
 }
 
 template <Scalar T, std::size_t D>
-std::array<Vec<double, D>, D> corners_of_wall(std::span<const Vec<T, D>> vertices,
-                                              const std::array<std::uint32_t, D>& wall) noexcept {
+std::array<Vec<double, D>, D> corners_of_facet(std::span<const Vec<T, D>> vertices,
+                                               const std::array<std::uint32_t, D>& facet) noexcept {
     std::array<Vec<double, D>, D> corner;
-    for (std::size_t k = 0; k < D; ++k) corner[k] = vec_cast<double>(vertices[wall[k]]);
+    for (std::size_t k = 0; k < D; ++k) corner[k] = vec_cast<double>(vertices[facet[k]]);
     return corner;
 }
 
-/// Whether two walls meet elsewhere than in the vertices they share.
-inline bool walls_touch(const std::array<std::uint32_t, 2>& a, const std::array<Vec<double, 2>, 2>& at_a,
-                        const std::array<std::uint32_t, 2>& b, const std::array<Vec<double, 2>, 2>& at_b,
-                        double tolerance) noexcept {
+/// Whether two facets meet elsewhere than in the vertices they share.
+inline bool facets_touch(const std::array<std::uint32_t, 2>& a, const std::array<Vec<double, 2>, 2>& at_a,
+                         const std::array<std::uint32_t, 2>& b, const std::array<Vec<double, 2>, 2>& at_b,
+                         double tolerance) noexcept {
     for (std::size_t k = 0; k < 2; ++k) {
         for (std::size_t l = 0; l < 2; ++l) {
             if (a[k] != b[l]) continue;
@@ -247,9 +247,9 @@ inline bool walls_touch(const std::array<std::uint32_t, 2>& a, const std::array<
     }
     return segments_touch(at_a[0], at_a[1], at_b[0], at_b[1], tolerance);
 }
-inline bool walls_touch(const std::array<std::uint32_t, 3>& a, const std::array<Vec<double, 3>, 3>& at_a,
-                        const std::array<std::uint32_t, 3>& b, const std::array<Vec<double, 3>, 3>& at_b,
-                        double tolerance) noexcept {
+inline bool facets_touch(const std::array<std::uint32_t, 3>& a, const std::array<Vec<double, 3>, 3>& at_a,
+                         const std::array<std::uint32_t, 3>& b, const std::array<Vec<double, 3>, 3>& at_b,
+                         double tolerance) noexcept {
     const auto common = [](const std::array<std::uint32_t, 3>& of, std::uint32_t i) {
         return std::find(of.begin(), of.end(), i) != of.end();
     };
@@ -263,12 +263,12 @@ inline bool walls_touch(const std::array<std::uint32_t, 3>& a, const std::array<
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t l = (k + 1) % 3;
             if (common(g, f[k]) || common(g, f[l])) continue;
-            if (distance_to_wall(at_f[k], at_f[l], at_g) <= tolerance) return true;
+            if (distance_to_facet(at_f[k], at_f[l], at_g) <= tolerance) return true;
         }
         // With a shared edge: folded flat onto each other?
         for (std::size_t k = 0; k < 3 && shared == 2; ++k) {
             if (common(g, f[k])) continue;
-            if (length(at_f[k] - place_on_wall(nearest_on_wall(at_f[k], at_g), at_g)) <= tolerance)
+            if (length(at_f[k] - place_on_facet(nearest_on_facet(at_f[k], at_g), at_g)) <= tolerance)
                 return true;
         }
     }
@@ -277,17 +277,17 @@ inline bool walls_touch(const std::array<std::uint32_t, 3>& a, const std::array<
 
 } // namespace detail
 
-/// A thick cell where it lies.
+/// A bone where it lies.
 template <std::size_t D>
-struct PlacedThickCell {
+struct PlacedBone {
     std::uint32_t i, j;
     Vec<double, D> a, b;
     double radius;
 };
 
-/// What a thick cell says at a place: the value of its nearest place.
+/// What a bone says at a place: the value of its nearest place.
 template <std::size_t D>
-BoundaryValue<D> thick_value(const PlacedThickCell<D>& cell, const Vec<double, D>& p) noexcept {
+BoundaryValue<D> bone_value(const PlacedBone<D>& cell, const Vec<double, D>& p) noexcept {
     const double s = detail::part_of_segment(p, cell.a, cell.b);
     BoundaryValue<D> value;
     value.handle.fill(cell.i);
@@ -301,8 +301,8 @@ BoundaryValue<D> thick_value(const PlacedThickCell<D>& cell, const Vec<double, D
 /// the least such distance, negative within. Where several overlap, as bones do at joints, the mean of what they say, by how
 /// deep the place lies in each, so that it is continuous. (Of more than three bones at a joint, that of the deepest three.)
 template <std::size_t D, class Cells>
-bool nearest_thick_value(std::size_t count, const Cells& cell, const Vec<double, D>& p, double& least,
-                         BoundaryValue<D>& value) noexcept {
+bool nearest_bone_value(std::size_t count, const Cells& cell, const Vec<double, D>& p, double& least,
+                        BoundaryValue<D>& value) noexcept {
     constexpr std::size_t most = BoundaryValue<D>::most;
     std::array<std::size_t, 3> deepest{};
     std::array<double, 3> depth{-1, -1, -1};
@@ -325,7 +325,7 @@ bool nearest_thick_value(std::size_t count, const Cells& cell, const Vec<double,
         }
     }
     if (!found) return false;
-    value = thick_value<D>(cell(nearest), p);
+    value = bone_value<D>(cell(nearest), p);
     if (!(depth[1] > 0)) return true;
     BoundaryValue<D> mean;
     mean.handle.fill(value.handle[0]);
@@ -333,7 +333,7 @@ bool nearest_thick_value(std::size_t count, const Cells& cell, const Vec<double,
     double sum = 0;
     for (std::size_t k = 0; k < 3 && depth[k] > 0; ++k) sum += depth[k];
     for (std::size_t k = 0; k < 3 && depth[k] > 0; ++k) {
-        const auto one = thick_value<D>(cell(deepest[k]), p);
+        const auto one = bone_value<D>(cell(deepest[k]), p);
         for (std::size_t n = 0; n < 2; ++n) {
             if (one.weight[n] == 0) continue;
             const auto known =
@@ -349,34 +349,34 @@ bool nearest_thick_value(std::size_t count, const Cells& cell, const Vec<double,
     return true;
 }
 
-/// The boundary data at the place of boundary and cells nearest to a finite point, and that place: linear on walls, that of
-/// the nearest place within the radius of a thick cell. Of a sound complex; O(walls and cells).
+/// The boundary data at the place of boundary and cells nearest to a finite point, and that place: linear on facets, that of
+/// the nearest place within the radius of a bone. Of a sound complex; O(facets and cells).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
                                         Vec<T, D>& place) noexcept {
     auto value = nearest_boundary_value(cage.boundary(), p, place);
     const auto q = vec_cast<double>(p);
     double least = detail::length(vec_cast<double>(place) - q);
-    for (const auto& wall : cage.cells().walls) {
-        const auto corner = detail::corners_of_wall(cage.vertices(), wall);
-        const auto w = detail::nearest_on_wall(q, corner);
-        const auto x = detail::place_on_wall(w, corner);
+    for (const auto& facet : cage.cells().facets) {
+        const auto corner = detail::corners_of_facet(cage.vertices(), facet);
+        const auto w = detail::nearest_on_facet(q, corner);
+        const auto x = detail::place_on_facet(w, corner);
         if (detail::length(x - q) >= least) continue;
         least = detail::length(x - q);
         place = vec_cast<T>(x);
         value = {};
-        value.handle.fill(wall[0]);
+        value.handle.fill(facet[0]);
         for (std::size_t k = 0; k < D; ++k) {
-            value.handle[k] = wall[k];
+            value.handle[k] = facet[k];
             value.weight[k] = w[k];
         }
     }
-    const auto& thick = cage.cells().thick;
+    const auto& bones = cage.cells().bones;
     const auto cell = [&](std::size_t n) {
-        return PlacedThickCell<D>{thick[n].i, thick[n].j, vec_cast<double>(cage[thick[n].i]),
-                                  vec_cast<double>(cage[thick[n].j]), thick[n].radius};
+        return PlacedBone<D>{bones[n].i, bones[n].j, vec_cast<double>(cage[bones[n].i]),
+                             vec_cast<double>(cage[bones[n].j]), bones[n].radius};
     };
-    if (nearest_thick_value<D>(thick.size(), cell, q, least, value)) {
+    if (nearest_bone_value<D>(bones.size(), cell, q, least, value)) {
         Vec<double, D> x{};
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n)
             x = x + value.weight[n] * vec_cast<double>(cage[value.handle[n]]);
@@ -385,18 +385,18 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
     return value;
 }
 
-/// As for the boundary; places on a wall, or within the radius of a thick cell, are on_boundary.
+/// As for the boundary; places on a facet, or within the radius of a bone, are on_boundary.
 template <Scalar T, std::size_t D>
 PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance) noexcept {
     const auto state = locate(cage.boundary(), p, tolerance);
     if (state != PointState::inside) return state;
     const auto q = vec_cast<double>(p);
-    for (const auto& wall : cage.cells().walls) {
-        const auto corner = detail::corners_of_wall(cage.vertices(), wall);
-        const auto x = detail::place_on_wall(detail::nearest_on_wall(q, corner), corner);
+    for (const auto& facet : cage.cells().facets) {
+        const auto corner = detail::corners_of_facet(cage.vertices(), facet);
+        const auto x = detail::place_on_facet(detail::nearest_on_facet(q, corner), corner);
         if (detail::length(x - q) <= double(tolerance)) return PointState::on_boundary;
     }
-    for (const auto& cell : cage.cells().thick) {
+    for (const auto& cell : cage.cells().bones) {
         const auto a = vec_cast<double>(cage[cell.i]), b = vec_cast<double>(cage[cell.j]);
         if (detail::length(detail::nearest_on_segment(q, a, b) - q) <= cell.radius)
             return PointState::on_boundary;
@@ -405,8 +405,8 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 }
 
 /// Whether a complex can serve as a cage: its boundary can; its cells are not degenerate, lie inside, and meet the boundary
-/// and each other in common vertices, edges and faces alone; thick cells have a radius, keep it from the boundary and
-/// from walls, share vertices only with each other, and reach no other end of those. O(cells · (cells + walls of the
+/// and each other in common vertices, edges and faces alone; bones have a radius, keep it from the boundary and
+/// from facets, share vertices only with each other, and reach no other end of those. O(cells · (cells + facets of the
 /// boundary)).
 template <Scalar T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage) {
@@ -416,22 +416,22 @@ CageReport check(const CellComplex<T, D>& cage) {
     for (std::size_t i = outer; i < cage.size(); ++i) {
         if (!is_finite(cage[i])) report.add(CageFaultKind::vertex_not_finite, i);
     }
-    const auto& [walls, thick] = cage.cells();
-    for (std::size_t n = 0; n < walls.size(); ++n) {
-        if (std::find(walls[n].begin(), walls[n].end(), TriangleMesh<T>::no_vertex) != walls[n].end())
+    const auto& [facets, bones] = cage.cells();
+    for (std::size_t n = 0; n < facets.size(); ++n) {
+        if (std::find(facets[n].begin(), facets[n].end(), TriangleMesh<T>::no_vertex) != facets[n].end())
             report.add(CageFaultKind::face_without_vertex, n);
     }
-    for (const auto& cell : thick) {
+    for (const auto& cell : bones) {
         if (!(cell.radius > 0) || !std::isfinite(cell.radius))
             report.add(CageFaultKind::radius_not_positive, cell.i);
     }
     if (report.status != Status::ok) return report;
     // Vertices that cells use; those that nothing uses get a warning, as in a mesh.
     std::vector<bool> used(cage.size()), inner(cage.size());
-    for (const auto& wall : walls) {
-        for (const auto i : wall) used[i] = true;
+    for (const auto& facet : facets) {
+        for (const auto i : facet) used[i] = true;
     }
-    for (const auto& cell : thick) used[cell.i] = used[cell.j] = true;
+    for (const auto& cell : bones) used[cell.i] = used[cell.j] = true;
     std::erase_if(report.faults, [&](const CageFault& fault) {
         const bool by_cells = fault.kind == CageFaultKind::vertex_unused && used[fault.a];
         if (by_cells) inner[fault.a] = true;
@@ -454,17 +454,17 @@ CageReport check(const CellComplex<T, D>& cage) {
         if (locate(cage.boundary(), cage[i], rounding) != PointState::inside)
             report.add(CageFaultKind::interior_cell_outside, i);
     }
-    struct Wall {
+    struct Facet {
         std::array<std::uint32_t, D> handles;
         std::array<Vec<double, D>, D> corner;
     };
-    std::vector<Wall> all;
-    for (const auto& wall : walls) all.push_back({wall, detail::corners_of_wall(cage.vertices(), wall)});
-    for (std::size_t n = 0; n < walls.size(); ++n) {
+    std::vector<Facet> all;
+    for (const auto& facet : facets) all.push_back({facet, detail::corners_of_facet(cage.vertices(), facet)});
+    for (std::size_t n = 0; n < facets.size(); ++n) {
         const auto& corner = all[n].corner;
         if constexpr (D == 2) {
-            if (walls[n][0] == walls[n][1])
-                report.add(CageFaultKind::duplicate_vertices, walls[n][0], walls[n][1]);
+            if (facets[n][0] == facets[n][1])
+                report.add(CageFaultKind::duplicate_vertices, facets[n][0], facets[n][1]);
         } else {
             const auto u = corner[1] - corner[0], v = corner[2] - corner[0];
             const double longest =
@@ -474,33 +474,33 @@ CageReport check(const CellComplex<T, D>& cage) {
         }
     }
     if (report.status != Status::ok) return report;
-    for (const auto& wall : all) {
+    for (const auto& facet : all) {
         Vec<double, D> middle{};
-        for (const auto& c : wall.corner) middle = middle + (1.0 / double(D)) * c;
+        for (const auto& c : facet.corner) middle = middle + (1.0 / double(D)) * c;
         if (locate(cage.boundary(), vec_cast<T>(middle), rounding) != PointState::inside)
-            report.add(CageFaultKind::interior_cell_outside, wall.handles[0]);
+            report.add(CageFaultKind::interior_cell_outside, facet.handles[0]);
     }
-    detail::for_each_wall(cage.boundary(), [&](const std::array<std::uint32_t, D>& wall) {
-        all.push_back({wall, detail::corners_of_wall(cage.vertices(), wall)});
+    detail::for_each_facet(cage.boundary(), [&](const std::array<std::uint32_t, D>& facet) {
+        all.push_back({facet, detail::corners_of_facet(cage.vertices(), facet)});
     });
-    for (std::size_t n = 0; n < walls.size(); ++n) {
+    for (std::size_t n = 0; n < facets.size(); ++n) {
         for (std::size_t m = n + 1; m < all.size(); ++m) {
-            if (detail::walls_touch(all[n].handles, all[n].corner, all[m].handles, all[m].corner, tolerance))
+            if (detail::facets_touch(all[n].handles, all[n].corner, all[m].handles, all[m].corner, tolerance))
                 report.add(CageFaultKind::interior_cells_touch, all[n].handles[0], all[m].handles[0]);
         }
     }
-    for (std::size_t n = 0; n < thick.size(); ++n) {
-        const auto& cell = thick[n];
-        for (const auto& wall : all) {
-            if (detail::distance_to_wall(at(cell.i), at(cell.j), wall.corner) <= cell.radius + tolerance)
-                report.add(CageFaultKind::interior_cells_touch, cell.i, wall.handles[0]);
+    for (std::size_t n = 0; n < bones.size(); ++n) {
+        const auto& cell = bones[n];
+        for (const auto& facet : all) {
+            if (detail::distance_to_facet(at(cell.i), at(cell.j), facet.corner) <= cell.radius + tolerance)
+                report.add(CageFaultKind::interior_cells_touch, cell.i, facet.handles[0]);
         }
         for (std::size_t m = 0; m < n; ++m) {
-            const auto& other = thick[m];
+            const auto& other = bones[m];
             const bool meet =
                 cell.i == other.i || cell.i == other.j || cell.j == other.i || cell.j == other.j;
             // Of cells that meet, neither may swallow an end of the other.
-            const auto swallows = [&](const ThickCell& a, const ThickCell& b) {
+            const auto swallows = [&](const Bone& a, const Bone& b) {
                 const auto from = at(a.i), to = at(a.j);
                 for (const auto end : {b.i, b.j}) {
                     if (end == a.i || end == a.j) continue;

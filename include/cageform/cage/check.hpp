@@ -28,7 +28,7 @@ enum class CageFaultKind : std::uint8_t {
     faces_cross,           ///< the faces `a` and `b` pass through each other
     radius_not_positive,   ///< of the interior cell at handle `a`
     interior_cell_outside, ///< the interior cell at handle `a`
-    interior_cells_touch, ///< the interior cell at handle `a` and the cell or wall at handle `b`, elsewhere than in a vertex
+    interior_cells_touch, ///< the interior cell at handle `a` and the cell or facet at handle `b`, elsewhere than in a vertex
     interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
     gap_closed, ///< warning: only one face has the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,      ///< warning: vertex `a` lies on the straight line between its neighbours

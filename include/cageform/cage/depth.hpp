@@ -50,7 +50,7 @@ class Depth<TriangleMesh<T>> {
 public:
     explicit Depth(const TriangleMesh<T>& mesh) {
         for (const auto& face : outward_faces(mesh)) {
-            const auto corner = detail::corners_of_wall(mesh.vertices(), face);
+            const auto corner = detail::corners_of_facet(mesh.vertices(), face);
             const auto normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
             faces_.push_back({corner, (1 / detail::length(normal)) * normal});
         }

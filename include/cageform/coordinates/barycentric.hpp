@@ -57,12 +57,12 @@ public:
     const CageReport& cage_report() const noexcept { return report_; }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const Running& options = {}) const {
-        return detail::evaluate_blocks(report_, D + 1, points, weights, states, options,
-                                       [&](std::size_t begin, std::size_t end) {
-                                           for (std::size_t b = begin; b < end; ++b)
-                                               evaluate_block(b, points, weights, states);
-                                       });
+                        const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, D + 1, {points, weights, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              for (std::size_t b = begin; b < end; ++b)
+                                                  evaluate_block(b, points, weights, states);
+                                          });
     }
 
     /// The gradients of all weights at a batch of points: those of affine functions, the same everywhere.
@@ -70,12 +70,12 @@ public:
     ///   points     as for `evaluate`; so are the states on entry and on return
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const Running& options = {}) const {
-        return detail::evaluate_blocks(report_, D * (D + 1), points, gradients, states, options,
-                                       [&](std::size_t begin, std::size_t end) {
-                                           for (std::size_t b = begin; b < end; ++b)
-                                               evaluate_gradient_block(b, points, gradients, states);
-                                       });
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, D * (D + 1), {points, gradients, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              for (std::size_t b = begin; b < end; ++b)
+                                                  evaluate_gradient_block(b, points, gradients, states);
+                                          });
     }
 
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {

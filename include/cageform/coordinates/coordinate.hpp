@@ -25,7 +25,7 @@ concept CageCoordinateConstants = requires {
 ///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that status
 ///   has_extension       whether weights are defined outside the cage
 ///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in cache
-///   evaluate(points, weights, states, options)
+///   evaluate(points, weights, states, running)
 ///                       fills the weights of a whole batch (rows of `weights` are handles) and where each
 ///                       point lies. Points whose state is not_finite on entry are skipped. Weights of
 ///                       points that are not_finite or unreached, and of outside points when there is no
@@ -35,25 +35,25 @@ concept CageCoordinateConstants = requires {
 template <class C>
 concept CageCoordinates = CageCoordinateConstants<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> weights,
-             std::span<PointState> states, const Running& options,
+             std::span<PointState> states, const Running& running,
              const Vec<typename C::scalar, C::dimension>& p, std::span<typename C::scalar> row) {
     { c.handles() } -> std::same_as<std::span<const Vec<typename C::scalar, C::dimension>>>;
     { c.cage_report() } -> std::same_as<const CageReport&>;
-    { c.evaluate(points, weights, states, options) } -> std::same_as<Evaluation>;
+    { c.evaluate(points, weights, states, running) } -> std::same_as<Evaluation>;
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
 /// Coordinates that can be differentiated.
 ///
-///   evaluate_gradients(points, gradients, states, options)
+///   evaluate_gradients(points, gradients, states, running)
 ///                       as `evaluate`, but fills row axis · #handles + handle with the derivative of the handle's weight along
 ///                       the axis. Those of points that are not_finite or unreached, and of outside points when there is no
 ///                       extension, are left unspecified
 template <class C>
 concept GradientCoordinates = CageCoordinates<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> gradients,
-             std::span<PointState> states, const Running& options) {
-    { c.evaluate_gradients(points, gradients, states, options) } -> std::same_as<Evaluation>;
+             std::span<PointState> states, const Running& running) {
+    { c.evaluate_gradients(points, gradients, states, running) } -> std::same_as<Evaluation>;
 };
 
 /// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights on the boundary are
@@ -73,15 +73,22 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
 
 namespace detail {
 
+/// What `evaluate` and `evaluate_gradients` are given.
+template <class T>
+struct Batch {
+    BlockView<const T> points;
+    BlockView<T> rows; ///< out: weights or gradients
+    std::span<PointState> states;
+};
+
 /// What `evaluate` is for closed forms: body(first, last) for pieces of the blocks, when the cage is sound.
 template <class T, class Body>
-Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t handles,
-                           BlockView<const T> points, [[maybe_unused]] BlockView<T> weights,
-                           [[maybe_unused]] std::span<PointState> states, const Running& options,
-                           const Body& body) {
+Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t rows, const Batch<T>& batch,
+                           const Running& running, const Body& body) {
     if (cage.status != Status::ok) return {cage.status, {}};
-    CAGEFORM_ASSERT(weights.rows == handles && states.size() == points.points, "one row per handle");
-    return {for_each_block(points.blocks(), options, body), {}};
+    CAGEFORM_ASSERT(batch.rows.rows == rows && batch.states.size() == batch.points.points,
+                    "one row per handle");
+    return {for_each_block(batch.points.blocks(), running, body), {}};
 }
 
 } // namespace detail

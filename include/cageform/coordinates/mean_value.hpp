@@ -71,12 +71,12 @@ public:
     const CageReport& cage_report() const noexcept { return report_; }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const Running& options = {}) const {
-        return detail::evaluate_blocks(report_, cage_.size(), points, weights, states, options,
-                                       [&](std::size_t begin, std::size_t end) {
-                                           for (std::size_t b = begin; b < end; ++b)
-                                               evaluate_block(b, points, weights, states);
-                                       });
+                        const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, cage_.size(), {points, weights, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              for (std::size_t b = begin; b < end; ++b)
+                                                  evaluate_block(b, points, weights, states);
+                                          });
     }
 
     /// The gradients of all weights at a batch of points, by differentiating the formula.
@@ -90,11 +90,11 @@ public:
     ///   cost       two to three times that of `evaluate`; tens of times for a point on the boundary, nearer to it than 1e-5
     ///              diagonals (double), or some diagonals away
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const Running& options = {}) const {
-        return detail::evaluate_blocks(report_, 2 * cage_.size(), points, gradients, states, options,
-                                       [&](std::size_t begin, std::size_t end) {
-                                           gradients_.run(cage_, begin, end, points, gradients, states);
-                                       });
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, 2 * cage_.size(), {points, gradients, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              gradients_.run(cage_, begin, end, points, gradients, states);
+                                          });
     }
 
     Vec<T, 2> nearest_boundary(const Vec<T, 2>& p, std::span<T> row) const noexcept {

@@ -58,13 +58,13 @@ public:
     const CageReport& cage_report() const noexcept { return report_; }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const Running& options = {}) const {
-        return detail::evaluate_blocks(report_, cage_.size(), points, weights, states, options,
-                                       [&](std::size_t begin, std::size_t end) {
-                                           std::vector<Lanes<T>> angles(frame_.edges.size());
-                                           for (std::size_t b = begin; b < end; ++b)
-                                               evaluate_block(b, points, weights, states, angles.data());
-                                       });
+                        const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, cage_.size(), {points, weights, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              std::vector<Lanes<T>> angles(frame_.edges.size());
+                                              for (std::size_t b = begin; b < end; ++b)
+                                                  evaluate_block(b, points, weights, states, angles.data());
+                                          });
     }
 
     /// The gradients of all weights at a batch of points, by differentiating the formula.
@@ -78,11 +78,11 @@ public:
     ///   cost       twice that of `evaluate` (float: five times, as it is computed in double); hundreds of times for a point on
     ///              the boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const Running& options = {}) const {
-        return detail::evaluate_blocks(report_, 3 * cage_.size(), points, gradients, states, options,
-                                       [&](std::size_t begin, std::size_t end) {
-                                           gradients_.run(cage_, begin, end, points, gradients, states);
-                                       });
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, 3 * cage_.size(), {points, gradients, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              gradients_.run(cage_, begin, end, points, gradients, states);
+                                          });
     }
 
     Vec<T, 3> nearest_boundary(const Vec<T, 3>& p, std::span<T> row) const noexcept {

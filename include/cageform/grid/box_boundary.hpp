@@ -42,7 +42,7 @@ public:
     }
 
     std::vector<FixedNode<3>> fixed_nodes() const { return {}; } // a box has no interior cells
-    std::uint32_t too_thin_cell() const noexcept { return ~std::uint32_t{0}; }
+    std::uint32_t too_thin_bone() const noexcept { return ~std::uint32_t{0}; }
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {
         const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};

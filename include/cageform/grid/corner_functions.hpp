@@ -153,9 +153,9 @@ public:
                                             [&](std::size_t k) { return turn(i, of_i.front(), k) > angle; });
             of_i.insert(later, to);
         };
-        for (const auto& wall : cells.walls) {
-            add_edge(wall[0], wall[1]);
-            add_edge(wall[1], wall[0]);
+        for (const auto& facet : cells.facets) {
+            add_edge(facet[0], facet[1]);
+            add_edge(facet[1], facet[0]);
         }
         for (std::size_t i = 0; i < vertices_.size(); ++i) {
             if (edges[i].empty()) continue;
@@ -170,8 +170,8 @@ public:
                 radius = std::min(radius, detail::length(d) - margin);
             };
             polygon.for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });
-            for (const auto& wall : cells.walls) keep_off(wall[0], wall[1], 0);
-            for (const auto& cell : cells.thick) keep_off(cell.i, cell.j, cell.radius / lattice.spacing);
+            for (const auto& facet : cells.facets) keep_off(facet[0], facet[1], 0);
+            for (const auto& cell : cells.bones) keep_off(cell.i, cell.j, cell.radius / lattice.spacing);
             if (radius < least_radius) continue;
             for (std::size_t n = 0; n + 1 < edges[i].size(); ++n) {
                 const std::size_t after = edges[i][n], before = edges[i][n + 1];

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/grid/bones.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/lattice.hpp>
-#include <cageform/grid/thick_cells.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -20,12 +20,12 @@ public:
     MeshBoundary(const Cage& whole, const Lattice<double, 3>& lattice)
         : lattice_(lattice)
         , vertices_(lattice.in_cells(whole.vertices()))
-        , thick_(interior_cells(whole).thick, vertices_, lattice) {
+        , bones_(interior_cells(whole).bones, vertices_, lattice) {
         const auto faces = boundary_of(whole).faces();
         faces_.assign(faces.begin(), faces.end());
         outer_ = faces_.size();
         const auto& cells = interior_cells(whole);
-        for (const auto& wall : cells.walls) faces_.push_back(wall);
+        for (const auto& facet : cells.facets) faces_.push_back(facet);
     }
 
     /// Which lines meet which face is decided in whole numbers (vertices rounded to 2⁻²⁰ of a cell) and, where a line
@@ -37,12 +37,12 @@ public:
             for (std::size_t f = 0; f < faces_.size(); ++f)
                 add_crossings(all[axis], faces_[f], f < outer_, axis);
         }
-        thick_.add_crossings(all);
+        bones_.add_crossings(all);
         for (auto& along : all) sort_along_lines<3>(along);
         return all;
     }
-    std::vector<FixedNode<3>> fixed_nodes() const { return thick_.nodes(); } ///< within interior cells
-    std::uint32_t too_thin_cell() const noexcept { return thick_.too_thin(); }
+    std::vector<FixedNode<3>> fixed_nodes() const { return bones_.nodes(); } ///< within interior cells
+    std::uint32_t too_thin_bone() const noexcept { return bones_.too_thin(); }
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {
         const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};
@@ -57,7 +57,7 @@ public:
             value = data(face, w);
         }
         double distance = std::sqrt(least);
-        (void)thick_.nearest(p, distance, value);
+        (void)bones_.nearest(p, distance, value);
         return value;
     }
 
@@ -65,12 +65,12 @@ public:
     double free_way(const Vec<double, 3>& p, std::size_t axis, bool up, double limit) const noexcept {
         double position = 0;
         BoundaryValue<3> value;
-        for (std::uint32_t n = 0; n < faces_.size() + thick_.size(); ++n)
+        for (std::uint32_t n = 0; n < faces_.size() + bones_.size(); ++n)
             (void)meet(n, p, axis, up ? 1.0 : -1.0, limit, position, value);
         return limit;
     }
 
-    /// Prepares `sample` and `is_cut`: which faces (and, numbered after them, thick cells) pass which cell, or come as near
+    /// Prepares `sample` and `is_cut`: which faces (and, numbered after them, bones) pass which cell, or come as near
     /// as `slack`.
     void index_cells(double slack) {
         passes_.clear();
@@ -95,8 +95,8 @@ public:
                 }
             }
         }
-        for (std::uint32_t n = 0; n < thick_.size(); ++n) {
-            thick_.for_each_cell_about(n, [&](const Index& low) {
+        for (std::uint32_t n = 0; n < bones_.size(); ++n) {
+            bones_.for_each_cell_about(n, [&](const Index& low) {
                 passes_.push_back({cell(low[0], low[1], low[2]), std::uint32_t(faces_.size()) + n});
             });
         }
@@ -187,7 +187,7 @@ private:
             const bool turned = face[k] > face[l];
             const auto &a = corner[turned ? l : k], &b = corner[turned ? k : l];
             std::int64_t s = side(a, b, p);
-            if (s == 0 && !turns) return area > 0; // the rim of a wall belongs to it, on all sides
+            if (s == 0 && !turns) return area > 0; // the rim of a facet belongs to it, on all sides
             if (s == 0)
                 s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0]; // the line aside, along u far more than along v
             return (s > 0) != turned;
@@ -221,10 +221,10 @@ private:
         }
     }
 
-    /// Whether a face (or thick cell) lies on the way from `p` along an axis within `limit`, which becomes the distance to it.
+    /// Whether a face (or bone) lies on the way from `p` along an axis within `limit`, which becomes the distance to it.
     bool meet(std::uint32_t f, const Vec<double, 3>& p, std::size_t axis, double sign, double& limit,
               double& position, BoundaryValue<3>& value) const noexcept {
-        if (f >= faces_.size()) return thick_.meet(f - faces_.size(), p, axis, sign, limit, position, value);
+        if (f >= faces_.size()) return bones_.meet(f - faces_.size(), p, axis, sign, limit, position, value);
         constexpr double rim = 1e-9; // no point may slip between two faces
         const std::size_t u = detail::other_axes[axis][0], v = detail::other_axes[axis][1];
         std::array<double, 3> w{};
@@ -243,8 +243,8 @@ private:
 
     Lattice<double, 3> lattice_;
     std::vector<Vec<double, 3>> vertices_;
-    ThickCells<3> thick_;
-    std::vector<Face> faces_;  ///< the boundary's, then the walls inside
+    GridBones<3> bones_;
+    std::vector<Face> faces_;  ///< the boundary's, then the facets inside
     std::size_t outer_ = 0;    ///< of the boundary
     std::vector<Pass> passes_; ///< cell and face, sorted
 };

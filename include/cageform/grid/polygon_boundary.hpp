@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cageform/cage/inside.hpp>
+#include <cageform/grid/bones.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/lattice.hpp>
-#include <cageform/grid/thick_cells.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -20,14 +20,14 @@ public:
     template <class Cage>
     PolygonBoundary(const Cage& whole, const Lattice<double, 2>& lattice)
         : lattice_(lattice)
-        , thick_(interior_cells(whole).thick, lattice.in_cells(whole.vertices()), lattice) {
+        , bones_(interior_cells(whole).bones, lattice.in_cells(whole.vertices()), lattice) {
         const auto vertices = lattice.in_cells(whole.vertices());
         const auto add = [&](std::size_t i, std::size_t j, bool turns) {
             edges_.push_back({std::uint32_t(i), std::uint32_t(j), vertices[i], vertices[j], turns});
         };
         boundary_of(whole).for_each_edge([&](std::size_t i, std::size_t j) { add(i, j, true); });
         const auto& cells = interior_cells(whole);
-        for (const auto& wall : cells.walls) add(wall[0], wall[1], false);
+        for (const auto& facet : cells.facets) add(facet[0], facet[1], false);
     }
 
     /// O(edges + lattice lines they cross, and the logarithm of that).
@@ -36,12 +36,12 @@ public:
         for (std::size_t axis = 0; axis < 2; ++axis) {
             for (const Edge& edge : edges_) add_crossings(all[axis], edge, axis);
         }
-        thick_.add_crossings(all);
+        bones_.add_crossings(all);
         for (auto& along : all) sort_along_lines<2>(along);
         return all;
     }
-    std::vector<FixedNode<2>> fixed_nodes() const { return thick_.nodes(); } ///< within interior cells
-    std::uint32_t too_thin_cell() const noexcept { return thick_.too_thin(); }
+    std::vector<FixedNode<2>> fixed_nodes() const { return bones_.nodes(); } ///< within interior cells
+    std::uint32_t too_thin_bone() const noexcept { return bones_.too_thin(); }
 
     BoundaryValue<2> nearest(const Index& node) const noexcept {
         const Vec<double, 2> p{double(node[0]), double(node[1])};
@@ -55,7 +55,7 @@ public:
             value = edge.at(s);
         }
         double distance = std::sqrt(least);
-        (void)thick_.nearest(p, distance, value);
+        (void)bones_.nearest(p, distance, value);
         return value;
     }
 
@@ -79,12 +79,12 @@ public:
         }
         double position = 0;
         BoundaryValue<2> value;
-        for (std::size_t n = 0; n < thick_.size(); ++n)
-            (void)thick_.meet(n, p, axis, up ? 1.0 : -1.0, limit, position, value);
+        for (std::size_t n = 0; n < bones_.size(); ++n)
+            (void)bones_.meet(n, p, axis, up ? 1.0 : -1.0, limit, position, value);
         return limit;
     }
 
-    /// Prepares `sample` and `is_cut`: which edges (and, numbered after them, thick cells) pass which cell, or come as near
+    /// Prepares `sample` and `is_cut`: which edges (and, numbered after them, bones) pass which cell, or come as near
     /// as `slack`.
     void index_cells(double slack) {
         passes_.clear();
@@ -103,8 +103,8 @@ public:
                     passes_.push_back({cell(std::int32_t(x), std::int32_t(y)), n});
             }
         }
-        for (std::uint32_t n = 0; n < thick_.size(); ++n) {
-            thick_.for_each_cell_about(n, [&](const Index& low) {
+        for (std::uint32_t n = 0; n < bones_.size(); ++n) {
+            bones_.for_each_cell_about(n, [&](const Index& low) {
                 passes_.push_back({cell(low[0], low[1]), std::uint32_t(edges_.size()) + n});
             });
         }
@@ -195,7 +195,7 @@ private:
         bool found = false;
         for (auto pass = first; pass != passes_.end() && pass->first == in; ++pass) {
             if (pass->second >= edges_.size()) {
-                found = thick_.meet(pass->second - edges_.size(), p, axis, sign, nearest, position, value) ||
+                found = bones_.meet(pass->second - edges_.size(), p, axis, sign, nearest, position, value) ||
                         found;
                 continue;
             }
@@ -222,7 +222,7 @@ private:
     }
 
     Lattice<double, 2> lattice_;
-    ThickCells<2> thick_;
+    GridBones<2> bones_;
     std::vector<Edge> edges_;
     std::vector<Pass> passes_; ///< cell and edge, sorted
 };

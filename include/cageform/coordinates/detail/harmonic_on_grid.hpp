@@ -185,7 +185,7 @@ private:
         const auto crossings = boundary.crossings();
         const auto first_unseen = [&](const Boundary& of, const Crossings<D>& its) {
             auto seen = seen_handles<D>(its, cage_.size());
-            if (const auto thin = of.too_thin_cell(); thin < cage_.size()) seen[thin] = false;
+            if (const auto thin = of.too_thin_bone(); thin < cage_.size()) seen[thin] = false;
             for (const CageFault& fault : report_.faults) { // warnings
                 if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
             }

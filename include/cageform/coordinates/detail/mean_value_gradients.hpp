@@ -446,8 +446,8 @@ private:
         };
         const auto for_faces = [&](const auto& body) {
             for (const Face& face : frame_.faces) {
-                const auto corner = corners_of_wall(cage.vertices(), face.corner);
-                const auto nearest = place_on_wall(nearest_on_wall(p, corner), corner);
+                const auto corner = corners_of_facet(cage.vertices(), face.corner);
+                const auto nearest = place_on_facet(nearest_on_facet(p, corner), corner);
                 if (length(nearest - p) <= 2 * double(tolerance_) && body(face, corner)) return true;
             }
             return false;

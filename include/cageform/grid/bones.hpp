@@ -1,4 +1,4 @@
-// Points and edges with a radius as parts of the boundary of a problem on a lattice.
+// Bones (points and edges with a radius) as parts of the boundary of a problem on a lattice.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -7,15 +7,15 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Balls, and in space capsules about edges, in units of a lattice. Node i of the lattice lies at i.
+/// The bones of a cage, balls and in space capsules, in units of a lattice. Node i of the lattice lies at i.
 template <std::size_t D>
-class ThickCells {
+class GridBones {
 public:
     using Index = typename NodeRuns<D>::Index;
 
     /// `vertices` in units of the lattice; the radii of `cells` not.
-    ThickCells(std::span<const ThickCell> cells, std::span<const Vec<double, D>> vertices,
-               const Lattice<double, D>& lattice) {
+    GridBones(std::span<const Bone> cells, std::span<const Vec<double, D>> vertices,
+              const Lattice<double, D>& lattice) {
         for (std::size_t k = 0; k < D; ++k) size_[k] = std::int32_t(lattice.cells[k]);
         for (const auto& cell : cells)
             cells_.push_back(
@@ -45,7 +45,7 @@ public:
                         q[axis] = x;
                         double within = on_boundary_distance; // where cells overlap, of all of them
                         BoundaryValue<D> value;
-                        if (!nearest(q, within, value)) value = thick_value<D>(cell, q);
+                        if (!nearest(q, within, value)) value = bone_value<D>(cell, q);
                         all[axis].push_back({line(index, axis), false, x, value});
                     }
                 });
@@ -73,7 +73,7 @@ public:
     /// The value of the cells nearest to `p` where their surface is not farther than `least`, which becomes that distance
     /// (negative within). O(cells).
     bool nearest(const Vec<double, D>& p, double& least, BoundaryValue<D>& value) const noexcept {
-        return nearest_thick_value<D>(
+        return nearest_bone_value<D>(
             cells_.size(), [&](std::size_t n) -> const Cell& { return cells_[n]; }, p, least, value);
     }
 
@@ -90,7 +90,7 @@ public:
         auto q = p;
         q[axis] = at;
         double within = on_boundary_distance; // where cells overlap, of all of them
-        if (!nearest(q, within, value)) value = thick_value<D>(cells_[n], q);
+        if (!nearest(q, within, value)) value = bone_value<D>(cells_[n], q);
         return true;
     }
 
@@ -108,7 +108,7 @@ public:
     }
 
 private:
-    using Cell = PlacedThickCell<D>;
+    using Cell = PlacedBone<D>;
 
     static Vec<double, D> place(const Index& index) noexcept {
         Vec<double, D> p{};
