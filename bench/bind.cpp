@@ -226,16 +226,13 @@ struct MeshProblem {
         const auto extent = bounds.upper - bounds.lower;
         cageform::Lattice<double, 3> lattice;
         lattice.spacing = std::max({extent[0], extent[1], extent[2]}) / double(resolution);
-        cageform::NodeRuns<3>::Index nodes;
         for (std::size_t k = 0; k < 3; ++k) {
             const double links = std::ceil(extent[k] / lattice.spacing - cageform::on_boundary_distance);
-            nodes[k] = std::int32_t(links) + 1;
-            lattice.cells[k] = std::size_t(nodes[k]);
+            lattice.cells[k] = std::size_t(links) + 1;
             lattice.origin[k] = bounds.lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
         }
         const cageform::MeshBoundary<double> boundary(cage, lattice);
-        equations = cageform::embed<3>(nodes, boundary.crossings(),
-                                       [&](const auto& node) { return boundary.nearest(node); });
+        equations = cageform::embed(boundary, boundary.crossings());
     }
 
     /// All functions, sixteen by sixteen, each block's values lost to the next; returns the most cycles.

@@ -48,9 +48,7 @@ Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resoluti
         lattice.cells[k] = std::size_t(std::ceil(extent[k] / lattice.spacing)) + 1;
 
     const cageform::PolygonBoundary<double> boundary(cage, lattice);
-    const auto problem =
-        cageform::embed<2>({std::int32_t(lattice.cells[0]), std::int32_t(lattice.cells[1])},
-                           boundary.crossings(), [&](const auto& node) { return boundary.nearest(node); });
+    const auto problem = cageform::embed(boundary, boundary.crossings());
     const Multigrid<2> multigrid(problem.nodes, problem.cuts, {});
     const auto slot = multigrid.source_slots();
 

@@ -41,10 +41,19 @@ Vec<double, 2> place(const Polygon<double>& cage, const BoundaryValue<2>& value)
     return value.weight[0] * cage[value.handle[0]] + value.weight[1] * cage[value.handle[1]];
 }
 
+/// A polygon's boundary with nodes whose values are given besides.
+struct WithFixedNodes : PolygonBoundary<double> {
+    WithFixedNodes(const PolygonBoundary<double>& boundary, std::vector<cageform::FixedNode<2>> nodes)
+        : PolygonBoundary<double>(boundary)
+        , fixed(std::move(nodes)) {}
+    std::vector<cageform::FixedNode<2>> fixed_nodes() const { return fixed; }
+
+    std::vector<cageform::FixedNode<2>> fixed;
+};
+
 void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& lattice) {
     PolygonBoundary<double> boundary(cage, lattice);
-    const auto problem = cageform::embed<2>(size_of(lattice), boundary.crossings(),
-                                            [&](const Index& node) { return boundary.nearest(node); });
+    const auto problem = cageform::embed(boundary, boundary.crossings());
     // Nodes are those inside, but for some on the boundary.
     std::size_t wrong = 0;
     for (std::int32_t y = 0; y < size_of(lattice)[1]; ++y) {
@@ -90,7 +99,7 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
     double missed = 0, sum_off = 0, least = 1;
     for (int n = 0; n < 300; ++n) {
         const auto p = random_inside(cage, random, 1e-6);
-        const auto stencil = boundary.sample(p, problem.nodes);
+        const auto stencil = boundary.sample(lattice.in_cells(p), problem.nodes);
         Vec<double, 2> q{};
         double sum = 0;
         for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
@@ -135,8 +144,7 @@ TEST_CASE("edges on lattice lines and corners on nodes are on the boundary", "[g
         check_embedding(cage, lattice_over(cage, 8 / spacing, 1));
     }
     PolygonBoundary<double> boundary(cage, lattice_over(cage, 8, 0));
-    const auto problem = cageform::embed<2>({9, 9}, boundary.crossings(),
-                                            [&](const Index& node) { return boundary.nearest(node); });
+    const auto problem = cageform::embed(boundary, boundary.crossings());
     CHECK(problem.nodes.count() == 7 * 3 + 3 * 4);
     for (const auto& cut : problem.cuts) CHECK(cut.weight == 1);
     const std::vector<Vec<double, 2>> diamond{{4, 0}, {8, 4}, {4, 8}, {0, 4}};
@@ -162,8 +170,7 @@ TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to"
     const auto lattice = lattice_over(cage, 40, 0.37);
     const PolygonBoundary<double> boundary(cage, lattice);
     const auto crossings = boundary.crossings();
-    const auto nearest = [&](const Index& node) { return boundary.nearest(node); };
-    const auto plain = cageform::embed<2>(size_of(lattice), crossings, nearest);
+    const auto plain = cageform::embed(boundary, crossings);
     Random random(2);
     std::vector<cageform::FixedNode<2>> fixed;
     plain.nodes.for_each([&](const Index& index, std::uint32_t) {
@@ -171,7 +178,7 @@ TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to"
     });
     REQUIRE(fixed.size() > 20);
     std::reverse(fixed.begin(), fixed.end()); // in any order
-    const auto problem = cageform::embed<2>(size_of(lattice), crossings, nearest, fixed);
+    const auto problem = cageform::embed(WithFixedNodes{boundary, fixed}, crossings);
     CHECK(problem.nodes.count() + fixed.size() == plain.nodes.count());
     for (const auto& node : fixed) CHECK(problem.nodes.find(node.index) == NodeRuns<2>::none);
     std::size_t links = 0;

@@ -23,13 +23,12 @@ public:
     }
 
     std::size_t size() const noexcept { return cells_.size(); }
-    /// The handle of a cell that is too thin for the lattice to feel it rightly, wherever its nodes lie; `none` otherwise.
-    static constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::uint32_t too_thin() const noexcept {
+    /// The handle of a cell that is too thin for the lattice to feel it rightly, wherever its nodes lie.
+    std::optional<std::uint32_t> too_thin() const noexcept {
         for (const Cell& cell : cells_) {
             if (cell.radius < 0.5) return cell.i;
         }
-        return none;
+        return std::nullopt;
     }
 
     /// Where the lattice lines enter and leave. O(lines that meet their boxes · cells).

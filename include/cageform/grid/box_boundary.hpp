@@ -13,6 +13,7 @@ template <Scalar T>
 class BoxBoundary {
 public:
     using Index = NodeRuns<3>::Index;
+    static constexpr std::size_t dimension = 3;
 
     BoxBoundary(const Box<T>& box, const Lattice<double, 3>& lattice)
         : box_(box)
@@ -20,6 +21,7 @@ public:
         , lower_(lattice.in_cells(vec_cast<double>(box.lower())))
         , upper_(lattice.in_cells(vec_cast<double>(box.upper()))) {}
 
+    const Lattice<double, 3>& lattice() const noexcept { return lattice_; }
     /// Two a lattice line. O(lines).
     Crossings<3> crossings() const {
         Crossings<3> all;
@@ -42,7 +44,7 @@ public:
     }
 
     std::vector<FixedNode<3>> fixed_nodes() const { return {}; } // a box has no interior cells
-    std::uint32_t too_thin_bone() const noexcept { return ~std::uint32_t{0}; }
+    std::optional<std::uint32_t> too_thin_bone() const noexcept { return std::nullopt; }
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {
         const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};
@@ -50,7 +52,7 @@ public:
         bool up = false;
         for (std::size_t k = 0; k < 3; ++k) {
             for (const bool other : {false, true}) {
-                if (free_way(p, k, other) >= free_way(p, axis, up)) continue;
+                if (free_distance(p, k, other) >= free_distance(p, axis, up)) continue;
                 axis = k;
                 up = other;
             }
@@ -59,8 +61,8 @@ public:
     }
 
     /// How far a point can go along an axis, up or down, before it meets the boundary, but no farther than `limit`.
-    double free_way(const Vec<double, 3>& p, std::size_t axis, bool up,
-                    double limit = std::numeric_limits<double>::max()) const noexcept {
+    double free_distance(const Vec<double, 3>& p, std::size_t axis, bool up,
+                         double limit = std::numeric_limits<double>::max()) const noexcept {
         return std::fmin(limit, up ? upper_[axis] - p[axis] : p[axis] - lower_[axis]);
     }
 
@@ -71,9 +73,8 @@ public:
 
     /// The stencil of a point strictly inside: trilinear in the part of its cell that lies in the box. Exact for
     /// trilinear functions everywhere; a mean, so never beyond the values it is made of.
-    CutStencil<3> sample(const Vec<T, 3>& point, const NodeRuns<3>& nodes) const noexcept {
+    CutStencil<3> sample(const Vec<double, 3>& p, const NodeRuns<3>& nodes) const noexcept {
         CutStencil<3> stencil;
-        const auto p = lattice_.in_cells(vec_cast<double>(point));
         for (std::size_t corner = 0; corner < 8; ++corner) {
             double share = 1;
             Vec<double, 3> q;
@@ -123,6 +124,11 @@ private:
     Box<T> box_;
     Lattice<double, 3> lattice_;
     Vec<double, 3> lower_, upper_;
+};
+
+template <Scalar T>
+struct GridBoundaryOf<Box<T>> {
+    using type = BoxBoundary<T>;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -2,26 +2,12 @@
 // give every link that ends on the boundary its length and its data. Knows no cage and no solver.
 #pragma once
 
-#include <cageform/cage/boundary_value.hpp>
 #include <cageform/grid/detail/hierarchy.hpp>
+#include <cageform/grid/grid_boundary.hpp>
 
 #include <limits>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// A lattice line meets the boundary. In units of the lattice: node i of an axis lies at i.
-template <std::size_t D>
-struct Crossing {
-    std::uint32_t
-        line;        ///< number of the line among those along its axis: the other indices, first axis fastest
-    bool turns;      ///< inside and outside change here (not where the line only touches)
-    double position; ///< along the line
-    BoundaryValue<D> value;
-};
-
-/// Crossings along each axis, sorted by line and position.
-template <std::size_t D>
-using Crossings = std::array<std::vector<Crossing<D>>, D>;
 
 template <std::size_t D>
 void sort_along_lines(std::vector<Crossing<D>>& crossings) {
@@ -29,16 +15,6 @@ void sort_along_lines(std::vector<Crossing<D>>& crossings) {
         return a.line != b.line ? a.line < b.line : a.position < b.position;
     });
 }
-
-/// A node nearer to a crossing than this (in spacings) is on the boundary and no unknown.
-inline constexpr double on_boundary_distance = 1e-9;
-
-/// A node whose value is given.
-template <std::size_t D>
-struct FixedNode {
-    typename NodeRuns<D>::Index index;
-    BoundaryValue<D> value;
-};
 
 /// The unknown nodes of a boundary value problem and their links to the data.
 template <std::size_t D>
@@ -110,15 +86,14 @@ std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handle
 
 /// Nodes inside by the even-odd rule along axis 0, links cut along all axes.
 ///
-///   size     of the lattice, in nodes
-///   nearest  nearest(index): the data of the boundary place nearest to a node; asked only where rounding makes the
-///            lines of different axes disagree
-///   fixed    nodes of the lattice, wherever they lie, that are no unknowns: each at most once, in any order
-///   cost     O(#crossings log #crossings + #rows); nodes outside cost nothing
-template <std::size_t D, class Nearest>
-EmbeddedProblem<D> embed(const typename NodeRuns<D>::Index& size, const Crossings<D>& crossings,
-                         const Nearest& nearest, std::span<const FixedNode<D>> fixed = {}) {
+///   crossings  those of the boundary
+///   cost       O(#crossings log #crossings + #rows); nodes outside cost nothing
+template <EmbeddableBoundary B>
+EmbeddedProblem<B::dimension> embed(const B& boundary, const Crossings<B::dimension>& crossings) {
+    constexpr std::size_t D = B::dimension;
     using Index = typename NodeRuns<D>::Index;
+    const Index size = boundary.lattice().counts();
+    const auto fixed = boundary.fixed_nodes();
     EmbeddedProblem<D> problem;
     NodeRuns<D> nodes(size);
 
@@ -204,8 +179,8 @@ EmbeddedProblem<D> embed(const typename NodeRuns<D>::Index& size, const Crossing
         const Place place{std::uint32_t(nodes.row(there)), there[0]};
         const auto at = std::lower_bound(given.begin(), given.end(), std::pair{place, std::size_t{0}});
         const bool known = at != given.end() && at->first == place;
-        missing.push_back(
-            {{node, std::uint8_t(direction), 1.0}, known ? fixed[at->second].value : nearest(there)});
+        missing.push_back({{node, std::uint8_t(direction), 1.0},
+                           known ? fixed[at->second].value : boundary.nearest(there)});
     });
     cuts.insert(cuts.end(), missing.begin(), missing.end());
     std::sort(cuts.begin(), cuts.end(), before);

@@ -29,6 +29,12 @@ struct CellBox {
         for (const std::size_t c : cells) n *= c;
         return n;
     }
+    /// The cells along each axis, as signed numbers.
+    std::array<std::int32_t, D> counts() const noexcept {
+        std::array<std::int32_t, D> counts;
+        for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(cells[k]);
+        return counts;
+    }
     std::size_t number(const Index& index) const noexcept {
         std::size_t n = 0;
         for (std::size_t k = D; k-- > 0;) n = n * cells[k] + index[k];

@@ -14,6 +14,7 @@ template <Scalar T>
 class MeshBoundary {
 public:
     using Index = NodeRuns<3>::Index;
+    static constexpr std::size_t dimension = 3;
 
     /// Of a TriangleMesh or a CellComplex.
     template <class Cage>
@@ -28,6 +29,7 @@ public:
         for (const auto& facet : cells.facets) faces_.push_back(facet);
     }
 
+    const Lattice<double, 3>& lattice() const noexcept { return lattice_; }
     /// Which lines meet which face is decided in whole numbers (vertices rounded to 2⁻²⁰ of a cell) and, where a line
     /// meets an edge or a vertex, as if all lines lay a little aside, the same for all faces: so every line crosses a
     /// closed mesh an even number of times. O(faces + lines they meet, and the logarithm of that).
@@ -42,7 +44,7 @@ public:
         return all;
     }
     std::vector<FixedNode<3>> fixed_nodes() const { return bones_.nodes(); } ///< within interior cells
-    std::uint32_t too_thin_bone() const noexcept { return bones_.too_thin(); }
+    std::optional<std::uint32_t> too_thin_bone() const noexcept { return bones_.too_thin(); }
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {
         const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};
@@ -62,7 +64,7 @@ public:
     }
 
     /// How far a point can go along an axis, up or down, before it meets the boundary, but no farther than `limit`. O(faces).
-    double free_way(const Vec<double, 3>& p, std::size_t axis, bool up, double limit) const noexcept {
+    double free_distance(const Vec<double, 3>& p, std::size_t axis, bool up, double limit) const noexcept {
         double position = 0;
         BoundaryValue<3> value;
         for (std::uint32_t n = 0; n < faces_.size() + bones_.size(); ++n)
@@ -113,9 +115,8 @@ public:
     /// The stencil of a point strictly inside: trilinear, where the boundary passes the cell as `gather_cut` says, in the mean
     /// of three orders of the axes. Exact for linear functions everywhere; a mean, so never beyond the values it is
     /// made of.
-    CutStencil<3> sample(const Vec<T, 3>& point, const NodeRuns<3>& nodes) const noexcept {
+    CutStencil<3> sample(const Vec<double, 3>& p, const NodeRuns<3>& nodes) const noexcept {
         CutStencil<3> stencil;
-        const auto p = lattice_.in_cells(vec_cast<double>(point));
         std::array<std::int32_t, 3> low{};
         for (std::size_t k = 0; k < 3; ++k) low[k] = std::int32_t(std::floor(p[k]));
         const auto key = cell(low[0], low[1], low[2]);
@@ -247,6 +248,15 @@ private:
     std::vector<Face> faces_;  ///< the boundary's, then the facets inside
     std::size_t outer_ = 0;    ///< of the boundary
     std::vector<Pass> passes_; ///< cell and face, sorted
+};
+
+template <Scalar T>
+struct GridBoundaryOf<TriangleMesh<T>> {
+    using type = MeshBoundary<T>;
+};
+template <Scalar T>
+struct GridBoundaryOf<CellComplex<T, 3>> {
+    using type = MeshBoundary<T>;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

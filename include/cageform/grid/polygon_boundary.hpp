@@ -15,6 +15,7 @@ template <Scalar T>
 class PolygonBoundary {
 public:
     using Index = NodeRuns<2>::Index;
+    static constexpr std::size_t dimension = 2;
 
     /// Of a Polygon or a CellComplex. `lattice.cells` are the nodes along each axis, the first at `origin`.
     template <class Cage>
@@ -30,6 +31,7 @@ public:
         for (const auto& facet : cells.facets) add(facet[0], facet[1], false);
     }
 
+    const Lattice<double, 2>& lattice() const noexcept { return lattice_; }
     /// O(edges + lattice lines they cross, and the logarithm of that).
     Crossings<2> crossings() const {
         Crossings<2> all;
@@ -41,7 +43,7 @@ public:
         return all;
     }
     std::vector<FixedNode<2>> fixed_nodes() const { return bones_.nodes(); } ///< within interior cells
-    std::uint32_t too_thin_bone() const noexcept { return bones_.too_thin(); }
+    std::optional<std::uint32_t> too_thin_bone() const noexcept { return bones_.too_thin(); }
 
     BoundaryValue<2> nearest(const Index& node) const noexcept {
         const Vec<double, 2> p{double(node[0]), double(node[1])};
@@ -60,7 +62,7 @@ public:
     }
 
     /// How far a point can go along an axis, up or down, before it meets the boundary, but no farther than `limit`. O(edges).
-    double free_way(const Vec<double, 2>& p, std::size_t axis, bool up, double limit) const noexcept {
+    double free_distance(const Vec<double, 2>& p, std::size_t axis, bool up, double limit) const noexcept {
         const std::size_t across = 1 - axis;
         for (const Edge& edge : edges_) {
             const double from = edge.a[across], to = edge.b[across];
@@ -122,9 +124,8 @@ public:
     /// boundary's value at that place in its stead. Exact for linear functions everywhere; a mean, so never beyond
     /// the values it is made of. Where the boundary passes the cell, the mean of going along one axis first and of
     /// going along the other first.
-    CutStencil<2> sample(const Vec<T, 2>& point, const NodeRuns<2>& nodes) const noexcept {
+    CutStencil<2> sample(const Vec<double, 2>& p, const NodeRuns<2>& nodes) const noexcept {
         CutStencil<2> stencil;
-        const auto p = lattice_.in_cells(vec_cast<double>(point));
         const auto x = std::int32_t(std::floor(p[0])), y = std::int32_t(std::floor(p[1]));
         const std::pair<std::uint64_t, std::uint32_t> key{cell(x, y), 0};
         const auto first = std::lower_bound(passes_.begin(), passes_.end(), key);
@@ -225,6 +226,15 @@ private:
     GridBones<2> bones_;
     std::vector<Edge> edges_;
     std::vector<Pass> passes_; ///< cell and edge, sorted
+};
+
+template <Scalar T>
+struct GridBoundaryOf<Polygon<T>> {
+    using type = PolygonBoundary<T>;
+};
+template <Scalar T>
+struct GridBoundaryOf<CellComplex<T, 2>> {
+    using type = PolygonBoundary<T>;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

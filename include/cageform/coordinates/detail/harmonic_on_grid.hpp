@@ -15,27 +15,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// What a cage is on a lattice.
-template <class Cage>
-struct GridBoundary;
-template <Scalar T>
-struct GridBoundary<Polygon<T>> {
-    using type = PolygonBoundary<T>;
-};
-template <Scalar T>
-struct GridBoundary<Box<T>> {
-    using type = BoxBoundary<T>;
-};
-template <Scalar T>
-struct GridBoundary<TriangleMesh<T>> {
-    using type = MeshBoundary<T>;
-};
-
-template <Scalar T>
-struct GridBoundary<CellComplex<T, 2>> : GridBoundary<Polygon<T>> {};
-template <Scalar T>
-struct GridBoundary<CellComplex<T, 3>> : GridBoundary<TriangleMesh<T>> {};
-
 template <class Cage>
 class HarmonicOnGrid {
 public:
@@ -100,7 +79,7 @@ public:
     }
 
 private:
-    using Boundary = typename GridBoundary<Cage>::type;
+    using Boundary = typename GridBoundaryOf<Cage>::type;
 
     /// Sixteen functions: at the nodes, and what they have of each corner's.
     struct Functions {
@@ -116,10 +95,7 @@ private:
              Boundary with, bool with_corners, double tolerance)
             : lattice(with_lattice)
             , boundary(std::move(with))
-            , problem(embed<D>(
-                  node_counts(lattice), crossings,
-                  [this](const auto& node) { return boundary.nearest(node); },
-                  std::span<const FixedNode<D>>(boundary.fixed_nodes())))
+            , problem(embed(boundary, crossings))
             , corners(with_corners ? corners_of(from, lattice, problem) : CornerFunctions())
             , multigrid(problem.nodes, problem.cuts, corners.sources())
             , groups((from.size() + Multigrid<D>::width - 1) / Multigrid<D>::width) {
@@ -138,11 +114,6 @@ private:
         std::vector<Functions> kept;          ///< by group
     };
 
-    static typename NodeRuns<D>::Index node_counts(const Lattice<double, D>& lattice) noexcept {
-        typename NodeRuns<D>::Index counts;
-        for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(lattice.cells[k]);
-        return counts;
-    }
     /// Of polygons alone.
     static CornerFunctions corners_of([[maybe_unused]] const Cage& cage,
                                       [[maybe_unused]] const Lattice<double, D>& lattice,
@@ -185,7 +156,7 @@ private:
         const auto crossings = boundary.crossings();
         const auto first_unseen = [&](const Boundary& of, const Crossings<D>& its) {
             auto seen = seen_handles<D>(its, cage_.size());
-            if (const auto thin = of.too_thin_bone(); thin < cage_.size()) seen[thin] = false;
+            if (const auto thin = of.too_thin_bone()) seen[*thin] = false;
             for (const CageFault& fault : report_.faults) { // warnings
                 if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
             }
@@ -390,10 +361,11 @@ private:
             const auto p = block_point<D>(points, i);
             states[i] = state_of(grid, p);
             if (states[i] == PointState::inside) {
-                stencil = grid.boundary.sample(p, grid.problem.nodes);
+                const auto cells_of_p = grid.lattice.in_cells(vec_cast<double>(p));
+                stencil = grid.boundary.sample(cells_of_p, grid.problem.nodes);
                 if constexpr (D == 2) {
-                    const auto correction = grid.corners.correction(
-                        grid.lattice.in_cells(vec_cast<double>(p)), stencil, [&](std::uint32_t node) {
+                    const auto correction =
+                        grid.corners.correction(cells_of_p, stencil, [&](std::uint32_t node) {
                             const auto index = grid.problem.nodes.index(node);
                             return Vec<double, 2>{double(index[0]), double(index[1])};
                         });
@@ -481,7 +453,7 @@ private:
             for (std::size_t axis = 0; axis < D; ++axis) {
                 std::array<double, 2> way{};
                 for (const bool up : {false, true}) {
-                    const double cells = grid.boundary.free_way(cells_of_p, axis, up, 1.0);
+                    const double cells = grid.boundary.free_distance(cells_of_p, axis, up, 1.0);
                     auto q = p;
                     q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * grid.lattice.spacing);
                     way[up ? 1 : 0] = std::fabs(double(q[axis]) - double(p[axis])); // as rounded
@@ -538,7 +510,8 @@ private:
             const auto cells_of_q = grid.lattice.in_cells(vec_cast<double>(q));
             double least = 1;
             for (std::size_t k = 0; k < D; ++k) {
-                for (const bool up : {false, true}) least = grid.boundary.free_way(cells_of_q, k, up, least);
+                for (const bool up : {false, true})
+                    least = grid.boundary.free_distance(cells_of_q, k, up, least);
             }
             if (least <= most) continue;
             most = least;

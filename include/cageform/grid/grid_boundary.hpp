@@ -1,0 +1,82 @@
+// What a boundary has to tell, so that a problem can be laid into a lattice and be sampled between the nodes.
+//
+// A boundary of another kind is a class in a file of its own and a specialisation of GridBoundaryOf for its cages.
+#pragma once
+
+#include <cageform/cage/boundary_value.hpp>
+#include <cageform/grid/cut_stencil.hpp>
+#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/node_runs.hpp>
+
+#include <concepts>
+#include <optional>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A lattice line meets the boundary. In units of the lattice: node i of an axis lies at i.
+template <std::size_t D>
+struct Crossing {
+    std::uint32_t
+        line;        ///< number of the line among those along its axis: the other indices, first axis fastest
+    bool turns;      ///< inside and outside change here (not where the line only touches)
+    double position; ///< along the line
+    BoundaryValue<D> value;
+};
+
+/// Crossings along each axis, sorted by line and position.
+template <std::size_t D>
+using Crossings = std::array<std::vector<Crossing<D>>, D>;
+
+/// A node nearer to a crossing than this (in spacings) is on the boundary and no unknown.
+inline constexpr double on_boundary_distance = 1e-9;
+
+/// A node whose value is given.
+template <std::size_t D>
+struct FixedNode {
+    typename NodeRuns<D>::Index index;
+    BoundaryValue<D> value;
+};
+
+/// A boundary that `embed` can lay into a lattice. All positions and distances are in units of the lattice.
+///
+///   lattice()        the lattice; its cells are the nodes along each axis, the first at its origin
+///   crossings()      with the lattice lines, sorted; along every line the turning ones are even in number
+///   nearest(node)    the data of the boundary place nearest to a node
+///   fixed_nodes()    nodes of the lattice, wherever they lie, that are no unknowns: each at most once, in any order
+///   too_thin_bone()  a handle that the lattice is too coarse for, whatever its crossings say
+template <class B>
+concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns<B::dimension>::Index& node) {
+    { boundary.lattice() } -> std::convertible_to<const Lattice<double, B::dimension>&>;
+    { boundary.crossings() } -> std::same_as<Crossings<B::dimension>>;
+    { boundary.nearest(node) } -> std::same_as<BoundaryValue<B::dimension>>;
+    { boundary.fixed_nodes() } -> std::same_as<std::vector<FixedNode<B::dimension>>>;
+    { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
+};
+
+/// A boundary between whose nodes values can be read, right up to it. All positions and distances are in units of the lattice.
+///
+///   index_cells(slack)                   prepares the others; places as near to the boundary as `slack` count as on it
+///   is_cut(low)                          whether the boundary may pass the cell with this lower corner
+///   sample(p, nodes)                     the stencil of a place strictly inside: a mean of nodes and boundary places that
+///                                        is exact for linear functions
+///   free_distance(p, axis, up, limit)    from `p` along an axis, up or down, to the boundary; at most `limit`
+template <class B>
+concept SampledBoundary = requires(B& prepared, const B& boundary,
+                                   const typename NodeRuns<B::dimension>::Index& low,
+                                   const Vec<double, B::dimension>& p, const NodeRuns<B::dimension>& nodes,
+                                   double length) {
+    prepared.index_cells(length);
+    { boundary.is_cut(low) } -> std::same_as<bool>;
+    { boundary.sample(p, nodes) } -> std::same_as<CutStencil<B::dimension>>;
+    { boundary.free_distance(p, std::size_t{0}, true, length) } -> std::same_as<double>;
+};
+
+/// All that a solver on a grid asks of a boundary.
+template <class B>
+concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
+
+/// `type` is what a kind of cage is on a lattice, made from the cage and the lattice; left out for other types.
+template <class Cage>
+struct GridBoundaryOf;
+
+} // namespace cageform::inline CAGEFORM_ABI
