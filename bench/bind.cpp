@@ -3,10 +3,10 @@
 // Beside mean value: the plain textbook loop (no boundary cases, no report), and the time it takes to merely
 // write as many weights, which no bind can beat. Beside harmonic coordinates in space: the bare solve
 // of their equations.
-#include "solve.hpp"
 #include "workloads.hpp"
 
 #include <cageform/cageform.hpp>
+#include <cageform/grid/multigrid_groups.hpp>
 
 #include <benchmark/benchmark.h>
 
@@ -235,26 +235,25 @@ struct MeshProblem {
         equations = cageform::embed(boundary, boundary.crossings());
     }
 
-    /// All functions, sixteen by sixteen, each block's values lost to the next; returns the most cycles.
+    /// All functions, each block's values lost to the next; returns the most cycles.
     std::size_t solve() const {
         const cageform::Multigrid<3> multigrid(equations.nodes, equations.cuts, {});
         const auto slots = multigrid.source_slots();
-        auto block = multigrid.make_block();
-        std::size_t cycles = 0;
-        for (std::size_t first = 0; first < functions; first += multigrid.width) {
-            for (auto& row : block.source) row.fill(0.0);
+        const auto fill = [&](std::size_t first, std::size_t count, auto& source) {
             for (std::size_t c = 0; c < equations.cuts.size(); ++c) {
                 const auto& [handle, weight] = equations.values[c];
                 for (std::size_t n = 0; n < handle.size(); ++n) {
-                    if (handle[n] < first || handle[n] >= first + multigrid.width) continue;
-                    block.source[slots[equations.cuts[c].node]][handle[n] - first] +=
+                    if (handle[n] < first || handle[n] >= first + count) continue;
+                    source[slots[equations.cuts[c].node]][handle[n] - first] +=
                         equations.cuts[c].weight * weight[n];
                 }
             }
-            cycles = std::max(cycles, run_cycles(multigrid, block));
-            benchmark::DoNotOptimize(block.value(0));
-        }
-        return cycles;
+        };
+        const cageform::MultigridGroups groups{multigrid, cageform::CycleGoal{functions, 1e-6, 60}, fill};
+        cageform::SolverReport report;
+        (void)solve_groups(groups, report,
+                           [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); });
+        return report.cycles;
     }
 
     std::size_t functions;

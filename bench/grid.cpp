@@ -4,15 +4,12 @@
 // cells around them, as on the staircase grids of the papers. Beside the multigrid (to an estimated error of 1e-6): the
 // papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), CHOLMOD's factorisation
 // where it is installed, and what it takes to move the memory of the solution once.
-#include "solve.hpp"
-
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/averaging_pyramid.hpp>
-#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/multigrid_groups.hpp>
 
 #include <benchmark/benchmark.h>
 
-#include <atomic>
 #include <numeric>
 
 #if defined(CAGEFORM_BENCH_CHOLMOD)
@@ -89,47 +86,32 @@ private:
     }
 };
 
-/// Functions first … of a block solved to 1e-6; returns the cycles.
-template <std::size_t D>
-std::size_t solve_block(const Problem<D>& problem, const Multigrid<D>& multigrid,
-                        const std::vector<std::uint32_t>& slot, std::size_t first,
-                        typename Multigrid<D>::Block& block) {
-    const std::size_t count = std::min(Multigrid<D>::width, problem.functions - first);
-    for (auto& row : block.source) row.fill(0.0);
-    for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
-        auto& row = block.source[slot[problem.cuts[c].node]];
-        for (std::size_t k = 0; k < count; ++k) row[k] += problem.data(first + k, c);
-    }
-    return cageform_bench::run_cycles(multigrid, block);
-}
-
 template <std::size_t D>
 void multigrid(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
-    const cageform::ThreadedFor threads{unsigned(state.range(1))};
-    constexpr std::size_t groups = (Problem<D>::functions + Multigrid<D>::width - 1) / Multigrid<D>::width;
+    cageform::Running running;
+    if (state.range(1) > 1) running.parallel = cageform::ThreadedFor{unsigned(state.range(1))};
+    cageform::SolverReport report;
     std::size_t bytes = 0;
-    std::atomic<std::size_t> cycles{0};
     for (auto _ : state) {
         const Multigrid<D> solver(problem.nodes, problem.cuts, {});
         const auto slot = solver.source_slots();
-        cycles = 0;
-        const auto solve_groups = [&](std::size_t begin, std::size_t end) {
-            auto block = solver.make_block();
-            for (std::size_t group = begin; group < end; ++group) {
-                cycles += solve_block(problem, solver, slot, group * Multigrid<D>::width, block);
-                benchmark::DoNotOptimize(block.value(0));
+        const auto fill = [&](std::size_t first, std::size_t count, auto& source) {
+            for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
+                auto& row = source[slot[problem.cuts[c].node]];
+                for (std::size_t k = 0; k < count; ++k) row[k] += problem.data(first + k, c);
             }
         };
-        if (state.range(1) == 1) {
-            solve_groups(0, groups);
-        } else {
-            threads(groups, 1, solve_groups);
-        }
+        const cageform::MultigridGroups groups{solver, cageform::CycleGoal{problem.functions, 1e-6, 60},
+                                               fill};
+        const auto use = [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); };
+        report = {};
+        if (solve_groups(groups, report, use, running) != cageform::Status::ok)
+            state.SkipWithError("did not converge");
         bytes = solver.bytes() + std::size_t(state.range(1)) * solver.block_bytes();
     }
     state.counters["unknowns"] = double(problem.nodes.count());
-    state.counters["cycles"] = double(cycles) / double(groups);
+    state.counters["cycles"] = double(report.cycles);
     state.counters["MB"] = double(bytes) / 1e6;
 }
 

@@ -9,39 +9,46 @@ namespace cageform::inline CAGEFORM_ABI {
 struct SolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
 
+    // Of every solver.
     std::size_t cells = 0;  ///< unknowns of one function
-    std::size_t cycles = 0; ///< of the multigrid, the most that a function took
-    double convergence_factor =
-        0; ///< error after a multigrid cycle over that before, the worst met above the tolerance
-    double error_estimate = 0; ///< of the discrete solution: what the multigrid stops on (grid/multigrid.hpp)
-    double error_bound = 0;    ///< the same by the maximum principle alone, far above it
-    std::size_t bytes = 0;     ///< of the hierarchy and one block of functions
-    std::size_t unseen_handle = none;      ///< with Status::grid_too_coarse: the first that no node feels,
-    std::size_t sufficient_resolution = 0; ///< and a resolution at which all are felt; 0: none is offered
-    std::size_t culprit = none;     ///< with rim_not_given or value_not_finite of solve_dirichlet: where
-    std::size_t crowded_cells = 0;  ///< cells that hold edges which do not share a vertex: the grid is
-                                    ///< too coarse to tell them apart
-    std::size_t solves = 0;         ///< functions solved
-    std::size_t sweeps = 0;         ///< of the averaging solver on the finest grid, over all functions
-    std::size_t unconverged = 0;    ///< functions whose tolerance was not met
-    double largest_mean_change = 0; ///< of the averaging solver's last sweep, over all functions
-    double seconds = 0;             ///< wall-clock time
+    std::size_t solves = 0; ///< functions solved
+    std::size_t unconverged =
+        0;                 ///< functions whose tolerance was not met when a solve ended with not_converged
+    std::size_t bytes = 0; ///< of what all functions share and of one group of functions
+    double seconds = 0;    ///< wall-clock time of solving, and of sampling what is not kept
 
-    /// Adds what the solver did for other functions: counts and times add up, of the rest the worst is kept. Culprits and
-    /// unseen handles are left as they are.
+    // Of the multigrid, the worst over all functions (grid/multigrid.hpp).
+    std::size_t cycles = 0;
+    double convergence_factor =
+        0;                     ///< error after a cycle over that before, where that is above the tolerance
+    double error_estimate = 0; ///< of the discrete solution: what the cycles stop on
+    double error_bound = 0;    ///< the same by the maximum principle alone, far above it
+
+    // Of the averaging pyramid (grid/averaging_pyramid.hpp).
+    std::size_t sweeps = 0;         ///< on the finest grid, over all functions
+    double largest_mean_change = 0; ///< of the last sweep, over all functions
+    std::size_t crowded_cells = 0;  ///< cells that hold edges without a common vertex: the grid is too coarse
+
+    // Of what is refused.
+    std::size_t unseen_handle = none;      ///< grid_too_coarse: the first handle that no node feels
+    std::size_t sufficient_resolution = 0; ///< and a resolution at which all are felt; 0: none is offered
+    std::size_t culprit = none; ///< rim_not_given, value_not_finite: the place (grid/dirichlet.hpp)
+
+    /// Adds what was done for other functions: counts and times add up, of the rest the worst is kept. What is
+    /// refused stays as it is.
     void add(const SolverReport& part) noexcept {
         cells += part.cells;
+        solves += part.solves;
+        unconverged += part.unconverged;
+        bytes = std::max(bytes, part.bytes);
+        seconds += part.seconds;
         cycles = std::max(cycles, part.cycles);
         convergence_factor = std::max(convergence_factor, part.convergence_factor);
         error_estimate = std::max(error_estimate, part.error_estimate);
         error_bound = std::max(error_bound, part.error_bound);
-        bytes = std::max(bytes, part.bytes);
-        crowded_cells += part.crowded_cells;
-        solves += part.solves;
         sweeps += part.sweeps;
-        unconverged += part.unconverged;
         largest_mean_change = std::max(largest_mean_change, part.largest_mean_change);
-        seconds += part.seconds;
+        crowded_cells += part.crowded_cells;
     }
 };
 
@@ -50,5 +57,17 @@ struct Evaluation {
     Status status = Status::ok;
     SolverReport solver;
 };
+
+namespace detail {
+
+/// Runs f(report), which returns a Status, under the memory guard.
+template <class F>
+Evaluation guarded_evaluation(const F& f) {
+    Evaluation evaluation;
+    evaluation.status = guard_memory([&] { return f(evaluation.solver); });
+    return evaluation;
+}
+
+} // namespace detail
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -5,13 +5,11 @@
 #include <cageform/coordinates/harmonic_options.hpp>
 #include <cageform/grid/box_boundary.hpp>
 #include <cageform/grid/corner_functions.hpp>
-#include <cageform/grid/detail/group_progress.hpp>
 #include <cageform/grid/mesh_boundary.hpp>
+#include <cageform/grid/multigrid_groups.hpp>
 #include <cageform/grid/polygon_boundary.hpp>
 
-#include <chrono>
 #include <memory>
-#include <mutex>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -40,15 +38,13 @@ public:
         Status status = make_grid(grid, report);
         if (status != Status::ok) return status;
         grid->kept.resize(grid->groups);
-        status = solve_groups(*grid, report, options,
-                              [&](std::size_t group, const typename Multigrid<D>::Block& block,
-                                  const CornerFunctions::Coefficients& at_corners) {
-                                  auto& kept = grid->kept[group];
-                                  kept.at_corners = at_corners;
-                                  kept.values.reserve(grid->multigrid.unknowns());
-                                  for (std::uint32_t n = 0; n < grid->multigrid.unknowns(); ++n)
-                                      kept.values.push_back(block.value(n));
-                              });
+        status = solve_groups(*grid, report, options, [&](std::size_t group, const Block& block) {
+            auto& kept = grid->kept[group];
+            kept.at_corners = block.at_corners;
+            kept.values.reserve(grid->multigrid.unknowns());
+            for (std::uint32_t n = 0; n < grid->multigrid.unknowns(); ++n)
+                kept.values.push_back(block.value(n));
+        });
         if (status != Status::ok) return status;
         kept_grid_ = grid;
         kept_report_ = report;
@@ -179,85 +175,56 @@ private:
         return Status::ok;
     }
 
-    /// Solves group after group and hands each to take(group, block, at_corners), on the threads of `options`.
+    /// The memory of one group of functions.
+    struct Block {
+        typename Multigrid<D>::Block functions;
+        CornerFunctions::Coefficients at_corners;
+
+        typename Multigrid<D>::Values value(std::uint32_t node) const noexcept {
+            return functions.value(node);
+        }
+    };
+    /// The functions as solve_groups takes them.
+    struct Groups {
+        using Block = HarmonicOnGrid::Block;
+        const HarmonicOnGrid& cage;
+        const Grid& grid;
+
+        std::size_t groups() const noexcept { return grid.groups; }
+        Block make_block() const { return {grid.multigrid.make_block(), {}}; }
+        Status solve(std::size_t group, Block& block, GroupWork& work) const {
+            return cage.solve_group(grid, group, block, work);
+        }
+    };
     template <class Take>
-    Status solve_groups(const Grid& grid, SolverReport& report, const Running& options,
+    Status solve_groups(const Grid& grid, SolverReport& report, const Running& running,
                         const Take& take) const {
-        const auto start = std::chrono::steady_clock::now();
-        GroupProgress progress(options.progress, grid.groups);
-        std::mutex report_access;
-        std::vector<typename Multigrid<D>::Block> spare; // as many as threads at work together
-        in_parallel(options, grid.groups, 1, [&](std::size_t begin, std::size_t end) {
-            typename Multigrid<D>::Block block;
-            {
-                const std::lock_guard lock(report_access);
-                if (!spare.empty()) {
-                    block = std::move(spare.back());
-                    spare.pop_back();
-                }
-            }
-            if (block.empty()) block = grid.multigrid.make_block();
-            for (std::size_t group = begin; group < end && !progress.cancelled(); ++group) {
-                SolverReport part;
-                CornerFunctions::Coefficients at_corners;
-                if (!solve_group(grid, group, block, at_corners, part, progress)) return;
-                take(group, block, at_corners);
-                progress.end_group();
-                const std::lock_guard lock(report_access);
-                report.add(part);
-            }
-            const std::lock_guard lock(report_access);
-            spare.push_back(std::move(block));
-        });
-        report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (progress.cancelled()) return Status::cancelled;
-        return report.unconverged > 0 ? Status::not_converged : Status::ok;
+        return cageform::solve_groups(Groups{*this, grid}, report, take, running);
     }
 
-    /// Functions 16·group …; false when cancelled.
-    bool solve_group(const Grid& grid, std::size_t group, typename Multigrid<D>::Block& block,
-                     CornerFunctions::Coefficients& at_corners, SolverReport& report,
-                     GroupProgress& progress) const {
+    /// Functions 16·group ….
+    Status solve_group(const Grid& grid, std::size_t group, Block& block, GroupWork& work) const {
         constexpr std::size_t width = Multigrid<D>::width;
         const std::size_t first = group * width, count = std::min(width, cage_.size() - first);
-        for (auto& values : block.source) values.fill(0.0);
+        auto& source = block.functions.source;
+        for (auto& values : source) values.fill(0.0);
         for (std::size_t c = 0; c < grid.problem.cuts.size(); ++c) {
             const auto& value = grid.problem.values[c];
             for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
                 if (value.handle[n] < first || value.handle[n] >= first + count) continue;
-                block.source[grid.cut_slots[c]][value.handle[n] - first] +=
+                source[grid.cut_slots[c]][value.handle[n] - first] +=
                     grid.problem.cuts[c].weight * value.weight[n];
             }
         }
-        const auto largest = [&](const typename Multigrid<D>::Values& values) {
-            return *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(count));
-        };
-        at_corners = grid.corners.start(first, block.source);
-        auto error = grid.multigrid.start(block);
-        double before = 0;
-        for (;;) {
-            report.error_estimate = largest(error.estimate);
-            if (report.cycles > 1 && before > options_.multigrid.tolerance)
-                report.convergence_factor =
-                    std::max(report.convergence_factor, report.error_estimate / before);
+        block.at_corners = grid.corners.start(first, source);
+        const CycleGoal goal{count, options_.multigrid.tolerance, options_.multigrid.max_cycles};
+        return run_cycles(grid.multigrid, block.functions, goal, work, [&] {
             // The corners' coefficients follow the solution and the solution them.
-            const auto fitted = grid.corners.fit(first, block, at_corners);
-            const double change = grid.corners.difference(fitted, at_corners);
-            Multigrid<D>::disturb(block, grid.corners.replace(at_corners, fitted, block.source));
-            if (block.is_refined() && std::max(report.error_estimate, change) <= options_.multigrid.tolerance)
-                break;
-            if (report.cycles == options_.multigrid.max_cycles) {
-                report.unconverged = count;
-                break;
-            }
-            if (!progress.keep_going(double(report.cycles) / double(report.cycles + 4))) return false;
-            before = report.error_estimate + change; // the new coefficients move the solution as well
-            error = grid.multigrid.cycle(block);
-            ++report.cycles;
-        }
-        report.error_bound = largest(error.bound);
-        report.solves = count;
-        return true;
+            const auto fitted = grid.corners.fit(first, block, block.at_corners);
+            const double change = grid.corners.difference(fitted, block.at_corners);
+            Multigrid<D>::disturb(block.functions, grid.corners.replace(block.at_corners, fitted, source));
+            return change;
+        });
     }
 
     /// use(grid) with the functions kept, or to be solved now.
@@ -325,12 +292,10 @@ private:
                     return Status::cancelled;
             }
         } else if (!stencils.empty()) {
-            status = solve_groups(grid, report, options,
-                                  [&](std::size_t group, const typename Multigrid<D>::Block& block,
-                                      const CornerFunctions::Coefficients& at_corners) {
-                                      for (std::size_t n = 0; n < stencils.size(); ++n)
-                                          sample_piece(n, group, block, at_corners);
-                                  });
+            status = solve_groups(grid, report, options, [&](std::size_t group, const Block& block) {
+                for (std::size_t n = 0; n < stencils.size(); ++n)
+                    sample_piece(n, group, block, block.at_corners);
+            });
         }
         if (status != Status::ok) return status;
         for (const Stencils& some : stencils) {

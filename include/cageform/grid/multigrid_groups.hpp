@@ -1,0 +1,79 @@
+// Functions solved by the multigrid, sixteen at a time: cycles until their errors are small enough.
+#pragma once
+
+#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/solve_groups.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// When the cycles of some functions end.
+struct CycleGoal {
+    std::size_t functions;
+    double tolerance; ///< of the error of each, by its estimate
+    std::size_t max_cycles;
+};
+
+/// Solves a block whose source is set.
+///
+///   goal     of the block's first functions; the others are not looked at
+///   between  between() is called before every cycle and after the last. It may change the source, and returns by how much
+///            that moves the solution; the goal is met only when that is within the tolerance as well
+///   fails    not_converged, cancelled
+template <std::size_t D, class Between>
+Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, const CycleGoal& goal,
+                  GroupWork& work, const Between& between) {
+    const auto largest = [&](const typename Multigrid<D>::Values& values) {
+        return *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(goal.functions));
+    };
+    SolverReport& report = work.report;
+    report.solves = goal.functions;
+    auto error = multigrid.start(block);
+    double before = 0;
+    for (;;) {
+        report.error_estimate = largest(error.estimate);
+        report.error_bound = largest(error.bound);
+        if (report.cycles > 1 && before > goal.tolerance)
+            report.convergence_factor = std::max(report.convergence_factor, report.error_estimate / before);
+        const double change = between();
+        if (block.is_refined() && std::max(report.error_estimate, change) <= goal.tolerance)
+            return Status::ok;
+        if (report.cycles == goal.max_cycles) {
+            report.unconverged = goal.functions;
+            return Status::not_converged;
+        }
+        if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
+        before = report.error_estimate + change;
+        error = multigrid.cycle(block);
+        ++report.cycles;
+    }
+}
+
+/// Functions given by their right-hand sides, as solve_groups takes them.
+///
+///   goal   of all functions
+///   fill   fill(first, count, source) adds the right-hand sides of functions first … first + count − 1 to the block's
+///          source, which is zero
+template <std::size_t D, class Fill>
+struct MultigridGroups {
+    using Block = typename Multigrid<D>::Block;
+    static constexpr std::size_t width = Multigrid<D>::width;
+
+    const Multigrid<D>& multigrid;
+    CycleGoal goal;
+    Fill fill;
+
+    std::size_t groups() const noexcept { return (goal.functions + width - 1) / width; }
+    Block make_block() const { return multigrid.make_block(); }
+
+    Status solve(std::size_t group, Block& block, GroupWork& work) const {
+        const std::size_t first = group * width, count = std::min(width, goal.functions - first);
+        for (auto& row : block.source) row.fill(0.0);
+        fill(first, count, block.source);
+        const CycleGoal here{count, goal.tolerance, goal.max_cycles};
+        return run_cycles(multigrid, block, here, work, [] { return 0.0; });
+    }
+};
+template <std::size_t D, class Fill>
+MultigridGroups(const Multigrid<D>&, CycleGoal, Fill) -> MultigridGroups<D, Fill>;
+
+} // namespace cageform::inline CAGEFORM_ABI

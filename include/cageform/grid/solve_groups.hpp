@@ -1,0 +1,120 @@
+// The one driver of solves: functions in groups, on the caller's threads, with progress, cancel and a report.
+#pragma once
+
+#include <cageform/grid/evaluation.hpp>
+
+#include <atomic>
+#include <concepts>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Progress of groups that are solved on several threads. Made on the calling thread, which alone asks the caller.
+class GroupProgress {
+public:
+    GroupProgress(const Progress& progress, std::size_t groups)
+        : progress_(progress)
+        , groups_(groups) {}
+
+    bool stopped() const noexcept { return stopped_; }
+    void stop() noexcept { stopped_ = true; } ///< on every thread
+
+    /// `part` of the group at hand is done; false when to stop.
+    bool keep_going(double part) {
+        if (std::this_thread::get_id() == caller_ && progress_ && !stopped_) {
+            told_ = std::max(told_, (double(done_) + part) / double(groups_));
+            if (!progress_(told_)) stopped_ = true;
+        }
+        return !stopped_;
+    }
+    bool end_group() {
+        ++done_;
+        return keep_going(0);
+    }
+
+private:
+    const Progress& progress_;
+    std::size_t groups_;
+    std::thread::id caller_ = std::this_thread::get_id();
+    std::atomic<std::size_t> done_{0};
+    std::atomic<bool> stopped_{false};
+    double told_ = 0;
+};
+
+} // namespace detail
+
+/// What a solver is handed with each group of functions.
+struct GroupWork {
+    detail::GroupProgress& progress;
+    SolverReport report{}; ///< out: what was done for this group
+
+    /// `part` of the group is done, in [0, 1]; false when to stop.
+    bool keep_going(double part) const { return progress.keep_going(part); }
+};
+
+/// What solve_groups drives: functions that are solved in groups, no group knowing of another.
+///
+///   Block                      the memory that a group is solved in; made once a thread, used for one group after another
+///   groups()                   their number
+///   solve(group, block, work)  solves the functions of a group; ok, not_converged, or cancelled when work.keep_going(),
+///                              asked now and then, says so
+template <class S>
+concept GroupSolver = requires(const S& solver, typename S::Block& block, std::size_t group,
+                               GroupWork& work) {
+    { solver.groups() } -> std::convertible_to<std::size_t>;
+    { solver.make_block() } -> std::same_as<typename S::Block>;
+    { solver.solve(group, block, work) } -> std::same_as<Status>;
+};
+
+/// Solves all groups and hands each to take(group, block), on the thread that solved it.
+///
+///   report    out: what was done for each group is added
+///   running   its progress is asked on the calling thread, which has to take part in the work; its parallel_for shares
+///             out the groups
+///   fails     cancelled, or as the first group that fails, which ends the solve
+template <GroupSolver S, class Take>
+Status solve_groups(const S& solver, SolverReport& report, const Take& take, const Running& running = {}) {
+    using Block = typename S::Block;
+    const auto start = std::chrono::steady_clock::now();
+    detail::GroupProgress progress(running.progress, solver.groups());
+    Status status = Status::ok;
+    std::vector<Block> spare; // as many as threads at work together
+    std::mutex access;        // to both, and to the report
+    const auto borrow_block = [&]() -> Block {
+        {
+            const std::lock_guard lock(access);
+            if (!spare.empty()) {
+                Block block = std::move(spare.back());
+                spare.pop_back();
+                return block;
+            }
+        }
+        return solver.make_block();
+    };
+    detail::in_parallel(running, solver.groups(), 1, [&](std::size_t begin, std::size_t end) {
+        Block block = borrow_block();
+        for (std::size_t group = begin; group < end && !progress.stopped(); ++group) {
+            GroupWork work{progress};
+            Status outcome = solver.solve(group, block, work);
+            if (outcome == Status::ok) {
+                take(group, block);
+                if (!progress.end_group()) outcome = Status::cancelled;
+            }
+            const std::lock_guard lock(access);
+            report.add(work.report);
+            if (outcome == Status::ok) continue;
+            if (status == Status::ok) status = outcome;
+            progress.stop();
+        }
+        const std::lock_guard lock(access);
+        spare.push_back(std::move(block));
+    });
+    report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return status;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
