@@ -8,7 +8,7 @@
 
 #include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/pack.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
@@ -232,10 +232,11 @@ void clone_with_normals(benchmark::State& state) {
     const cageform::MeanValueCoordinates<T, 3> coordinates(cageform_bench::bumpy112<T>());
     const auto [axes, report] = cageform::bind_jacobians(coordinates, bumpy.figure);
     if (report.status != cageform::Status::ok) return state.SkipWithError(to_string(report.status));
+    const std::array tangents{axes[0].view(), axes[1].view()};
     typename Bumpy<T>::Points out(bumpy.figure.size()), normals = out;
     for (auto _ : state) {
         if (cageform::clone(bumpy.binding, bumpy.bent, out) != cageform::Status::ok ||
-            cageform::clone_normals(axes[0], axes[1], bumpy.bent, normals) != cageform::Status::ok)
+            cageform::clone_normals(tangents, bumpy.bent, normals) != cageform::Status::ok)
             state.SkipWithError("not cloned");
         benchmark::ClobberMemory();
     }

@@ -1,7 +1,7 @@
 // 9. What a game ships: a sparse binding in one piece of memory, opened where it lies.
 #include <cageform/binding/pack.hpp>
 #include <cageform/cageform.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <array>
 #include <cmath>

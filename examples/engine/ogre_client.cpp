@@ -11,7 +11,7 @@
 
 #include <cageform/animate/clip.hpp>
 #include <cageform/binding/blob.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/clone/normals.hpp>
 
 #include <CLI/CLI.hpp>
@@ -104,7 +104,7 @@ public:
             return cageform::StridedPoints<float, 3>(first, out.size(), sizeof(Vertex));
         };
         check(clone(figure_.points, pose_, view(out[0].position)));
-        check(clone_normals(figure_.tangents[0], figure_.tangents[1], pose_, view(out[0].normal)));
+        check(clone_normals(figure_.tangents, pose_, view(out[0].normal)));
     }
 
 private:

@@ -6,6 +6,7 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/bind_vectors.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/blended.hpp>

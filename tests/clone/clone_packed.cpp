@@ -17,7 +17,7 @@ template <class T, std::size_t D>
 std::vector<Vec<T, D>> cloned(const PackedBindingView<T, D>& binding, const std::vector<Vec<T, D>>& pose,
                               const CloneOptions<T>& options = {}) {
     std::vector<Vec<T, D>> out(binding.point_count());
-    REQUIRE(cageform::clone(binding, pose, out, cageform::SerialFor{}, options) == Status::ok);
+    REQUIRE(cageform::clone(binding, pose, out, options) == Status::ok);
     return out;
 }
 
@@ -70,7 +70,18 @@ TEMPLATE_TEST_CASE("a binding taken as a packed one clones the same bits", "[clo
     CHECK(cloned(PackedBindingView<T, 3>(binding.view()), pose) == cageform_tests::cloned(binding, pose));
     const auto [packed, report] = cageform::pack(binding);
     REQUIRE(report.status == Status::ok);
-    CHECK(cloned(packed.view(), pose) == cageform_tests::cloned(binding, pose));
+    std::vector<Vec<T, 3>> of_owner(1000);
+    CHECK(cageform::clone(packed, pose, of_owner) == Status::ok);
+    CHECK(of_owner == cageform_tests::cloned(binding, pose));
+}
+
+TEST_CASE("clone takes owners and views of bindings, and nothing else", "[clone][packed][concept]") {
+    STATIC_REQUIRE(cageform::AnyBinding<cageform::Binding<float, 2>>);
+    STATIC_REQUIRE(cageform::AnyBinding<cageform::BindingView<double, 3>>);
+    STATIC_REQUIRE(cageform::AnyBinding<cageform::PackedBinding<double, 1>>);
+    STATIC_REQUIRE(cageform::AnyBinding<PackedBindingView<float, 3>>);
+    STATIC_REQUIRE(!cageform::AnyBinding<int>);
+    STATIC_REQUIRE(!cageform::AnyBinding<std::vector<Vec<float, 3>>>);
 }
 
 TEMPLATE_TEST_CASE("packed bindings at rest give the bound points bit for bit", "[clone][packed][rest]",
@@ -115,10 +126,10 @@ TEMPLATE_TEST_CASE("a mask scales displacements, and clones onto an output add u
     const auto full_packed = cloned(packed.view(), pose);
     const auto check = [&](const auto& view, const auto& whole) {
         std::vector<Vec<T, 3>> out(points), twice;
-        REQUIRE(cageform::clone(view, pose, out, cageform::SerialFor{}, masked) == Status::ok);
+        REQUIRE(cageform::clone(view, pose, out, masked) == Status::ok);
         CHECK(out[0] == binding.rest_point(0));
         twice = out;
-        REQUIRE(cageform::clone(view, pose, twice, cageform::SerialFor{}, added) == Status::ok);
+        REQUIRE(cageform::clone(view, pose, twice, added) == Status::ok);
         for (std::size_t i = 0; i < points; ++i) {
             const auto p = binding.rest_point(i);
             const auto expected = p + vertex[i][1] * (whole[i] - p);
@@ -128,8 +139,7 @@ TEMPLATE_TEST_CASE("a mask scales displacements, and clones onto an output add u
         const CloneOptions<T> short_mask{.mask = {&vertex[0][1], points - 1, sizeof(vertex[0])}};
         if (points > 1) {
             const auto before = out;
-            CHECK(cageform::clone(view, pose, out, cageform::SerialFor{}, short_mask) ==
-                  Status::mask_too_small);
+            CHECK(cageform::clone(view, pose, out, short_mask) == Status::mask_too_small);
             CHECK(out == before);
         }
     };
@@ -171,13 +181,13 @@ TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits from pa
     const auto packed = cageform::pack(binding, {.format = WeightFormat::int16, .largest = 10}).binding;
     const auto expected = cloned(packed.view(), pose);
     std::vector<Vec<T, 3>> out(5000);
-    CHECK(cageform::clone(packed.view(), pose, out, cageform::ThreadedFor{3}) == Status::ok);
+    CHECK(cageform::clone(packed.view(), pose, out, {}, cageform::ThreadedFor{3}) == Status::ok);
     CHECK(out == expected);
     const auto backwards = [](std::size_t count, std::size_t, const auto& body) {
         for (std::size_t end = count; end > 0; --end) body(end - 1, end);
     };
     std::fill(out.begin(), out.end(), Vec<T, 3>{});
-    CHECK(cageform::clone(packed.view(), pose, out, backwards) == Status::ok);
+    CHECK(cageform::clone(packed.view(), pose, out, {}, backwards) == Status::ok);
     CHECK(out == expected);
 }
 

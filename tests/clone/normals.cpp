@@ -6,7 +6,8 @@
 
 #include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/pack.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
@@ -96,7 +97,7 @@ double angle_between(const Vec<double, D>& a, const Vec<double, D>& b) {
 template <class T>
 struct BoundTangents {
     Points3<T> normals;
-    Binding<T, 3> tangents, bitangents;
+    std::array<Binding<T, 3>, 2> tangents;
 };
 /// Random normals at points inside a mesh.
 template <class T, class C>
@@ -108,8 +109,8 @@ BoundTangents<T> random_tangents(const C& coordinates, const Points3<T>& points,
         result.normals.push_back(vec_cast<T>((1 / std::sqrt(dot(n, n))) * n));
     }
     const auto [t, b] = cageform::tangents_of(result.normals);
-    result.tangents = bind_vectors(coordinates, points, t).binding;
-    result.bitangents = bind_vectors(coordinates, points, b).binding;
+    result.tangents = {bind_vectors(coordinates, points, t).binding,
+                       bind_vectors(coordinates, points, b).binding};
     return result;
 }
 template <class T>
@@ -147,7 +148,8 @@ double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed
     for (int n = 0; n < 3; ++n) {
         const auto pose = shaken(coordinates.handles(), reach, seed + 10 * std::uint64_t(n));
         Points3<double> moved(middles.size());
-        REQUIRE(cageform::clone_normals(tangents.binding, bitangents.binding, pose, moved) == Status::ok);
+        REQUIRE(cageform::clone_normals(std::array{tangents.binding, bitangents.binding}, pose, moved) ==
+                Status::ok);
         Points3<double> ends;
         for (const auto& p : cloned(beside, pose)) ends.push_back(vec_cast<double>(p));
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -203,9 +205,9 @@ TEMPLATE_TEST_CASE("affine poses move normals by the cofactor matrix", "[clone][
         if (std::fabs(determinant) < 0.2) continue; // rounding grows by one over it
         const auto pose = map(mesh.vertices());
         Points3<T> moved(bound.normals.size()), unit(moved.size());
-        REQUIRE(clone_tangent_frames(bound.tangents, bound.bitangents, pose, moved, unit) == Status::ok);
+        REQUIRE(clone_tangent_frames(bound.tangents, pose, moved, unit) == Status::ok);
         Points3<T> alone(moved.size());
-        REQUIRE(clone_normals(bound.tangents, bound.bitangents, pose, alone) == Status::ok);
+        REQUIRE(clone_normals(bound.tangents, pose, alone) == Status::ok);
         CHECK(alone == moved);
         map.shift = {};
         for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -215,7 +217,7 @@ TEMPLATE_TEST_CASE("affine poses move normals by the cofactor matrix", "[clone][
                                           dot(cofactors[2], normal)};
             const double allowed = 3e4 * double(epsilon<T>) / std::fabs(determinant);
             CHECK(angle_between(vec_cast<double>(moved[i]), expected) <= 60 * allowed);
-            const auto along = map(vec_cast<double>(bound.tangents.rest_point(i)));
+            const auto along = map(vec_cast<double>(bound.tangents[0].rest_point(i)));
             CHECK(angle_between(vec_cast<double>(unit[i]), along) <= 60 * allowed);
             CHECK(std::fabs(double(dot(moved[i], moved[i])) - 1) <= 4 * double(epsilon<T>));
             CHECK(std::fabs(double(dot(unit[i], unit[i])) - 1) <= 4 * double(epsilon<T>));
@@ -233,7 +235,8 @@ TEMPLATE_TEST_CASE("at rest normals are as given", "[clone][normals][rest]", flo
     const auto bound = random_tangents<T>(coordinates, points, 3);
     const std::vector<Vec<T, 3>> pose(mesh.vertices().begin(), mesh.vertices().end());
     Points3<T> normals(points.size());
-    REQUIRE(clone_normals(bound.tangents.view(), bound.bitangents.view(), pose, normals) == Status::ok);
+    REQUIRE(clone_normals(std::array{bound.tangents[0].view(), bound.tangents[1].view()}, pose, normals) ==
+            Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i)
         CHECK(distance(normals[i], bound.normals[i]) <= 8 * double(epsilon<T>));
     const auto jacobians = bind_jacobians(coordinates, points);
@@ -263,12 +266,13 @@ TEST_CASE("normals in the plane are those of deformed curves", "[clone][normals]
     const auto pose = shaken(coordinates.handles(), 0.1 * size, seed);
     const auto moved = cloned(cageform::bind(coordinates, ends).binding, pose);
     Points2<double> found(points.size());
-    REQUIRE(clone_normals(tangents, pose, found) == Status::ok);
+    REQUIRE(clone_normals(std::array{tangents}, pose, found) == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto along = moved[2 * i + 1] - moved[2 * i];
         CHECK(angle_between(found[i], Vec<double, 2>{-along[1], along[0]}) <= 0.01);
     }
-    REQUIRE(clone_normals(tangents, Points2<double>(cage.size()), found) == Status::ok); // all at one place
+    REQUIRE(clone_normals(std::array{tangents}, Points2<double>(cage.size()), found) ==
+            Status::ok); // all at one place
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(distance(found[i], normals[i]) <= 1e-15);
 }
 
@@ -287,7 +291,7 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     const auto bitangents = bind_vectors(coordinates, points, b).binding;
     Points3<T> normals(points.size()), unit(points.size());
     const auto check_rest = [&](const Points3<T>& pose) {
-        REQUIRE(clone_tangent_frames(tangents, bitangents, pose, normals, unit) == Status::ok);
+        REQUIRE(clone_tangent_frames(std::array{tangents, bitangents}, pose, normals, unit) == Status::ok);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i);
             CHECK(distance(normals[i], bound.normals[i]) <= 8 * double(epsilon<T>));
@@ -304,7 +308,7 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     // Very large is another thing.
     pose.clear();
     for (const auto& v : mesh.vertices()) pose.push_back(T(1e25) * Vec<T, 3>{v[0], v[2], v[1]});
-    REQUIRE(clone_normals(tangents, bitangents, pose, normals) == Status::ok);
+    REQUIRE(clone_normals(std::array{tangents, bitangents}, pose, normals) == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i == 3 || i == 7) continue;
         const auto n = vec_cast<double>(bound.normals[i]);
@@ -368,9 +372,9 @@ TEST_CASE("normals and tangents keep what is beside them in a buffer, and their 
     std::vector<std::array<float, 4>> tangents(37, {0, 0, 0, -1}); // as glTF has them
     const cageform::StridedPoints<float, 3> xyz(tangents[0].data(), 37, sizeof(tangents[0]));
     Points3<float> normals(37), plain(37);
-    REQUIRE(clone_tangent_frames(bound.tangents, bound.bitangents, pose, normals, xyz) == Status::ok);
-    REQUIRE(clone_tangent_frames(bound.tangents, bound.bitangents, pose, normals, plain,
-                                 cageform::ThreadedFor{3}) == Status::ok);
+    REQUIRE(clone_tangent_frames(bound.tangents, pose, normals, xyz) == Status::ok);
+    REQUIRE(clone_tangent_frames(bound.tangents, pose, normals, plain, cageform::ThreadedFor{3}) ==
+            Status::ok);
     for (std::size_t i = 0; i < 37; ++i) {
         CHECK(xyz[i] == plain[i]);
         CHECK(tangents[i][3] == -1);
@@ -379,15 +383,13 @@ TEST_CASE("normals and tangents keep what is beside them in a buffer, and their 
     const auto before = normals;
     auto bad = pose;
     bad[1][2] = std::numeric_limits<float>::quiet_NaN();
-    CHECK(clone_normals(bound.tangents, bound.bitangents, bad, normals) == Status::pose_not_finite);
+    CHECK(clone_normals(bound.tangents, bad, normals) == Status::pose_not_finite);
     bad.pop_back();
-    CHECK(clone_normals(bound.tangents, bound.bitangents, bad, normals) == Status::pose_size_differs);
+    CHECK(clone_normals(bound.tangents, bad, normals) == Status::pose_size_differs);
     Points3<float> few(36);
-    CHECK(clone_normals(bound.tangents, bound.bitangents, pose, few) == Status::output_too_small);
-    CHECK(clone_tangent_frames(bound.tangents, bound.bitangents, pose, normals, few) ==
-          Status::output_too_small);
-    CHECK(clone_tangent_frames(bound.tangents, bound.bitangents, pose, few, normals) ==
-          Status::output_too_small);
+    CHECK(clone_normals(bound.tangents, pose, few) == Status::output_too_small);
+    CHECK(clone_tangent_frames(bound.tangents, pose, normals, few) == Status::output_too_small);
+    CHECK(clone_tangent_frames(bound.tangents, pose, few, normals) == Status::output_too_small);
     CHECK(normals == before);
     CHECK(few == Points3<float>(36));
 }
@@ -402,11 +404,11 @@ TEST_CASE("normals of a frame allocate nothing", "[clone][normals][frame]") {
     Points3<float> normals(500), tangents(500);
     std::vector<float> matrices(4500);
     const cageform::StridedMatrices<float, 3> view(matrices.data(), 500);
-    STATIC_REQUIRE(noexcept(clone_normals(bound.tangents, bound.bitangents, pose, normals)));
+    STATIC_REQUIRE(noexcept(clone_normals(bound.tangents, pose, normals)));
     STATIC_REQUIRE(noexcept(clone_jacobians(columns, pose, view)));
     const std::size_t before = allocations;
-    const Status of_normals = clone_normals(bound.tangents, bound.bitangents, pose, normals);
-    const Status of_frames = clone_tangent_frames(bound.tangents, bound.bitangents, pose, normals, tangents);
+    const Status of_normals = clone_normals(bound.tangents, pose, normals);
+    const Status of_frames = clone_tangent_frames(bound.tangents, pose, normals, tangents);
     const Status of_jacobians = clone_jacobians(columns, pose, view);
     CHECK(allocations == before);
     CHECK(of_normals == Status::ok);
@@ -420,9 +422,9 @@ TEST_CASE("packed vectors move as the vectors do", "[clone][normals][packed]") {
     const auto bound = random_tangents<float>(Mean3<float>(mesh), points, 9);
     const auto pose = shaken(mesh.vertices(), 0.1 * double(bounds_of(mesh.vertices()).diagonal()), 9);
     Points3<float> expected(300), normals(300);
-    REQUIRE(clone_normals(bound.tangents, bound.bitangents, pose, expected) == Status::ok);
-    const cageform::PackedBindingView<float, 3> tangents(bound.tangents.view()),
-        bitangents(bound.bitangents.view());
-    REQUIRE(clone_normals(tangents, bitangents, pose, normals) == Status::ok);
+    REQUIRE(clone_normals(bound.tangents, pose, expected) == Status::ok);
+    const std::array<cageform::PackedBindingView<float, 3>, 2> packed{bound.tangents[0].view(),
+                                                                      bound.tangents[1].view()};
+    REQUIRE(clone_normals(packed, pose, normals) == Status::ok);
     for (std::size_t i = 0; i < 300; ++i) CHECK(distance(normals[i], expected[i]) <= 1e-5);
 }

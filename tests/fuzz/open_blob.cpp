@@ -4,7 +4,7 @@
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
 //     mkdir corpus && ./fuzz_open_blob --seeds=corpus && ./fuzz_open_blob -max_len=24576 corpus
 #include <cageform/binding/pack.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -92,9 +92,9 @@ struct BackwardFor {
 template <class T, std::size_t D, class Out>
 void clone_with(const cageform::PackedBindingView<T, D>& binding, const Array<Vec<T, D>>& pose, Out&& out,
                 const cageform::CloneOptions<T>& options) {
-    const Status forward = clone(binding, pose, out, cageform::SerialFor{}, options);
+    const Status forward = clone(binding, pose, out, options, cageform::SerialFor{});
     REQUIRE(forward == Status::ok || forward == Status::pose_not_finite);
-    REQUIRE(clone(binding, pose, out, BackwardFor{}, options) == forward);
+    REQUIRE(clone(binding, pose, out, options, BackwardFor{}) == forward);
 }
 
 template <class T, std::size_t D>

@@ -5,7 +5,7 @@
 
 #include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/pack.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value.hpp>
@@ -257,7 +257,8 @@ TEST_CASE("the compute shader makes normals of three blobs in one buffer", "[gpu
     }
     auto displacements = displacements_of(of_points.view(), pose);
     Points<3> expected(points.size()), found(points.size()), interleaved(2 * points.size());
-    REQUIRE(clone_normals(of_tangents.view(), of_bitangents.view(), pose, expected) == Status::ok);
+    REQUIRE(clone_normals(std::array{of_tangents.view(), of_bitangents.view()}, pose, expected) ==
+            Status::ok);
     gl().run_compute("#version 430\n" + buffers + defines + compute_text, 2,
                      {{0, blobs}, {1, bytes_of(displacements)}, {2, bytes_of(interleaved)}});
     for (std::size_t i = 0; i < found.size(); ++i) found[i] = interleaved[2 * i + 1];

@@ -13,7 +13,7 @@ const char* last_reason = "";
 
 #include "made_up.hpp"
 
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/clone/normals.hpp>
 
 #include <cstdio>
@@ -41,7 +41,7 @@ int main() {
     expect(failed_asserts == 1 && std::strcmp(last_reason, "one row per handle") == 0,
            "rows that are missing");
     const auto tangents = made_up::packed_binding<float, 3>(cageform::WeightFormat::half, true, 20, 4, 3);
-    expect(cageform::clone_normals(tangents.view(), tangents.view().in_order(), pose, out) ==
+    expect(cageform::clone_normals(std::array{tangents.view(), tangents.view().in_order()}, pose, out) ==
                cageform::Status::ok,
            "normals");
     expect(failed_asserts == 2, "tangents and bitangents in different orders");

@@ -2,7 +2,7 @@
 // prints the same hashes of clones and clips.
 #include "made_up.hpp"
 
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <cinttypes>
 #include <cstdio>
@@ -43,8 +43,8 @@ void add_clones(Hash& hash, const Bound& binding, const std::vector<Vec<T, D>>& 
     for (const cageform::CloneOptions<T>& options :
          {cageform::CloneOptions<T>{}, {masked}, {.onto = CloneOnto::output}, {masked, CloneOnto::output}}) {
         auto out = from, in_pieces = from;
-        if (clone(binding, pose, out, {}, options) != Status::ok ||
-            clone(binding, pose, in_pieces, made_up::Backwards{}, options) != Status::ok || in_pieces != out)
+        if (clone(binding, pose, out, options) != Status::ok ||
+            clone(binding, pose, in_pieces, options, made_up::Backwards{}) != Status::ok || in_pieces != out)
             out.clear();
         hash.add(out);
     }

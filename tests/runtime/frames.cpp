@@ -1,8 +1,9 @@
 // A hundred frames of an engine that allows no allocation once all is loaded: operator new ends the program then.
 #include "made_up.hpp"
 
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
+#include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 
 #include <cstdio>
@@ -81,8 +82,8 @@ int play(std::size_t points, std::size_t handles) {
     for (int frame = 0; frame < 100; ++frame) {
         clip.sample(T(frame) / 8, cursor, pose);
         expect(clone(dense, pose, figure));
-        expect(clone_normals(dense, dense, pose, normals));
         const std::array<cageform::BindingView<T, 3>, 3> axes{dense.view(), dense.view(), dense.view()};
+        expect(clone_normals(std::array{axes[0], axes[1]}, pose, normals));
         expect(clone_jacobians(axes, pose, cageform::StridedMatrices<T, 3>(numbers.data(), points)));
         std::size_t blobs = 0;
         for (std::size_t at = 0; at < file_bytes; ++blobs) {
@@ -91,9 +92,8 @@ int play(std::size_t points, std::size_t handles) {
             expect(blob.status);
             if (blob.status != Status::ok) break;
             at += blob.bytes;
-            expect(
-                clone(blob.binding, pose, figure, {}, {{mask.data(), points}, cageform::CloneOnto::output}));
-            expect(clone_tangent_frames(blob.binding, blob.binding, pose, normals, tangents));
+            expect(clone(blob.binding, pose, figure, {{mask.data(), points}, cageform::CloneOnto::output}));
+            expect(clone_tangent_frames(std::array{blob.binding, blob.binding}, pose, normals, tangents));
             if constexpr (std::is_same_v<T, float>) expect(write_displacements(blob.binding, pose, uniforms));
         }
         failures += blobs == 8 ? 0 : 1;

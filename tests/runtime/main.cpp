@@ -2,8 +2,9 @@
 // The same program also runs under -ffast-math, and where min and max are macros.
 #include "made_up.hpp"
 
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
+#include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/fwd.hpp>
 
@@ -88,7 +89,7 @@ void check_blobs() {
             std::vector<Vec<T, D>> out(points), masked(from);
             expect(cageform::clone(view, pose, out) == Status::ok, "clone of a packed binding");
             const cageform::CloneOptions<T> options{{mask.data(), points}, CloneOnto::output};
-            expect(cageform::clone(view, pose, masked, made_up::Backwards{}, options) == Status::ok,
+            expect(cageform::clone(view, pose, masked, options, made_up::Backwards{}) == Status::ok,
                    "with a mask");
             for (std::size_t place = 0; place < points; ++place) {
                 const std::size_t i = view.order != nullptr ? view.order[place] : place;
@@ -125,7 +126,7 @@ void check_refusals() {
     const auto pose = made_up::points<float, 2>(5, 5);
     std::vector<Vec<float, 2>> out(40);
     const std::vector<float> mask(39);
-    expect(cageform::clone(packed.view(), pose, out, {}, {{mask.data(), 39}}) == Status::mask_too_small,
+    expect(cageform::clone(packed.view(), pose, out, {{mask.data(), 39}}) == Status::mask_too_small,
            "a mask that is too short");
 }
 
@@ -137,7 +138,7 @@ void check_ranges() {
     std::vector<Vec<T, D>> at_once(1000), in_pieces(1000);
     expect(cageform::clone(binding, pose, at_once) == Status::ok, "clone at once");
     for (const std::size_t longest : {1u, 7u, 40u}) {
-        expect(cageform::clone(binding, pose, in_pieces, made_up::Backwards{longest}) == Status::ok,
+        expect(cageform::clone(binding, pose, in_pieces, {}, made_up::Backwards{longest}) == Status::ok,
                "in pieces");
         expect(in_pieces == at_once, "ranges cut anywhere give the same bits");
     }
@@ -160,13 +161,14 @@ void check_normals() {
     // x becomes (2, 0, 2), y stays.
     const std::array<Vec<float, 3>, 3> pose{{{0, 0, 2}, {0, 0, 0}, {0, 0, 0}}};
     std::vector<Vec<float, 3>> normals(points), tangents(points);
-    expect(cageform::clone_normals(axes[0], axes[1], pose, normals) == Status::ok, "normals");
+    const std::array along_x_and_y{axes[0], axes[1]};
+    expect(cageform::clone_normals(along_x_and_y, pose, normals) == Status::ok, "normals");
     const auto near = [](float a, float b) { return std::fabs(a - b) < 1e-6f; };
     const float part = std::sqrt(0.5f);
     for (const auto& n : normals)
         expect(near(n[0], -part) && near(n[1], 0) && near(n[2], part),
                "a normal of unit length across the tangents");
-    expect(cageform::clone_tangent_frames(axes[0], axes[1], pose, normals, tangents) == Status::ok, "frames");
+    expect(cageform::clone_tangent_frames(along_x_and_y, pose, normals, tangents) == Status::ok, "frames");
     for (const auto& t : tangents)
         expect(near(t[0], part) && near(t[1], 0) && near(t[2], part), "a unit tangent");
     std::vector<float> numbers(points * 9);

@@ -1,8 +1,9 @@
 // What an engine calls every frame, and nothing else: cmake/check_symbols.cmake looks at what the compiler makes of it.
 #include <cageform/animate/clip.hpp>
 #include <cageform/binding/blob.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
+#include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 
 namespace frame {
@@ -19,16 +20,17 @@ Status move(const Binding<T, D>& dense, std::span<const std::byte> file, const C
     clip.sample(time, cursor, pose);
     const auto blob = open_blob<T, D>(file);
     Status status = blob.status;
-    if (status == Status::ok) status = clone(dense, pose, out, {}, options);
-    if (status == Status::ok) status = clone(blob.binding, pose, strided, {}, options);
+    if (status == Status::ok) status = clone(dense, pose, out, options);
+    if (status == Status::ok) status = clone(blob.binding, pose, strided, options);
     return status;
 }
 template <class T>
 Status turn(const Binding<T, 3>& dense, const PackedBindingView<T, 3>& packed, Points<T, 3> pose,
             Points<T, 3> normals, Points<T, 3> tangents, const StridedMatrices<T, 3>& jacobians) noexcept {
-    Status status = clone_normals(packed, packed, pose, normals);
-    if (status == Status::ok) status = clone_tangent_frames(dense, dense, pose, normals, tangents);
+    Status status = clone_normals(std::array{packed, packed}, pose, normals);
     const std::array<BindingView<T, 3>, 3> columns{dense.view(), dense.view(), dense.view()};
+    if (status == Status::ok)
+        status = clone_tangent_frames(std::array{columns[0], columns[1]}, pose, normals, tangents);
     if (status == Status::ok) status = clone_jacobians(columns, pose, jacobians);
     return status;
 }

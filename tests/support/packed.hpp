@@ -4,7 +4,7 @@
 #include "bindings.hpp"
 
 #include <cageform/binding/pack.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <cstring>
 

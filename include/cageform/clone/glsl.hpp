@@ -26,7 +26,7 @@
 #pragma once
 
 #include <cageform/binding/blob.hpp>
-#include <cageform/clone/clone_packed.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <array>
 
@@ -44,17 +44,15 @@ constexpr std::size_t displacement_count(const PackedBindingView<float, D>& bind
 ///   out      at least displacement_count() places; the memory of a mapped buffer will do, it is only written
 ///   returns  pose_size_differs, pose_not_finite, output_too_small (`out` is then untouched), or ok
 ///   cost     O(#handles); no allocation
-template <std::size_t D, PointRange Pose>
-    requires(D <= 3 && range_dimension<Pose> == D)
+template <std::size_t D, PointRangeIn<D> Pose>
+    requires(D <= 3)
 Status write_displacements(const PackedBindingView<float, D>& binding, const Pose& pose,
                            std::span<std::array<float, 4>> out)
 noexcept {
-    if (std::size(pose) != binding.handle_count()) return Status::pose_size_differs;
     if (out.size() < displacement_count(binding)) return Status::output_too_small;
+    const Status status = detail::check_pose(binding, pose);
+    if (status != Status::ok) return status;
     const auto displacement = [&](std::size_t i) { return to_vec<float>(pose[i]) - binding.rest_handles[i]; };
-    for (std::size_t i = 0; i < binding.handle_count(); ++i) {
-        if (!is_finite(displacement(i))) return Status::pose_not_finite;
-    }
     const auto write = [&out](std::size_t place, const Vec<float, D>& v) {
         std::array<float, 4> padded{};
         for (std::size_t k = 0; k < D; ++k) padded[k] = v[k];

@@ -4,6 +4,10 @@
 //
 // The ranges may run on any threads in any order; `grain` is the least worthwhile length. Every user
 // of such a loop writes disjoint output per index, so results do not depend on the threads.
+//
+// What runs every frame (clone/) takes such a loop as its last argument. What may take long (binding/ and left of
+// it) takes a Running there, which adds progress and cancel: core/running.hpp includes <functional>, which is too
+// heavy for run time.
 #pragma once
 
 #include <cageform/config.hpp>

@@ -100,6 +100,14 @@ inline constexpr std::size_t range_dimension = PointTraits<range_point_t<R>>::di
 template <class R>
 using range_scalar_t = typename PointTraits<range_point_t<R>>::scalar;
 
+/// Ranges of points in D dimensions.
+template <class R, std::size_t D>
+concept PointRangeIn = PointRange<R> && range_dimension<R>
+== D;
+template <class R, std::size_t D>
+concept MutablePointRangeIn = MutablePointRange<R> && range_dimension<R>
+== D;
+
 /// Writes point `i` of a range, with conversion to the range's scalar.
 template <MutablePointRange R, class T>
 constexpr void store_point(R& range, std::size_t i, const Vec<T, range_dimension<R>>& p) noexcept {

@@ -102,43 +102,12 @@ inline constexpr std::size_t most_chains = 1; // the same order of additions wha
 inline constexpr std::size_t most_chains = 4;
 #endif
 
-/// The sums of one block, read as one stream.
+/// The sums of one block, read as one stream from its first row on.
 template <WeightFormat Format, Scalar T, std::size_t D, class Displacement>
-void sum_block(const std::byte* weights, std::size_t first_row, std::size_t rows,
-               const Displacement& displacement, Lanes<T>* sums) noexcept {
+void sum_block(const std::byte* weights, std::size_t rows, const Displacement& displacement,
+               Lanes<T>* sums) noexcept {
     constexpr std::size_t chains = sums_in_registers<D> < most_chains ? sums_in_registers<D> : most_chains;
-    sum_rows<1, chains, Format, T, D>(weights + first_row * (lane_count<T> * weight_bytes<T>(Format)), 0,
-                                      rows, displacement, reinterpret_cast<Lanes<T>(*)[D]>(sums));
-}
-
-/// The sums of blocks [begin, end) that have a row for every handle, `blocks` in all; finish(block, sums) takes them.
-template <WeightFormat Format, Scalar T, std::size_t D, class Displacement, class Finish>
-void sum_dense(const std::byte* weights, std::size_t handles, std::size_t blocks,
-               const Displacement& displacement, std::size_t begin, std::size_t end,
-               const Finish& finish) noexcept {
-    // From caches, blocks beside each other take a third less time, for they save loads; from memory a third more, for one
-    // stream is fetched ahead better than several that break off at every block.
-    constexpr std::size_t cached = std::size_t{16} << 20;
-    constexpr std::size_t together = sums_in_registers<D>;
-    constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
-    std::size_t b = begin;
-    if (blocks * handles * row_bytes < cached) {
-        // One by one at the end, in the same order of additions: ranges may be cut anywhere.
-        const auto sum = [&](auto count, std::size_t block) {
-            Lanes<T> sums[count][D];
-            sum_rows<count, 1, Format, T, D>(weights + block * handles * row_bytes, handles, handles,
-                                             displacement, sums);
-            for (std::size_t n = 0; n < count; ++n) finish(block + n, sums[n]);
-        };
-        for (; b + together <= end; b += together) sum(std::integral_constant<std::size_t, together>{}, b);
-        for (; b < end; ++b) sum(std::integral_constant<std::size_t, 1>{}, b);
-        return;
-    }
-    for (; b < end; ++b) {
-        Lanes<T> sums[D];
-        sum_block<Format, T, D>(weights, b * handles, handles, displacement, sums);
-        finish(b, sums);
-    }
+    sum_rows<1, chains, Format, T, D>(weights, 0, rows, displacement, reinterpret_cast<Lanes<T>(*)[D]>(sums));
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

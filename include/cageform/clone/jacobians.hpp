@@ -1,0 +1,69 @@
+// Jacobians of a clone, every frame, from the axes that `bind_jacobians` bound.
+#pragma once
+
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/detail/vector_tile.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A view over square matrices that lie at regular distances in memory, column after column. Owns nothing and
+/// copies nothing.
+///
+///   matrix_stride  bytes from a matrix to the next
+///   column_stride  bytes from a column to the next of its matrix (16 for float columns padded to four, as
+///                  std430 has them)
+template <class T, std::size_t D>
+class StridedMatrices {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    constexpr StridedMatrices(T* data, std::size_t size, std::ptrdiff_t matrix_stride = D * D * sizeof(T),
+                              std::ptrdiff_t column_stride = D * sizeof(T)) noexcept
+        : data_(data)
+        , size_(size)
+        , matrix_stride_(matrix_stride)
+        , column_stride_(column_stride) {}
+
+    constexpr std::size_t size() const noexcept { return size_; }
+
+    /// One column of all matrices.
+    StridedPoints<T, D> column(std::size_t k) const noexcept {
+        auto* const bytes =
+            reinterpret_cast<std::byte*>(data_) + static_cast<std::ptrdiff_t>(k) * column_stride_;
+        return {reinterpret_cast<T*>(bytes), size_, matrix_stride_};
+    }
+
+private:
+    T* data_;
+    std::size_t size_;
+    std::ptrdiff_t matrix_stride_;
+    std::ptrdiff_t column_stride_;
+};
+
+/// The Jacobians of the deformation at all points, for those who deform more than points: a splat of covariance
+/// Σ becomes one of J Σ Jᵀ.
+///
+///   columns    bindings of the D axes (`bind_jacobians`)
+///   jacobians  out, at least #points matrices: column k is where axis k goes
+///   returns    as `clone`; `jacobians` is then untouched
+///   cost       that of D clones; no allocation. The unmoved pose gives the identity, to the bit
+template <AnyBinding B, std::size_t D, PointRangeIn<D> Pose, class S, class Parallel = SerialFor>
+    requires(B::dimension == D)
+Status clone_jacobians(const std::array<B, D>& columns, const Pose& pose,
+                       const StridedMatrices<S, D>& jacobians, const Parallel& parallel_for = {})
+noexcept {
+    const auto views = detail::views_of(columns);
+    const Status status = detail::check_clone(views[0], pose, jacobians.column(0));
+    if (status != Status::ok) return status;
+    const std::size_t blocks = block_count<typename B::scalar>(views[0].point_count());
+    parallel_for(blocks, detail::clone_grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = 0; k < D; ++k) {
+            const auto column = jacobians.column(k);
+            detail::BlockCloner(views[k], pose, column, {}).run(begin, end);
+        }
+    });
+    return Status::ok;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
