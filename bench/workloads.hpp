@@ -1,7 +1,7 @@
 // Cages and points of the benchmarks, from formulas and seeds, so that other libraries can be fed the same.
 #pragma once
 
-#include <cageform/cage/inside.hpp>
+#include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
 #include <array>

@@ -1,8 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/cage/check.hpp>
-#include <cageform/cage/inside.hpp>
+#include <cageform/cage/polygon.hpp>
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/cage/check.hpp>
+#include <cageform/cage/polygon.hpp>
 #include <cageform/grid/rasterise.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Random and named cages and points for the tests. Everything follows from a seed, on every machine.
 #pragma once
 
-#include <cageform/cage/inside.hpp>
+#include <cageform/cage/polygon.hpp>
 
 #include <cstdint>
 #include <numbers>

@@ -1,11 +1,7 @@
 // Boundary data at a place of a cage.
 #pragma once
 
-#include <cageform/core/vec.hpp>
-
-#include <array>
-#include <cstddef>
-#include <cstdint>
+#include <cageform/cage/primitives.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -17,11 +13,15 @@ struct BoundaryValue {
     std::array<double, most> weight{};
 };
 
-namespace detail {
-
-/// The two axes across an axis of space, in order.
-inline constexpr std::array<std::array<std::size_t, 2>, 3> other_axes{{{1, 2}, {0, 2}, {0, 1}}};
-
-} // namespace detail
+/// That at the place of a facet with these weights of its vertices.
+template <std::size_t D>
+BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
+                                const std::array<double, D>& weight) noexcept {
+    BoundaryValue<D> value;
+    value.handle.fill(vertex[0]); // where there are more handles than vertices, with a weight of 0
+    std::copy(vertex.begin(), vertex.end(), value.handle.begin());
+    std::copy(weight.begin(), weight.end(), value.weight.begin());
+    return value;
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

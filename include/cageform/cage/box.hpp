@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
-#include <cageform/cage/check.hpp>
+#include <cageform/cage/report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -91,26 +91,7 @@ private:
         numbers_; ///< of the vertex at each place of the lattice of divisions, if it is one
 };
 
-/// Whether a box can serve as a cage: its corners are finite, and along every axis the divisions of its extent are
-/// longer than coincidence_tolerance.
-template <Scalar T>
-CageReport check(const Box<T>& box) {
-    CageReport report;
-    for (std::size_t i = 0; i < box.size(); ++i) {
-        if (!is_finite(box.vertices()[i])) report.add(CageFaultKind::vertex_not_finite, i);
-    }
-    if (report.status != Status::ok) return report;
-    if (box.size() == 0) {
-        report.add(CageFaultKind::no_volume, 0);
-        return report;
-    }
-    const double tolerance = coincidence_tolerance(bounds_of(box.vertices()));
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (double(box.upper()[k]) - double(box.lower()[k]) <= tolerance * double(box.divisions()[k]))
-            report.add(CageFaultKind::no_volume, k);
-    }
-    return report;
-}
+// ---- inside --------------------------------------------------------------------------------------
 
 /// Inside, on the boundary when within `tolerance` of it (the cage's coincidence_tolerance).
 template <Scalar T>
@@ -148,6 +129,29 @@ BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, V
     }
     if (!outside) place[axis] = upper ? box.upper()[axis] : box.lower()[axis];
     return box.on_face(axis, upper, box.parts(vec_cast<double>(place)));
+}
+
+// ---- check ---------------------------------------------------------------------------------------
+
+/// Whether a box can serve as a cage: its corners are finite, and along every axis the divisions of its extent are
+/// longer than coincidence_tolerance.
+template <Scalar T>
+CageReport check(const Box<T>& box) {
+    CageReport report;
+    for (std::size_t i = 0; i < box.size(); ++i) {
+        if (!is_finite(box.vertices()[i])) report.add(CageFaultKind::vertex_not_finite, i);
+    }
+    if (report.status != Status::ok) return report;
+    if (box.size() == 0) {
+        report.add(CageFaultKind::no_volume, 0);
+        return report;
+    }
+    const double tolerance = coincidence_tolerance(bounds_of(box.vertices()));
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (double(box.upper()[k]) - double(box.lower()[k]) <= tolerance * double(box.divisions()[k]))
+            report.add(CageFaultKind::no_volume, k);
+    }
+    return report;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

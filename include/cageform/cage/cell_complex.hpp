@@ -1,6 +1,8 @@
 // A cage with cells inside that carry handles of their own: points, edges, and in space faces.
 #pragma once
 
+#include <cageform/cage/bones.hpp>
+#include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -81,18 +83,15 @@ public:
     }
     /// Triangles in space: `faces[f][k]`, k = 0, 1, 2, is the place in `points` of a corner. Returns the handles of the
     /// points. Faces that name a point that there is not are remembered and reported by `check`.
-    template <PointRange R, class Faces>
+    template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3)
-    std::vector<std::size_t> add_faces(const R& points, const Faces& faces) {
+    std::vector<std::size_t> add_faces(const R& points, const F& faces) {
         auto handles = vertices_of(points);
         for (std::size_t f = 0; f < std::size(faces); ++f) {
-            std::array<std::uint32_t, D> facet;
-            for (std::size_t k = 0; k < D; ++k) {
-                const auto n = faces[f][k];
-                const bool there = n >= 0 && std::uint64_t(n) < handles.size();
-                facet[k] = there ? std::uint32_t(handles[std::size_t(n)]) : TriangleMesh<T>::no_vertex;
-            }
-            cells_.facets.push_back(facet);
+            const auto face = detail::checked_face(faces[f], handles.size());
+            auto& facet = cells_.facets.emplace_back();
+            for (std::size_t k = 0; k < 3; ++k)
+                facet[k] = face[k] == no_vertex ? no_vertex : std::uint32_t(handles[face[k]]);
         }
         return handles;
     }
@@ -147,236 +146,35 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
     return cage.cells();
 }
 
-/// What coordinate types that know no interior cells report.
+// ---- inside --------------------------------------------------------------------------------------
+
+/// The bone of a complex with its vertices' places.
 template <Scalar T, std::size_t D>
-void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
-    const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();
-    if (cells > 0 || cage.size() > cage.boundary().size())
-        report.add(CageFaultKind::interior_cells_not_supported, cells);
+PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
+    return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};
 }
 
-namespace detail {
-
-/// The place of a facet nearest to `p`, as weights of its vertices.
-inline std::array<double, 2> nearest_on_facet(const Vec<double, 2>& p,
-                                              const std::array<Vec<double, 2>, 2>& facet) noexcept {
-    const double s = part_of_segment(p, facet[0], facet[1]);
-    return {1 - s, s};
-}
-inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p,
-                                              const std::array<Vec<double, 3>, 3>& facet) noexcept {
-    return nearest_on_triangle(p, facet[0], facet[1], facet[2]);
-}
-
-/// The place with these weights of a facet's vertices.
-template <std::size_t D>
-Vec<double, D> place_on_facet(const std::array<double, D>& weights,
-                              const std::array<Vec<double, D>, D>& facet) noexcept {
-    Vec<double, D> x{};
-    for (std::size_t k = 0; k < D; ++k) x = x + weights[k] * facet[k];
-    return x;
-}
-
-/// The distance of two segments, 0 where they cross in the plane.
-template <std::size_t D>
-double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const Vec<double, D>& c,
-                        const Vec<double, D>& d) noexcept {
-    const auto to = [](const Vec<double, D>& p, const Vec<double, D>& s, const Vec<double, D>& t) {
-        return length(p - nearest_on_segment(p, s, t));
-    };
-    double least = std::min({to(a, c, d), to(b, c, d), to(c, a, b), to(d, a, b)});
-    // Nearer than at the ends only where the common perpendicular meets both.
-    const auto e = b - a, f = d - c, g = a - c;
-    const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f), determinant = ee * ff - ef * ef;
-    if (determinant > 0) {
-        const double s = (ef * dot(f, g) - ff * dot(e, g)) / determinant;
-        const double t = (ee * dot(f, g) - ef * dot(e, g)) / determinant;
-        if (s >= 0 && s <= 1 && t >= 0 && t <= 1) least = std::min(least, length(a + s * e - (c + t * f)));
-    }
-    return least;
-}
-/// The distance of a segment from a facet.
-inline double distance_to_facet(const Vec<double, 2>& a, const Vec<double, 2>& b,
-                                const std::array<Vec<double, 2>, 2>& facet) noexcept {
-    return segment_distance(a, b, facet[0], facet[1]);
-}
-inline double distance_to_facet(const Vec<double, 3>& a, const Vec<double, 3>& b,
-                                const std::array<Vec<double, 3>, 3>& facet) noexcept {
-    if (pierces(a, b, facet[0], facet[1], facet[2])) return 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& p : {a, b}) {
-        least = std::min(least, length(p - place_on_facet(nearest_on_facet(p, facet), facet)));
-    }
-    for (std::size_t k = 0; k < 3; ++k)
-        least = std::min(least, segment_distance(a, b, facet[k], facet[(k + 1) % 3]));
-    return least;
-}
-
-/// f(facets of the boundary), as arrays of handles.
-template <Scalar T, class F>
-void for_each_facet(const Polygon<T>& polygon, F&& f) {
-    polygon.for_each_edge([&](std::size_t i, std::size_t j) {
-        f(std::array<std::uint32_t, 2>{std::uint32_t(i), std::uint32_t(j)});
-    });
-}
-template <Scalar T, class F>
-void for_each_facet(const TriangleMesh<T>& mesh, F&& f) {
-    for (const auto& face : mesh.faces()) f(face);
-}
-
-template <Scalar T, std::size_t D>
-std::array<Vec<double, D>, D> corners_of_facet(std::span<const Vec<T, D>> vertices,
-                                               const std::array<std::uint32_t, D>& facet) noexcept {
-    std::array<Vec<double, D>, D> corner;
-    for (std::size_t k = 0; k < D; ++k) corner[k] = vec_cast<double>(vertices[facet[k]]);
-    return corner;
-}
-
-/// Whether two facets meet elsewhere than in the vertices they share.
-inline bool facets_touch(const std::array<std::uint32_t, 2>& a, const std::array<Vec<double, 2>, 2>& at_a,
-                         const std::array<std::uint32_t, 2>& b, const std::array<Vec<double, 2>, 2>& at_b,
-                         double tolerance) noexcept {
-    for (std::size_t k = 0; k < 2; ++k) {
-        for (std::size_t l = 0; l < 2; ++l) {
-            if (a[k] != b[l]) continue;
-            if (a[1 - k] == b[1 - l]) return true; // the same edge twice
-            const auto u = at_a[1 - k] - at_a[k], v = at_b[1 - l] - at_b[l];
-            return dot(u, v) > 0 &&
-                   std::fabs(cross(u, v)) <= tolerance * std::sqrt(std::max(dot(u, u), dot(v, v)));
-        }
-    }
-    return segments_touch(at_a[0], at_a[1], at_b[0], at_b[1], tolerance);
-}
-inline bool facets_touch(const std::array<std::uint32_t, 3>& a, const std::array<Vec<double, 3>, 3>& at_a,
-                         const std::array<std::uint32_t, 3>& b, const std::array<Vec<double, 3>, 3>& at_b,
-                         double tolerance) noexcept {
-    const auto common = [](const std::array<std::uint32_t, 3>& of, std::uint32_t i) {
-        return std::find(of.begin(), of.end(), i) != of.end();
-    };
-    std::size_t shared = 0;
-    for (const auto i : a) shared += common(b, i);
-    if (shared == 3) return true;
-    // Edges without a shared end through or next to the other face; with one shared vertex that is all there can be.
-    for (const bool turned : {false, true}) {
-        const auto &f = turned ? b : a, &g = turned ? a : b;
-        const auto &at_f = turned ? at_b : at_a, &at_g = turned ? at_a : at_b;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t l = (k + 1) % 3;
-            if (common(g, f[k]) || common(g, f[l])) continue;
-            if (distance_to_facet(at_f[k], at_f[l], at_g) <= tolerance) return true;
-        }
-        // With a shared edge: folded flat onto each other?
-        for (std::size_t k = 0; k < 3 && shared == 2; ++k) {
-            if (common(g, f[k])) continue;
-            if (length(at_f[k] - place_on_facet(nearest_on_facet(at_f[k], at_g), at_g)) <= tolerance)
-                return true;
-        }
-    }
-    return false;
-}
-
-} // namespace detail
-
-/// A bone where it lies.
-template <std::size_t D>
-struct PlacedBone {
-    std::uint32_t i, j;
-    Vec<double, D> a, b;
-    double radius;
-};
-
-/// What a bone says at a place: the value of its nearest place.
-template <std::size_t D>
-BoundaryValue<D> bone_value(const PlacedBone<D>& cell, const Vec<double, D>& p) noexcept {
-    const double s = detail::part_of_segment(p, cell.a, cell.b);
-    BoundaryValue<D> value;
-    value.handle.fill(cell.i);
-    value.handle[1] = cell.j;
-    value.weight[0] = 1 - s;
-    value.weight[1] = s;
-    return value;
-}
-
-/// What cells cell(0) … cell(count − 1) say at a place whose distance from the surface of one is at most `least`, which becomes
-/// the least such distance, negative within. Where several overlap, as bones do at joints, the mean of what they say, by how
-/// deep the place lies in each, so that it is continuous. (Of more than three bones at a joint, that of the deepest three.)
-template <std::size_t D, class Cells>
-bool nearest_bone_value(std::size_t count, const Cells& cell, const Vec<double, D>& p, double& least,
-                        BoundaryValue<D>& value) noexcept {
-    constexpr std::size_t most = BoundaryValue<D>::most;
-    std::array<std::size_t, 3> deepest{};
-    std::array<double, 3> depth{-1, -1, -1};
-    bool found = false;
-    std::size_t nearest = 0;
-    for (std::size_t n = 0; n < count; ++n) {
-        const auto& one = cell(n);
-        const double d = detail::length(detail::nearest_on_segment(p, one.a, one.b) - p) - one.radius;
-        if (d <= least) {
-            least = d;
-            nearest = n;
-            found = true;
-        }
-        std::size_t to = n;
-        double inside = -d;
-        for (std::size_t k = 0; k < depth.size(); ++k) {
-            if (!(inside > 0) || inside <= depth[k]) continue;
-            std::swap(inside, depth[k]);
-            std::swap(to, deepest[k]);
-        }
-    }
-    if (!found) return false;
-    value = bone_value<D>(cell(nearest), p);
-    if (!(depth[1] > 0)) return true;
-    BoundaryValue<D> mean;
-    mean.handle.fill(value.handle[0]);
-    std::size_t used = 0;
-    double sum = 0;
-    for (std::size_t k = 0; k < 3 && depth[k] > 0; ++k) sum += depth[k];
-    for (std::size_t k = 0; k < 3 && depth[k] > 0; ++k) {
-        const auto one = bone_value<D>(cell(deepest[k]), p);
-        for (std::size_t n = 0; n < 2; ++n) {
-            if (one.weight[n] == 0) continue;
-            const auto known =
-                std::find(mean.handle.begin(), mean.handle.begin() + std::ptrdiff_t(used), one.handle[n]);
-            const auto slot = std::size_t(known - mean.handle.begin());
-            if (slot == most) return true; // cells that share no joint, which `check` refuses
-            mean.handle[slot] = one.handle[n];
-            mean.weight[slot] += depth[k] / sum * one.weight[n];
-            used = std::max(used, slot + 1);
-        }
-    }
-    value = mean;
-    return true;
-}
-
-/// The boundary data at the place of boundary and cells nearest to a finite point, and that place: linear on facets, that of
-/// the nearest place within the radius of a bone. Of a sound complex; O(facets and cells).
+/// The boundary data at the place of boundary and cells nearest to a finite point, and that place: linear on facets, that
+/// of the nearest place within the radius of a bone. Of a sound complex; O(facets and bones).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
                                         Vec<T, D>& place) noexcept {
     auto value = nearest_boundary_value(cage.boundary(), p, place);
     const auto q = vec_cast<double>(p);
     double least = detail::length(vec_cast<double>(place) - q);
-    for (const auto& facet : cage.cells().facets) {
-        const auto corner = detail::corners_of_facet(cage.vertices(), facet);
-        const auto w = detail::nearest_on_facet(q, corner);
-        const auto x = detail::place_on_facet(w, corner);
+    for (const auto& vertices : cage.cells().facets) {
+        const detail::Facet<D> facet(vertices, cage.vertices());
+        const auto weight = detail::nearest_on_facet(q, facet.corner);
+        const auto x = detail::place_on_facet(weight, facet.corner);
         if (detail::length(x - q) >= least) continue;
         least = detail::length(x - q);
         place = vec_cast<T>(x);
-        value = {};
-        value.handle.fill(facet[0]);
-        for (std::size_t k = 0; k < D; ++k) {
-            value.handle[k] = facet[k];
-            value.weight[k] = w[k];
-        }
+        value = value_on_facet(vertices, weight);
     }
     const auto& bones = cage.cells().bones;
-    const auto cell = [&](std::size_t n) {
-        return PlacedBone<D>{bones[n].i, bones[n].j, vec_cast<double>(cage[bones[n].i]),
-                             vec_cast<double>(cage[bones[n].j]), bones[n].radius};
-    };
-    if (nearest_bone_value<D>(bones.size(), cell, q, least, value)) {
+    const auto bone = [&](std::size_t n) { return placed_bone(cage, bones[n]); };
+    if (const auto hit = nearest_bone<D>(bones.size(), bone, q, least)) {
+        value = hit->value;
         Vec<double, D> x{};
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n)
             x = x + value.weight[n] * vec_cast<double>(cage[value.handle[n]]);
@@ -391,131 +189,174 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
     const auto state = locate(cage.boundary(), p, tolerance);
     if (state != PointState::inside) return state;
     const auto q = vec_cast<double>(p);
-    for (const auto& facet : cage.cells().facets) {
-        const auto corner = detail::corners_of_facet(cage.vertices(), facet);
-        const auto x = detail::place_on_facet(detail::nearest_on_facet(q, corner), corner);
-        if (detail::length(x - q) <= double(tolerance)) return PointState::on_boundary;
-    }
-    for (const auto& cell : cage.cells().bones) {
-        const auto a = vec_cast<double>(cage[cell.i]), b = vec_cast<double>(cage[cell.j]);
-        if (detail::length(detail::nearest_on_segment(q, a, b) - q) <= cell.radius)
-            return PointState::on_boundary;
-    }
-    return state;
+    const auto& [facets, bones] = cage.cells();
+    const auto on_facet = [&](const auto& vertices) {
+        return detail::distance_to_facet(q, detail::Facet<D>(vertices, cage.vertices()).corner) <=
+               double(tolerance);
+    };
+    const auto in_bone = [&](const Bone& bone) { return placed_bone(cage, bone).distance(q) <= 0; };
+    const bool on_cell = std::any_of(facets.begin(), facets.end(), on_facet) ||
+                         std::any_of(bones.begin(), bones.end(), in_bone);
+    return on_cell ? PointState::on_boundary : state;
 }
 
-/// Whether a complex can serve as a cage: its boundary can; its cells are not degenerate, lie inside, and meet the boundary
-/// and each other in common vertices, edges and faces alone; bones have a radius, keep it from the boundary and
-/// from facets, share vertices only with each other, and reach no other end of those. O(cells · (cells + facets of the
-/// boundary)).
+// ---- check ---------------------------------------------------------------------------------------
+
+/// What coordinate types that know no interior cells report.
 template <Scalar T, std::size_t D>
-CageReport check(const CellComplex<T, D>& cage) {
-    CageReport report = check(cage.boundary());
-    if (report.status != Status::ok) return report;
-    const std::size_t outer = cage.boundary().size();
-    for (std::size_t i = outer; i < cage.size(); ++i) {
+void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
+    const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();
+    if (cells > 0 || cage.size() > cage.boundary().size())
+        report.add(CageFaultKind::interior_cells_not_supported, cells);
+}
+
+namespace detail {
+
+/// Vertices that are finite, faces that have theirs, bones that have a radius.
+template <Scalar T, std::size_t D>
+void check_cells(const CellComplex<T, D>& cage, CageReport& report) {
+    for (std::size_t i = cage.boundary().size(); i < cage.size(); ++i) {
         if (!is_finite(cage[i])) report.add(CageFaultKind::vertex_not_finite, i);
     }
     const auto& [facets, bones] = cage.cells();
     for (std::size_t n = 0; n < facets.size(); ++n) {
-        if (std::find(facets[n].begin(), facets[n].end(), TriangleMesh<T>::no_vertex) != facets[n].end())
-            report.add(CageFaultKind::face_without_vertex, n);
+        if (lacks_vertex(facets[n])) report.add(CageFaultKind::face_without_vertex, n);
     }
-    for (const auto& cell : bones) {
-        if (!(cell.radius > 0) || !std::isfinite(cell.radius))
-            report.add(CageFaultKind::radius_not_positive, cell.i);
+    for (const auto& bone : bones) {
+        if (!(bone.radius > 0) || !is_finite(bone.radius))
+            report.add(CageFaultKind::radius_not_positive, bone.i);
     }
-    if (report.status != Status::ok) return report;
-    // Vertices that cells use; those that nothing uses get a warning, as in a mesh.
-    std::vector<bool> used(cage.size()), inner(cage.size());
-    for (const auto& facet : facets) {
-        for (const auto i : facet) used[i] = true;
-    }
-    for (const auto& cell : bones) used[cell.i] = used[cell.j] = true;
-    std::erase_if(report.faults, [&](const CageFault& fault) {
-        const bool by_cells = fault.kind == CageFaultKind::vertex_unused && used[fault.a];
-        if (by_cells) inner[fault.a] = true;
-        return by_cells;
-    });
-    for (std::size_t i = outer; i < cage.size(); ++i) {
-        inner[i] = used[i];
-        if (!used[i]) report.add(CageFaultKind::vertex_unused, i);
+}
+
+/// The steps of `check` after `check_cells` has found nothing. Each adds to the report.
+template <Scalar T, std::size_t D>
+class ComplexCheck {
+public:
+    ComplexCheck(const CellComplex<T, D>& cage, CageReport& report)
+        : cage_(cage)
+        , report_(report)
+        , rounding_(coincidence_tolerance(bounds_of(cage.vertices())))
+        , tolerance_(double(rounding_)) {
+        for (const auto& facet : cage.cells().facets) facets_.emplace_back(facet, cage.vertices());
+        for (const auto& bone : cage.cells().bones) bones_.push_back(placed_bone(cage, bone));
+        inner_ = facets_.size();
+        for_each_facet(cage.boundary(),
+                       [&](const auto& facet) { facets_.emplace_back(facet, cage.vertices()); });
     }
 
-    const T rounding = coincidence_tolerance(bounds_of(cage.vertices()));
-    const double tolerance = double(rounding);
-    const auto at = [&](std::size_t i) { return vec_cast<double>(cage[i]); };
-    for (std::size_t i = 0; i < cage.size(); ++i) {
-        if (!inner[i]) continue;
-        for (std::size_t j = 0; j < i; ++j) {
-            if (detail::length(at(i) - at(j)) <= tolerance)
-                report.add(CageFaultKind::duplicate_vertices, j, i);
+    /// Vertices of cells are apart from all others and inside, unless the boundary has them too. Those that nothing uses
+    /// get a warning, as in a mesh.
+    void check_vertices() {
+        std::vector<bool> used(cage_.size());
+        for (const auto& facet : cells()) {
+            for (const auto i : facet.vertex) used[i] = true;
         }
-        if (locate(cage.boundary(), cage[i], rounding) != PointState::inside)
-            report.add(CageFaultKind::interior_cell_outside, i);
-    }
-    struct Facet {
-        std::array<std::uint32_t, D> handles;
-        std::array<Vec<double, D>, D> corner;
-    };
-    std::vector<Facet> all;
-    for (const auto& facet : facets) all.push_back({facet, detail::corners_of_facet(cage.vertices(), facet)});
-    for (std::size_t n = 0; n < facets.size(); ++n) {
-        const auto& corner = all[n].corner;
-        if constexpr (D == 2) {
-            if (facets[n][0] == facets[n][1])
-                report.add(CageFaultKind::duplicate_vertices, facets[n][0], facets[n][1]);
-        } else {
-            const auto u = corner[1] - corner[0], v = corner[2] - corner[0];
-            const double longest =
-                std::max({detail::length(u), detail::length(v), detail::length(corner[1] - corner[2])});
-            if (detail::length(cross(u, v)) <= tolerance * longest)
-                report.add(CageFaultKind::face_without_area, n);
+        for (const auto& bone : bones_) used[bone.i] = used[bone.j] = true;
+        std::vector<std::size_t> inner;
+        std::erase_if(report_.faults, [&](const CageFault& fault) {
+            const bool by_cells = fault.kind == CageFaultKind::vertex_unused && used[fault.a];
+            if (by_cells) inner.push_back(fault.a);
+            return by_cells;
+        });
+        for (std::size_t i = cage_.boundary().size(); i < cage_.size(); ++i) {
+            if (used[i]) inner.push_back(i);
+            if (!used[i]) report_.add(CageFaultKind::vertex_unused, i);
+        }
+        for (const auto i : inner) {
+            for (std::size_t j = 0; j < i; ++j) {
+                if (length(vec_cast<double>(cage_[i]) - vec_cast<double>(cage_[j])) <= tolerance_)
+                    report_.add(CageFaultKind::duplicate_vertices, j, i);
+            }
+            check_inside(cage_[i], i);
         }
     }
+
+    void check_areas() {
+        for (std::size_t n = 0; n < inner_; ++n) {
+            const auto& [vertex, corner] = facets_[n];
+            if constexpr (D == 2) {
+                if (vertex[0] == vertex[1])
+                    report_.add(CageFaultKind::duplicate_vertices, vertex[0], vertex[1]);
+            } else {
+                if (is_flat(corner, tolerance_)) report_.add(CageFaultKind::face_without_area, n);
+            }
+        }
+    }
+
+    /// Facets lie inside, and meet the boundary and each other in common vertices and edges alone.
+    void check_facets() {
+        for (const auto& facet : cells()) {
+            std::array<double, D> middle;
+            middle.fill(1.0 / double(D));
+            check_inside(vec_cast<T>(place_on_facet(middle, facet.corner)), facet.vertex[0]);
+        }
+        for (std::size_t n = 0; n < inner_; ++n) {
+            for (std::size_t m = n + 1; m < facets_.size(); ++m) {
+                if (facets_touch(facets_[n], facets_[m], tolerance_))
+                    touch(facets_[n].vertex[0], facets_[m].vertex[0]);
+            }
+        }
+    }
+
+    /// Bones keep their radius from all facets, and from other bones unless they share a joint.
+    void check_bones() {
+        for (std::size_t n = 0; n < bones_.size(); ++n) {
+            const auto& bone = bones_[n];
+            for (const auto& facet : facets_) {
+                if (segment_to_facet(bone.a, bone.b, facet.corner) <= bone.radius + tolerance_)
+                    touch(bone.i, facet.vertex[0]);
+            }
+            for (std::size_t m = 0; m < n; ++m) {
+                const auto& other = bones_[m];
+                const bool joined = bone.has(other.i) || bone.has(other.j);
+                const double apart = segment_distance(bone.a, bone.b, other.a, other.b);
+                if (joined ? swallows(bone, other) || swallows(other, bone)
+                           : apart <= bone.radius + other.radius + tolerance_)
+                    touch(other.i, bone.i);
+            }
+        }
+    }
+
+private:
+    std::span<const Facet<D>> cells() const noexcept { return std::span(facets_).first(inner_); }
+    void check_inside(const Vec<T, D>& place, std::size_t handle) {
+        if (locate(cage_.boundary(), place, rounding_) != PointState::inside)
+            report_.add(CageFaultKind::interior_cell_outside, handle);
+    }
+    void touch(std::size_t a, std::size_t b) { report_.add(CageFaultKind::interior_cells_touch, a, b); }
+    /// Whether an end of bone `b` that is no joint with bone `a` lies in that.
+    bool swallows(const PlacedBone<D>& a, const PlacedBone<D>& b) const noexcept {
+        return (!a.has(b.i) && a.distance(b.a) <= tolerance_) ||
+               (!a.has(b.j) && a.distance(b.b) <= tolerance_);
+    }
+
+    const CellComplex<T, D>& cage_;
+    CageReport& report_;
+    T rounding_;
+    double tolerance_;
+    std::vector<Facet<D>> facets_; ///< those of the cells, then those of the boundary
+    std::size_t inner_ = 0;        ///< facets of cells
+    std::vector<PlacedBone<D>> bones_;
+};
+
+} // namespace detail
+
+/// Whether a complex can serve as a cage: its boundary can; its cells are not degenerate, lie inside, and meet the boundary
+/// and each other in common vertices, edges and faces alone; bones have a radius, keep it from the boundary and from
+/// facets, share vertices only with each other, and reach no other end of those.
+/// O(cells · (cells + facets of the boundary)).
+template <Scalar T, std::size_t D>
+CageReport check(const CellComplex<T, D>& cage) {
+    CageReport report = check(cage.boundary());
     if (report.status != Status::ok) return report;
-    for (const auto& facet : all) {
-        Vec<double, D> middle{};
-        for (const auto& c : facet.corner) middle = middle + (1.0 / double(D)) * c;
-        if (locate(cage.boundary(), vec_cast<T>(middle), rounding) != PointState::inside)
-            report.add(CageFaultKind::interior_cell_outside, facet.handles[0]);
-    }
-    detail::for_each_facet(cage.boundary(), [&](const std::array<std::uint32_t, D>& facet) {
-        all.push_back({facet, detail::corners_of_facet(cage.vertices(), facet)});
-    });
-    for (std::size_t n = 0; n < facets.size(); ++n) {
-        for (std::size_t m = n + 1; m < all.size(); ++m) {
-            if (detail::facets_touch(all[n].handles, all[n].corner, all[m].handles, all[m].corner, tolerance))
-                report.add(CageFaultKind::interior_cells_touch, all[n].handles[0], all[m].handles[0]);
-        }
-    }
-    for (std::size_t n = 0; n < bones.size(); ++n) {
-        const auto& cell = bones[n];
-        for (const auto& facet : all) {
-            if (detail::distance_to_facet(at(cell.i), at(cell.j), facet.corner) <= cell.radius + tolerance)
-                report.add(CageFaultKind::interior_cells_touch, cell.i, facet.handles[0]);
-        }
-        for (std::size_t m = 0; m < n; ++m) {
-            const auto& other = bones[m];
-            const bool meet =
-                cell.i == other.i || cell.i == other.j || cell.j == other.i || cell.j == other.j;
-            // Of cells that meet, neither may swallow an end of the other.
-            const auto swallows = [&](const Bone& a, const Bone& b) {
-                const auto from = at(a.i), to = at(a.j);
-                for (const auto end : {b.i, b.j}) {
-                    if (end == a.i || end == a.j) continue;
-                    const auto nearest = detail::nearest_on_segment(at(end), from, to);
-                    if (detail::length(nearest - at(end)) <= a.radius + tolerance) return true;
-                }
-                return false;
-            };
-            if (meet && (swallows(cell, other) || swallows(other, cell)))
-                report.add(CageFaultKind::interior_cells_touch, other.i, cell.i);
-            if (!meet && detail::segment_distance(at(cell.i), at(cell.j), at(other.i), at(other.j)) <=
-                             cell.radius + other.radius + tolerance)
-                report.add(CageFaultKind::interior_cells_touch, other.i, cell.i);
-        }
-    }
+    detail::check_cells(cage, report);
+    if (report.status != Status::ok) return report;
+    detail::ComplexCheck<T, D> steps(cage, report);
+    steps.check_vertices();
+    steps.check_areas();
+    if (report.status != Status::ok) return report;
+    steps.check_facets();
+    steps.check_bones();
     return report;
 }
 

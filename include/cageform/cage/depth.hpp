@@ -17,14 +17,12 @@ template <Scalar T>
 class Depth<Polygon<T>> {
 public:
     explicit Depth(const Polygon<T>& polygon) {
-        for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
-            const auto& loop = polygon.loops()[n];
-            const bool turned = (signed_area(polygon, loop) > 0) != (loop_depth(polygon, n) % 2 == 0);
-            for (std::size_t i = loop.begin; i < loop.end; ++i) {
-                const auto a = vec_cast<double>(polygon[i]);
-                const auto b = vec_cast<double>(polygon[i + 1 < loop.end ? i + 1 : loop.begin]);
-                edges_.push_back(turned ? std::pair(b, a) : std::pair(a, b));
-            }
+        for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
+            const bool left = inside_is_left(polygon, k);
+            polygon.loops()[k].for_each_edge([&](std::size_t i, std::size_t j) {
+                const auto a = vec_cast<double>(polygon[i]), b = vec_cast<double>(polygon[j]);
+                edges_.push_back(left ? std::pair(a, b) : std::pair(b, a));
+            });
         }
     }
     /// In the units of the cage; 0 where rounding leaves no answer.
@@ -50,7 +48,7 @@ class Depth<TriangleMesh<T>> {
 public:
     explicit Depth(const TriangleMesh<T>& mesh) {
         for (const auto& face : outward_faces(mesh)) {
-            const auto corner = detail::corners_of_facet(mesh.vertices(), face);
+            const auto corner = detail::Facet<3>(face, mesh.vertices()).corner;
             const auto normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
             faces_.push_back({corner, (1 / detail::length(normal)) * normal});
         }

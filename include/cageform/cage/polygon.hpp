@@ -1,11 +1,9 @@
-// The 2D cage: one or more closed polygons.
+// The 2D cage: one or more closed polygons; where a point lies in them; whether they can serve as a cage.
 #pragma once
 
+#include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/report.hpp>
 #include <cageform/core/view.hpp>
-
-#include <cmath>
-#include <span>
-#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -13,8 +11,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// (inside is where the even-odd rule says so). A loop is a run of consecutive vertices; the edge from
 /// its last vertex to its first is implied.
 ///
-/// Copies the vertices (a cage is small). Construction never fails; `check` (cage/check.hpp) tells
-/// whether the polygon can serve as a cage, and every coordinate type asks it.
+/// Copies the vertices (a cage is small). Construction never fails; `check` tells whether the polygon can
+/// serve as a cage, and every coordinate type asks it.
 template <Scalar T>
 class Polygon {
 public:
@@ -24,6 +22,13 @@ public:
     struct Loop {
         std::size_t begin; ///< index of the first vertex
         std::size_t end;   ///< one past the last
+
+        std::size_t size() const noexcept { return end - begin; }
+        /// Calls `f(i, j)` for every edge, from vertex `i` to its successor `j`, in the order of the vertices.
+        template <class F>
+        void for_each_edge(F&& f) const {
+            for (std::size_t i = begin; i < end; ++i) f(i, i + 1 < end ? i + 1 : begin);
+        }
     };
 
     Polygon() = default;
@@ -61,14 +66,10 @@ public:
     std::span<const Loop> loops() const noexcept { return loops_; }
     bool loops_match() const noexcept { return loops_match_; }
 
-    /// Calls `f(i, j)` for every edge, from vertex `i` to its successor `j`, in the order of the vertices.
+    /// The edges of all loops.
     template <class F>
     void for_each_edge(F&& f) const {
-        for (const Loop& loop : loops_) {
-            for (std::size_t i = loop.begin; i < loop.end; ++i) {
-                f(i, i + 1 < loop.end ? i + 1 : loop.begin);
-            }
-        }
+        for (const Loop& loop : loops_) loop.for_each_edge(f);
     }
 
 private:
@@ -83,77 +84,12 @@ Polygon(const R&) -> Polygon<range_scalar_t<R>>;
 template <PointRange R, class Sizes>
 Polygon(const R&, const Sizes&) -> Polygon<range_scalar_t<R>>;
 
-/// Axis-aligned bounds of points, empty (lower above upper) for none.
-template <Scalar T, std::size_t D>
-struct Bounds {
-    Vec<T, D> lower;
-    Vec<T, D> upper;
-
-    /// Squared in double, so that no float overflows or vanishes.
-    T diagonal() const noexcept {
-        const auto d = vec_cast<double>(upper - lower);
-        return static_cast<T>(std::sqrt(dot(d, d)));
-    }
-    /// The largest absolute coordinate: what the rounding of the coordinates is relative to.
-    T magnitude() const noexcept {
-        T m = 0;
-        for (std::size_t k = 0; k < D; ++k)
-            m = std::fmax(m, std::fmax(std::fabs(lower[k]), std::fabs(upper[k])));
-        return m;
-    }
-};
-
-template <Scalar T, std::size_t D>
-Bounds<T, D> bounds_of(std::span<const Vec<T, D>> points) noexcept {
-    Bounds<T, D> b;
-    for (std::size_t k = 0; k < D; ++k) {
-        b.lower[k] = std::numeric_limits<T>::max();
-        b.upper[k] = std::numeric_limits<T>::lowest();
-        for (const auto& p : points) {
-            b.lower[k] = std::fmin(b.lower[k], p[k]);
-            b.upper[k] = std::fmax(b.upper[k], p[k]);
-        }
-    }
-    return b;
-}
-
-/// Two places of a cage nearer than this are one: eight roundings of its largest coordinate. Points this
-/// near to a vertex or an edge are on it. In the units of the cage.
-template <Scalar T, std::size_t D>
-T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
-    return 8 * epsilon<T> * std::fmax(bounds.diagonal(), bounds.magnitude());
-}
-
-namespace detail {
-
-template <std::size_t D>
-double length(const Vec<double, D>& v) noexcept {
-    return std::sqrt(dot(v, v));
-}
-
-/// Where on the segment from `a` to `b` the place nearest to `p` lies: 0 at a, 1 at b; 0 where both are one.
-template <std::size_t D>
-double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
-    const auto e = b - a;
-    const double length2 = dot(e, e);
-    return length2 > 0 ? std::fmin(std::fmax(dot(p - a, e) / length2, 0.0), 1.0) : 0.0;
-}
-
-/// The place of that segment nearest to `p`.
-template <std::size_t D>
-Vec<double, D> nearest_on_segment(const Vec<double, D>& p, const Vec<double, D>& a,
-                                  const Vec<double, D>& b) noexcept {
-    return a + part_of_segment(p, a, b) * (b - a);
-}
-
-} // namespace detail
-
-/// A power of two that makes the diagonal at most 1: scaling by it is exact.
-template <Scalar T, std::size_t D>
-T unit_scale(const Bounds<T, D>& bounds) noexcept {
-    int exponent = 0;
-    std::frexp(bounds.diagonal(), &exponent);
-    return std::ldexp(T(1), -exponent);
+/// f(edge), as arrays of vertices.
+template <Scalar T, class F>
+void for_each_facet(const Polygon<T>& polygon, F&& f) {
+    polygon.for_each_edge([&](std::size_t i, std::size_t j) {
+        f(std::array<std::uint32_t, 2>{std::uint32_t(i), std::uint32_t(j)});
+    });
 }
 
 /// The signed area of a loop, positive when counter-clockwise (y up).
@@ -167,6 +103,8 @@ double signed_area(const Polygon<T>& polygon, typename Polygon<T>::Loop loop) no
     return twice / 2;
 }
 
+// ---- inside --------------------------------------------------------------------------------------
+
 /// How many other loops enclose loop `k`: even for an outer loop, odd for a hole. Loops must not touch.
 template <Scalar T>
 std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
@@ -174,17 +112,186 @@ std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     std::size_t depth = 0;
     for (std::size_t other = 0; other < polygon.loops().size(); ++other) {
         if (other == k) continue;
-        const auto& loop = polygon.loops()[other];
         bool inside = false;
-        for (std::size_t i = loop.begin, j = loop.end - 1; i < loop.end; j = i++) {
-            const auto a = vec_cast<double>(polygon[j]);
-            const auto b = vec_cast<double>(polygon[i]);
-            if ((a[1] > q[1]) != (b[1] > q[1]) && (cross(b - a, q - a) > 0) == (b[1] > a[1]))
-                inside = !inside;
-        }
+        polygon.loops()[other].for_each_edge([&](std::size_t i, std::size_t j) {
+            const auto a = vec_cast<double>(polygon[i]), b = vec_cast<double>(polygon[j]);
+            if (detail::crosses_ray(q, a, b)) inside = !inside;
+        });
         depth += inside;
     }
     return depth;
+}
+
+/// Whether the inside of the polygon lies to the left of the edges of loop `k`: outer loops counter-clockwise, holes
+/// clockwise. Loops must not touch. O(#V).
+template <Scalar T>
+bool inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
+    return (signed_area(polygon, polygon.loops()[k]) > 0) == (loop_depth(polygon, k) % 2 == 0);
+}
+
+/// A place on the boundary of a polygon: (1 − s) vertex[i] + s vertex[j].
+template <Scalar T>
+struct BoundaryPoint {
+    std::size_t i = 0;
+    std::size_t j = 0;
+    T s = 0;            ///< in [0, 1]
+    T distance = 0;     ///< from the point asked for
+    Vec<T, 2> position; ///< of the place itself
+};
+
+/// The place of edge (i, j) nearest to `p`; interpolated from the nearer end, so that both ends are met
+/// exactly. `p` must be finite.
+template <Scalar T>
+BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
+                                 const Vec<T, 2>& p) noexcept {
+    const auto a = vec_cast<double>(polygon[i]);
+    const auto b = vec_cast<double>(polygon[j]);
+    const auto q = vec_cast<double>(p);
+    const auto e = b - a;
+    const double length2 = dot(e, e);
+    const double from_a = length2 > 0 ? dot(q - a, e) / length2 : 0;
+    const double from_b = length2 > 0 ? dot(b - q, e) / length2 : 1;
+    const double s = from_a <= 0.5 ? std::fmax(from_a, 0.0) : std::fmin(1 - from_b, 1.0);
+    const auto x = s <= 0.5 ? a + s * e : b - std::fmax(from_b, 0.0) * e;
+    return {i, j, static_cast<T>(s), static_cast<T>(std::hypot(x[0] - q[0], x[1] - q[1])), vec_cast<T>(x)};
+}
+
+/// The nearest place on the whole boundary. `p` must be finite and the polygon not empty. O(#V).
+template <Scalar T>
+BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>& p) noexcept {
+    BoundaryPoint<T> best;
+    polygon.for_each_edge([&](std::size_t i, std::size_t j) {
+        const auto candidate = nearest_on_edge(polygon, i, j, p);
+        const bool first = best.i == best.j; // taken as it is: so far out all distances may be infinite
+        if (first || candidate.distance < best.distance) best = candidate;
+    });
+    return best;
+}
+
+/// The boundary data at the boundary place nearest to a finite point, and that place: linear along the edges.
+template <Scalar T>
+BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 2>& p,
+                                        Vec<T, 2>& place) noexcept {
+    const auto q = nearest_on_boundary(polygon, p);
+    place = q.position;
+    return {{std::uint32_t(q.i), std::uint32_t(q.j)}, {1 - double(q.s), double(q.s)}};
+}
+
+/// Inside by the even-odd rule; on the boundary when within `tolerance` of it (the cage's
+/// coincidence_tolerance); not_finite for a NaN or infinite point. O(#V).
+///
+/// On which side of an edge the point is can only be wrong nearer to the edge than the tolerance, where the
+/// answer is on_boundary in any case.
+template <Scalar T>
+PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) noexcept {
+    if (!is_finite(p)) return PointState::not_finite;
+    bool inside = false;
+    bool touches = false;
+    const auto q = vec_cast<double>(p);
+    polygon.for_each_edge([&](std::size_t i, std::size_t j) {
+        const auto a = vec_cast<double>(polygon[i]);
+        const auto b = vec_cast<double>(polygon[j]);
+        const auto e = b - a;
+        const double reach = tolerance * (std::fabs(e[0]) + std::fabs(e[1]));
+        if (std::fabs(cross(e, q - a)) <= reach && nearest_on_edge(polygon, i, j, p).distance <= tolerance)
+            touches = true;
+        if (detail::crosses_ray(q, a, b)) inside = !inside;
+    });
+    if (touches) return PointState::on_boundary;
+    return inside ? PointState::inside : PointState::outside;
+}
+
+// ---- check ---------------------------------------------------------------------------------------
+
+namespace detail {
+
+/// Numbers of vertices, and finite ones.
+template <Scalar T>
+void check_loops(const Polygon<T>& polygon, CageReport& report) {
+    const auto loops = polygon.loops();
+    if (!polygon.loops_match()) {
+        std::size_t in_loops = 0;
+        for (const auto& loop : loops) in_loops += loop.size();
+        return report.add(CageFaultKind::loops_do_not_match, in_loops, polygon.size());
+    }
+    if (polygon.size() == 0) return report.add(CageFaultKind::too_few_vertices, 0, 0);
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        if (!is_finite(polygon[i])) report.add(CageFaultKind::vertex_not_finite, i);
+    }
+    for (std::size_t k = 0; k < loops.size(); ++k) {
+        if (loops[k].size() < 3) report.add(CageFaultKind::too_few_vertices, k, loops[k].size());
+    }
+}
+
+/// Whether no vertex leaves the line through the first vertex and the one farthest from it.
+inline bool is_flat_loop(std::span<const Facet<2>> edges, double tolerance) {
+    const auto origin = edges[0].corner[0];
+    Vec<double, 2> axis{0, 0};
+    for (const auto& edge : edges) {
+        const auto d = edge.corner[0] - origin;
+        if (dot(d, d) > dot(axis, axis)) axis = d;
+    }
+    return std::all_of(edges.begin(), edges.end(), [&](const Facet<2>& edge) {
+        return std::fabs(cross(axis, edge.corner[0] - origin)) <= tolerance * length(axis);
+    });
+}
+
+inline void check_crossing_edges(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
+    std::vector<Bounds<double, 2>> boxes;
+    for (const auto& edge : edges) boxes.push_back(edge.bounds().widened(tolerance));
+    for_each_overlap(boxes, [&](std::size_t m, std::size_t n) {
+        if (facets_touch(edges[m], edges[n], tolerance))
+            report.add(CageFaultKind::edges_cross, edges[m].vertex[0], edges[n].vertex[0]);
+    });
+}
+
+/// Vertices between collinear edges of a loop.
+inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
+    const Facet<2>* before = &edges.back();
+    for (const auto& edge : edges) {
+        const auto& from = before->corner[0];
+        const auto along = edge.corner[1] - from;
+        if (std::fabs(cross(along, edge.corner[0] - from)) <= tolerance * std::hypot(along[0], along[1]))
+            report.add(CageFaultKind::collinear_vertex, edge.vertex[0]);
+        before = &edge;
+    }
+}
+
+} // namespace detail
+
+/// Whether a polygon can serve as a cage: every loop has three vertices and an area, consecutive vertices
+/// are apart, and no two edges touch except neighbours at their common vertex. What "apart" means is the
+/// cage's coincidence_tolerance. Usually O(#V log #V) (edges are swept by x), O(#V²) at worst.
+template <Scalar T>
+CageReport check(const Polygon<T>& polygon) {
+    CageReport report;
+    detail::check_loops(polygon, report);
+    if (report.status != Status::ok) return report;
+
+    const double tolerance = coincidence_tolerance(bounds_of(polygon.vertices()));
+    std::vector<detail::Facet<2>> edges; // edge i starts at vertex i
+    for_each_facet(polygon, [&](const auto& edge) { edges.emplace_back(edge, polygon.vertices()); });
+    const auto edges_of = [&](std::size_t k) {
+        return std::span(edges).subspan(polygon.loops()[k].begin, polygon.loops()[k].size());
+    };
+    for (const auto& edge : edges) {
+        const auto e = edge.corner[1] - edge.corner[0];
+        if (std::hypot(e[0], e[1]) <= tolerance)
+            report.add(CageFaultKind::duplicate_vertices, edge.vertex[0], edge.vertex[1]);
+    }
+    for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
+        if (detail::is_flat_loop(edges_of(k), tolerance)) report.add(CageFaultKind::no_area, k);
+    }
+    if (report.status != Status::ok) return report;
+
+    detail::check_crossing_edges(edges, tolerance, report);
+    if (report.status != Status::ok) return report;
+
+    for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
+        detail::check_collinear_vertices(edges_of(k), tolerance, report);
+        if (!inside_is_left(polygon, k)) report.add(CageFaultKind::loop_turns_otherwise, k);
+    }
+    return report;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -72,8 +72,12 @@ public:
     /// The value of the cells nearest to `p` where their surface is not farther than `least`, which becomes that distance
     /// (negative within). O(cells).
     bool nearest(const Vec<double, D>& p, double& least, BoundaryValue<D>& value) const noexcept {
-        return nearest_bone_value<D>(
-            cells_.size(), [&](std::size_t n) -> const Cell& { return cells_[n]; }, p, least, value);
+        const auto hit = nearest_bone<D>(
+            cells_.size(), [&](std::size_t n) -> const Cell& { return cells_[n]; }, p, least);
+        if (!hit) return false;
+        least = hit->distance;
+        value = hit->value;
+        return true;
     }
 
     /// Whether cell `n` lies on the way from `p` along an axis within `limit`, which becomes the distance to it.

@@ -52,7 +52,7 @@ public:
         BoundaryValue<3> value;
         for (const auto& face : faces_) {
             const auto &a = vertices_[face[0]], &b = vertices_[face[1]], &c = vertices_[face[2]];
-            const auto w = detail::nearest_on_triangle(p, a, b, c);
+            const auto w = detail::nearest_on_facet(p, {a, b, c});
             const auto d = w[0] * a + w[1] * b + w[2] * c - p;
             if (dot(d, d) >= least) continue;
             least = dot(d, d);

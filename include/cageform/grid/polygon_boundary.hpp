@@ -2,7 +2,7 @@
 // between the nodes that are right up to it.
 #pragma once
 
-#include <cageform/cage/inside.hpp>
+#include <cageform/cage/polygon.hpp>
 #include <cageform/grid/bones.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/embed.hpp>

@@ -1,7 +1,7 @@
 // Scan conversion of a cage onto a grid: which cells the boundary passes, and which are inside.
 #pragma once
 
-#include <cageform/cage/inside.hpp>
+#include <cageform/cage/polygon.hpp>
 #include <cageform/grid/lattice.hpp>
 
 #include <algorithm>

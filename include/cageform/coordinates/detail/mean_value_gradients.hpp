@@ -446,7 +446,7 @@ private:
         };
         const auto for_faces = [&](const auto& body) {
             for (const Face& face : frame_.faces) {
-                const auto corner = corners_of_facet(cage.vertices(), face.corner);
+                const auto corner = Facet<3>(face.corner, cage.vertices()).corner;
                 const auto nearest = place_on_facet(nearest_on_facet(p, corner), corner);
                 if (length(nearest - p) <= 2 * double(tolerance_) && body(face, corner)) return true;
             }
