@@ -231,7 +231,7 @@ struct MeshProblem {
             lattice.cells[k] = std::size_t(links) + 1;
             lattice.origin[k] = bounds.lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
         }
-        const cageform::MeshBoundary<double> boundary(cage, lattice);
+        const cageform::SimplexBoundary<3> boundary(cage, lattice);
         equations = cageform::embed(boundary, boundary.crossings());
     }
 

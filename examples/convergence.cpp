@@ -47,7 +47,7 @@ Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resoluti
     for (std::size_t k = 0; k < 2; ++k)
         lattice.cells[k] = std::size_t(std::ceil(extent[k] / lattice.spacing)) + 1;
 
-    const cageform::PolygonBoundary<double> boundary(cage, lattice);
+    const cageform::SimplexBoundary<2> boundary(cage, lattice);
     const auto problem = cageform::embed(boundary, boundary.crossings());
     const Multigrid<2> multigrid(problem.nodes, problem.cuts, {});
     const auto slot = multigrid.source_slots();

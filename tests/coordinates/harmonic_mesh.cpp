@@ -13,7 +13,7 @@ using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
-using cageform::MeshBoundary;
+using cageform::SimplexBoundary;
 
 namespace {
 
@@ -230,7 +230,7 @@ TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[
             if (seed % 3 != 0) v[k] = std::round((seed % 3) * v[k]) / (seed % 3);
         }
     }
-    const auto crossings = MeshBoundary<double>(data.mesh<double>(), lattice).crossings();
+    const auto crossings = SimplexBoundary<3>(data.mesh<double>(), lattice).crossings();
     for (const auto& along : crossings) {
         REQUIRE(!along.empty());
         std::size_t odd = 0;

@@ -2,14 +2,16 @@
 #include "../catch.hpp"
 #include "../support/weights.hpp"
 
-#include <cageform/grid/polygon_boundary.hpp>
+#include <cageform/grid/box_boundary.hpp>
+#include <cageform/grid/embed.hpp>
+#include <cageform/grid/simplex_boundary.hpp>
 
 using cageform::BoundaryValue;
 using cageform::Lattice;
 using cageform::NodeRuns;
 using cageform::PointState;
 using cageform::Polygon;
-using cageform::PolygonBoundary;
+using cageform::SimplexBoundary;
 using cageform_tests::Random;
 using cageform_tests::random_inside;
 using cageform_tests::random_rings;
@@ -42,9 +44,9 @@ Vec<double, 2> place(const Polygon<double>& cage, const BoundaryValue<2>& value)
 }
 
 /// A polygon's boundary with nodes whose values are given besides.
-struct WithFixedNodes : PolygonBoundary<double> {
-    WithFixedNodes(const PolygonBoundary<double>& boundary, std::vector<cageform::FixedNode<2>> nodes)
-        : PolygonBoundary<double>(boundary)
+struct WithFixedNodes : SimplexBoundary<2> {
+    WithFixedNodes(const SimplexBoundary<2>& boundary, std::vector<cageform::FixedNode<2>> nodes)
+        : SimplexBoundary<2>(boundary)
         , fixed(std::move(nodes)) {}
     std::vector<cageform::FixedNode<2>> fixed_nodes() const { return fixed; }
 
@@ -52,7 +54,7 @@ struct WithFixedNodes : PolygonBoundary<double> {
 };
 
 void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& lattice) {
-    PolygonBoundary<double> boundary(cage, lattice);
+    SimplexBoundary<2> boundary(cage, lattice);
     const auto problem = cageform::embed(boundary, boundary.crossings());
     // Nodes are those inside, but for some on the boundary.
     std::size_t wrong = 0;
@@ -123,6 +125,49 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
 
 } // namespace
 
+namespace {
+
+/// All that embed needs, and nothing to sample with: a boundary that no line crosses.
+struct Nowhere {
+    static constexpr std::size_t dimension = 2;
+    Lattice<double, 2> lattice() const { return {{{4, 4}}, {}, 1}; }
+    cageform::Crossings<2> crossings() const { return {}; }
+    BoundaryValue<2> nearest(const Index&) const { return {}; }
+    std::vector<cageform::FixedNode<2>> fixed_nodes() const { return {}; }
+    std::optional<std::uint32_t> too_thin_bone() const { return {}; }
+};
+struct WithoutFixedNodes : Nowhere {
+    void fixed_nodes() const = delete;
+};
+struct WithoutNearest : SimplexBoundary<2> {
+    using SimplexBoundary<2>::SimplexBoundary;
+    double nearest(const Index&) const { return 0; } // no data
+};
+struct WithoutSample : cageform::BoxBoundary<float> {
+    using cageform::BoxBoundary<float>::BoxBoundary;
+    void sample() const {}
+};
+
+} // namespace
+
+TEST_CASE("what a boundary has to tell is a concept in two parts", "[grid][embed][concepts]") {
+    using cageform::EmbeddableBoundary;
+    using cageform::GridBoundary;
+    using cageform::SampledBoundary;
+    STATIC_REQUIRE(GridBoundary<SimplexBoundary<2>>);
+    STATIC_REQUIRE(GridBoundary<SimplexBoundary<3>>);
+    STATIC_REQUIRE(GridBoundary<cageform::BoxBoundary<double>>);
+    STATIC_REQUIRE(GridBoundary<cageform::GridBoundaryOf<cageform::CellComplex<float, 3>>::type>);
+    STATIC_REQUIRE(EmbeddableBoundary<Nowhere>);
+    STATIC_REQUIRE(!SampledBoundary<Nowhere>);
+    STATIC_REQUIRE(!EmbeddableBoundary<WithoutFixedNodes>);
+    STATIC_REQUIRE(!EmbeddableBoundary<WithoutNearest>);
+    STATIC_REQUIRE(SampledBoundary<WithoutNearest>);
+    STATIC_REQUIRE(EmbeddableBoundary<WithoutSample>);
+    STATIC_REQUIRE(!SampledBoundary<WithoutSample>);
+    STATIC_REQUIRE(!EmbeddableBoundary<Polygon<double>>);
+}
+
 TEST_CASE("a polygon is laid into a lattice where it is", "[grid][embed][property]") {
     const int seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -143,7 +188,7 @@ TEST_CASE("edges on lattice lines and corners on nodes are on the boundary", "[g
         check_embedding(cage, lattice_over(cage, 8 / spacing, 0.5));
         check_embedding(cage, lattice_over(cage, 8 / spacing, 1));
     }
-    PolygonBoundary<double> boundary(cage, lattice_over(cage, 8, 0));
+    SimplexBoundary<2> boundary(cage, lattice_over(cage, 8, 0));
     const auto problem = cageform::embed(boundary, boundary.crossings());
     CHECK(problem.nodes.count() == 7 * 3 + 3 * 4);
     for (const auto& cut : problem.cuts) CHECK(cut.weight == 1);
@@ -158,7 +203,7 @@ TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[gri
     const Polygon<double> cage(spiked);
     const auto unseen = [&](double cells) {
         const auto seen = cageform::seen_handles<2>(
-            PolygonBoundary<double>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size());
+            SimplexBoundary<2>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size());
         return std::count(seen.begin(), seen.end(), false);
     };
     CHECK(unseen(4) > 0);
@@ -168,7 +213,7 @@ TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[gri
 TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to", "[grid][embed]") {
     const Polygon<double> cage(random_star<double>(6));
     const auto lattice = lattice_over(cage, 40, 0.37);
-    const PolygonBoundary<double> boundary(cage, lattice);
+    const SimplexBoundary<2> boundary(cage, lattice);
     const auto crossings = boundary.crossings();
     const auto plain = cageform::embed(boundary, crossings);
     Random random(2);

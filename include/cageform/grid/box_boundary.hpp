@@ -1,10 +1,8 @@
-// A box as the boundary of a problem on a lattice; what polygon_boundary.hpp is for polygons.
+// A box as the boundary of a problem on a lattice.
 #pragma once
 
 #include <cageform/cage/box.hpp>
-#include <cageform/grid/cut_stencil.hpp>
-#include <cageform/grid/embed.hpp>
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/grid_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -47,7 +45,7 @@ public:
     std::optional<std::uint32_t> too_thin_bone() const noexcept { return std::nullopt; }
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {
-        const Vec<double, 3> p{double(node[0]), double(node[1]), double(node[2])};
+        const auto p = node_position<3>(node);
         std::size_t axis = 0;
         bool up = false;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -60,7 +58,6 @@ public:
         return on_face(axis, up, p);
     }
 
-    /// How far a point can go along an axis, up or down, before it meets the boundary, but no farther than `limit`.
     double free_distance(const Vec<double, 3>& p, std::size_t axis, bool up,
                          double limit = std::numeric_limits<double>::max()) const noexcept {
         return std::fmin(limit, up ? upper_[axis] - p[axis] : p[axis] - lower_[axis]);

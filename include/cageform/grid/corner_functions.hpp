@@ -11,8 +11,8 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
+#include <cageform/grid/embed.hpp>
 #include <cageform/grid/multigrid.hpp>
-#include <cageform/grid/polygon_boundary.hpp>
 
 #include <Eigen/Cholesky>
 

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
+#include <cageform/grid/lattice.hpp>
 #include <cageform/grid/node_runs.hpp>
+
+#include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -34,49 +37,25 @@ struct CutStencil {
     void add(const BoundaryValue<D>& value, double share) noexcept { places[place_count++] = {value, share}; }
 };
 
-/// Adds to a stencil what a point inside is a mean of: linear along one axis of its cell after the other, and where the
-/// boundary lies before the cell's end on that way, its value there in the stead of what lies beyond.
-///
-///   p        in units of the lattice; low, the lower corner of its cell
-///   order    of the axes; `step` axes are done
-///   share    of the whole
-///   cast     cast(p, axis, end, position, value): whether the boundary lies between p and `end` along an axis; where, and
-///            its data there
-///   nearest  nearest(index): the data nearest to a node that is no unknown, hence on the boundary up to rounding
-template <std::size_t D, class Cast, class Nearest>
-void gather_cut(CutStencil<D>& stencil, const Vec<double, D>& p, const std::array<std::int32_t, D>& low,
-                const std::array<std::size_t, D>& order, std::size_t step, double share,
-                const NodeRuns<D>& nodes, const Cast& cast, const Nearest& nearest) noexcept {
-    if (step == D) {
-        typename NodeRuns<D>::Index index;
-        for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(p[k]);
-        const auto node = nodes.find(index);
-        if (node != NodeRuns<D>::none) {
-            stencil.add(node, share);
-        } else {
-            stencil.add(nearest(index), share);
-        }
-        return;
+/// From a place along an axis, up or down. In units of the lattice.
+template <std::size_t D>
+struct AxisRay {
+    Vec<double, D> from;
+    std::size_t axis;
+    bool up;
+    double length; ///< what lies farther is not met
+
+    /// How far ahead a coordinate of the axis lies; negative behind.
+    double distance(double position) const noexcept {
+        return up ? position - from[axis] : from[axis] - position;
     }
-    const std::size_t axis = order[step];
-    double begin = low[axis], end = low[axis] + 1;
-    BoundaryValue<D> at_begin, at_end;
-    const bool cut_begin = cast(p, axis, begin, begin, at_begin);
-    const bool cut_end = cast(p, axis, end, end, at_end);
-    const double length = end - begin;
-    const double at = length > 0 ? (p[axis] - begin) / length : 0.0;
-    const auto take = [&](bool cut, double place, const BoundaryValue<D>& value, double part) {
-        if (!(part > 0)) return;
-        if (cut) {
-            stencil.add(value, part);
-            return;
-        }
-        auto q = p;
-        q[axis] = place;
-        gather_cut<D>(stencil, q, low, order, step + 1, part, nodes, cast, nearest);
-    };
-    take(cut_begin, begin, at_begin, share * (1 - at));
-    take(cut_end, end, at_end, share * at);
-}
+};
+
+/// Where a ray meets a boundary.
+template <std::size_t D>
+struct Hit {
+    double position; ///< on the ray's axis
+    BoundaryValue<D> value;
+};
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -9,13 +9,6 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-template <std::size_t D>
-void sort_along_lines(std::vector<Crossing<D>>& crossings) {
-    std::sort(crossings.begin(), crossings.end(), [](const Crossing<D>& a, const Crossing<D>& b) {
-        return a.line != b.line ? a.line < b.line : a.position < b.position;
-    });
-}
-
 /// The unknown nodes of a boundary value problem and their links to the data.
 template <std::size_t D>
 struct EmbeddedProblem {
@@ -25,22 +18,6 @@ struct EmbeddedProblem {
 };
 
 namespace detail {
-
-/// The node at `x` on a line along `axis`. Lines along axis 0 are rows.
-template <std::size_t D>
-typename NodeRuns<D>::Index on_line(const typename NodeRuns<D>::Index& size, std::size_t axis,
-                                    std::uint32_t line, std::int32_t x) noexcept {
-    typename NodeRuns<D>::Index index{};
-    for (std::size_t k = 0; k < D; ++k) {
-        if (k == axis) {
-            index[k] = x;
-            continue;
-        }
-        index[k] = std::int32_t(line % std::uint32_t(size[k]));
-        line /= std::uint32_t(size[k]);
-    }
-    return index;
-}
 
 /// f(before, after) for neighbouring crossings of a line with the inside between them.
 template <std::size_t D, class F>
@@ -62,7 +39,167 @@ std::pair<std::int32_t, std::int32_t> nodes_between(const Crossing<D>& a, const 
             std::int32_t(std::ceil(b.position - on_boundary_distance))};
 }
 
+/// A crossing among the nodes of its line: on a node, or between two.
+struct NodesAbout {
+    std::int32_t below, above; ///< the next nodes off the crossing
+    bool on_node;              ///< then `below` + 1 is the node
+
+    explicit NodesAbout(double position) noexcept {
+        const double nearest = std::round(position);
+        on_node = std::fabs(position - nearest) <= on_boundary_distance;
+        below = std::int32_t(on_node ? nearest - 1 : std::floor(position));
+        above = on_node ? below + 2 : below + 1;
+    }
+};
+
+/// Makes the equations of `embed`, step by step.
+template <EmbeddableBoundary B>
+class Embedding {
+public:
+    static constexpr std::size_t D = B::dimension;
+    using Index = typename NodeRuns<D>::Index;
+
+    Embedding(const B& boundary, const Crossings<D>& crossings)
+        : boundary_(boundary)
+        , crossings_(crossings)
+        , nodes_(boundary.lattice().counts()) {
+        for (const auto& [index, value] : boundary.fixed_nodes()) fixed_.push_back({place(index), value});
+        std::sort(fixed_.begin(), fixed_.end(), before_by_place);
+    }
+
+    EmbeddedProblem<D> make() {
+        find_nodes();
+        cut_links_at_crossings();
+        cut_links_to_other_nodes();
+        EmbeddedProblem<D> problem;
+        for (const Cut& cut : cuts_) {
+            problem.cuts.push_back(cut.link);
+            problem.values.push_back(cut.value);
+        }
+        problem.nodes = std::move(nodes_);
+        return problem;
+    }
+
+private:
+    using Place = std::pair<std::uint32_t, std::int32_t>; ///< row and position in it
+    struct FixedPlace {
+        Place place;
+        BoundaryValue<D> value;
+    };
+    struct Cut {
+        CutLink link;
+        BoundaryValue<D> value;
+    };
+
+    static bool before_by_place(const FixedPlace& a, const FixedPlace& b) noexcept {
+        return a.place < b.place;
+    }
+    /// By link; of one link the shortest first.
+    static bool before(const Cut& a, const Cut& b) noexcept {
+        if (a.link.node != b.link.node) return a.link.node < b.link.node;
+        if (a.link.direction != b.link.direction) return a.link.direction < b.link.direction;
+        return a.link.weight > b.link.weight;
+    }
+    static bool same_link(const Cut& a, const Cut& b) noexcept {
+        return a.link.node == b.link.node && a.link.direction == b.link.direction;
+    }
+    Place place(const Index& index) const noexcept { return {std::uint32_t(nodes_.row(index)), index[0]}; }
+
+    /// Fixed nodes, and those on the boundary as the lines of the other axes see it. Sorted.
+    std::vector<Place> no_unknowns() const {
+        std::vector<Place> all;
+        for (const FixedPlace& fixed : fixed_) all.push_back(fixed.place);
+        for (std::size_t axis = 1; axis < D; ++axis) {
+            for (const auto& crossing : crossings_[axis]) {
+                const NodesAbout about(crossing.position);
+                if (about.on_node)
+                    all.push_back(place(boundary_.lattice().on_line(axis, crossing.line, about.below + 1)));
+            }
+        }
+        std::sort(all.begin(), all.end());
+        return all;
+    }
+
+    /// The nodes inside by the even-odd rule along the rows, which are the lines of axis 0.
+    void find_nodes() {
+        const auto left_out = no_unknowns();
+        std::uint32_t row = 0;
+        auto next = left_out.begin();
+        for_each_inner_interval<D>(crossings_[0], [&](const Crossing<D>& a, const Crossing<D>& b) {
+            for (; row < a.line; ++row) nodes_.end_row();
+            auto [x, end] = nodes_between(a, b);
+            x = std::max(x, 0);
+            end = std::min(end, nodes_.size()[0]);
+            next = std::lower_bound(next, left_out.end(), Place(a.line, x));
+            for (; next != left_out.end() && *next < Place(a.line, end); ++next) {
+                nodes_.add_run(x, next->second);
+                x = next->second + 1;
+            }
+            nodes_.add_run(x, end);
+        });
+        for (; row < nodes_.rows(); ++row) nodes_.end_row();
+    }
+
+    /// The links that the boundary crosses get the weights of Shortley and Weller (J. Appl. Phys. 9 (1938), p. 334): 1/θ, θ the
+    /// part of the link up to the boundary. Of several crossings of a link the nearest counts.
+    void cut_links_at_crossings() {
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            for (const auto& crossing : crossings_[axis]) {
+                const auto cut = [&](std::int32_t x, bool up, double theta) {
+                    const auto node = nodes_.find(boundary_.lattice().on_line(axis, crossing.line, x));
+                    const auto direction = std::uint8_t(2 * axis + (up ? 1 : 0));
+                    if (node != NodeRuns<D>::none)
+                        cuts_.push_back({{node, direction, 1 / theta}, crossing.value});
+                };
+                const NodesAbout about(crossing.position);
+                cut(about.below, true, about.on_node ? 1.0 : crossing.position - double(about.below));
+                cut(about.above, false, about.on_node ? 1.0 : double(about.above) - crossing.position);
+            }
+        }
+        std::sort(cuts_.begin(), cuts_.end(), before);
+        cuts_.erase(std::unique(cuts_.begin(), cuts_.end(), same_link), cuts_.end());
+    }
+
+    /// Links without a crossing to nodes that are no unknowns: fixed ones, or those where the lines of different axes
+    /// disagree by rounding.
+    void cut_links_to_other_nodes() {
+        std::vector<Cut> more;
+        nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
+            Cut cut{{node, std::uint8_t(direction), std::numeric_limits<double>::infinity()}, {}};
+            const auto known = std::lower_bound(cuts_.begin(), cuts_.end(), cut, before);
+            if (known != cuts_.end() && same_link(*known, cut)) return;
+            Index there = index;
+            there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
+            cut.link.weight = 1;
+            cut.value = value_at(there);
+            more.push_back(cut);
+        });
+        cuts_.insert(cuts_.end(), more.begin(), more.end());
+        std::sort(cuts_.begin(), cuts_.end(), before);
+    }
+    BoundaryValue<D> value_at(const Index& node) const noexcept {
+        const FixedPlace key{place(node), {}};
+        const auto at = std::lower_bound(fixed_.begin(), fixed_.end(), key, before_by_place);
+        return at != fixed_.end() && at->place == key.place ? at->value : boundary_.nearest(node);
+    }
+
+    const B& boundary_;
+    const Crossings<D>& crossings_;
+    NodeRuns<D> nodes_;
+    std::vector<FixedPlace> fixed_; ///< sorted by place
+    std::vector<Cut> cuts_;         ///< sorted, once a step is done
+};
+
 } // namespace detail
+
+/// Nodes inside by the even-odd rule along axis 0, links cut along all axes.
+///
+///   crossings  those of the boundary
+///   cost       O(#crossings log #crossings + #rows); nodes outside cost nothing
+template <EmbeddableBoundary B>
+EmbeddedProblem<B::dimension> embed(const B& boundary, const Crossings<B::dimension>& crossings) {
+    return detail::Embedding<B>(boundary, crossings).make();
+}
 
 /// Which handles the grid sees: those with data on a link of some inner node.
 template <std::size_t D>
@@ -82,115 +219,6 @@ std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handle
         });
     }
     return seen;
-}
-
-/// Nodes inside by the even-odd rule along axis 0, links cut along all axes.
-///
-///   crossings  those of the boundary
-///   cost       O(#crossings log #crossings + #rows); nodes outside cost nothing
-template <EmbeddableBoundary B>
-EmbeddedProblem<B::dimension> embed(const B& boundary, const Crossings<B::dimension>& crossings) {
-    constexpr std::size_t D = B::dimension;
-    using Index = typename NodeRuns<D>::Index;
-    const Index size = boundary.lattice().counts();
-    const auto fixed = boundary.fixed_nodes();
-    EmbeddedProblem<D> problem;
-    NodeRuns<D> nodes(size);
-
-    // Nodes on the boundary as the other axes' lines see it, by row and x; and those fixed.
-    using Place = std::pair<std::uint32_t, std::int32_t>;
-    std::vector<Place> dropped;
-    std::vector<std::pair<Place, std::size_t>> given;
-    for (std::size_t n = 0; n < fixed.size(); ++n) {
-        dropped.push_back({std::uint32_t(nodes.row(fixed[n].index)), fixed[n].index[0]});
-        given.push_back({dropped.back(), n});
-    }
-    std::sort(given.begin(), given.end());
-    for (std::size_t axis = 1; axis < D; ++axis) {
-        for (const auto& crossing : crossings[axis]) {
-            const double x = std::round(crossing.position);
-            if (std::fabs(crossing.position - x) > on_boundary_distance) continue;
-            const Index index = detail::on_line<D>(size, axis, crossing.line, std::int32_t(x));
-            dropped.push_back({std::uint32_t(nodes.row(index)), index[0]});
-        }
-    }
-    std::sort(dropped.begin(), dropped.end());
-
-    std::size_t row = 0;
-    auto drop = dropped.begin();
-    detail::for_each_inner_interval<D>(crossings[0], [&](const Crossing<D>& a, const Crossing<D>& b) {
-        for (; row < a.line; ++row) nodes.end_row();
-        auto [x, end] = detail::nodes_between(a, b);
-        x = std::max(x, 0);
-        end = std::min(end, size[0]);
-        while (drop != dropped.end() && *drop < std::pair(a.line, x)) ++drop;
-        for (; drop != dropped.end() && *drop < std::pair(a.line, end); ++drop) {
-            nodes.add_run(x, drop->second);
-            x = drop->second + 1;
-        }
-        nodes.add_run(x, end);
-    });
-    for (; row < nodes.rows(); ++row) nodes.end_row();
-
-    struct Cut {
-        CutLink link;
-        BoundaryValue<D> value;
-    };
-    std::vector<Cut> cuts;
-    for (std::size_t axis = 0; axis < D; ++axis) {
-        for (const auto& crossing : crossings[axis]) {
-            const double near = std::round(crossing.position);
-            const bool on_node = std::fabs(crossing.position - near) <= on_boundary_distance;
-            const auto below = std::int32_t(on_node ? near - 1 : std::floor(crossing.position));
-            const std::int32_t above = on_node ? below + 2 : below + 1;
-            const auto cut = [&](std::int32_t x, bool up, double theta) {
-                const auto node = nodes.find(detail::on_line<D>(size, axis, crossing.line, x));
-                if (node == NodeRuns<D>::none) return;
-                const auto direction = std::uint8_t(2 * axis + (up ? 1 : 0));
-                cuts.push_back({{node, direction, 1 / theta}, crossing.value});
-            };
-            cut(below, true, on_node ? 1.0 : crossing.position - double(below));
-            cut(above, false, on_node ? 1.0 : double(above) - crossing.position);
-        }
-    }
-    // The nearest crossing of a link is the one that counts.
-    const auto before = [](const Cut& a, const Cut& b) {
-        if (a.link.node != b.link.node) return a.link.node < b.link.node;
-        if (a.link.direction != b.link.direction) return a.link.direction < b.link.direction;
-        return a.link.weight > b.link.weight;
-    };
-    std::sort(cuts.begin(), cuts.end(), before);
-    const auto same = [](const Cut& a, const Cut& b) {
-        return a.link.node == b.link.node && a.link.direction == b.link.direction;
-    };
-    cuts.erase(std::unique(cuts.begin(), cuts.end(), same), cuts.end());
-
-    // Links to nodes that are no unknowns, without a crossing: fixed ones, or the axes disagree by rounding.
-    std::vector<Cut> missing;
-    const auto is_cut = [&](std::uint32_t node, std::size_t direction) {
-        const Cut key{{node, std::uint8_t(direction), std::numeric_limits<double>::infinity()}, {}};
-        const auto at = std::lower_bound(cuts.begin(), cuts.end(), key, before);
-        return at != cuts.end() && same(*at, key);
-    };
-    nodes.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
-        if (is_cut(node, direction)) return;
-        Index there = index;
-        there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
-        const Place place{std::uint32_t(nodes.row(there)), there[0]};
-        const auto at = std::lower_bound(given.begin(), given.end(), std::pair{place, std::size_t{0}});
-        const bool known = at != given.end() && at->first == place;
-        missing.push_back({{node, std::uint8_t(direction), 1.0},
-                           known ? fixed[at->second].value : boundary.nearest(there)});
-    });
-    cuts.insert(cuts.end(), missing.begin(), missing.end());
-    std::sort(cuts.begin(), cuts.end(), before);
-
-    problem.nodes = std::move(nodes);
-    for (const Cut& cut : cuts) {
-        problem.cuts.push_back(cut.link);
-        problem.values.push_back(cut.value);
-    }
-    return problem;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -27,6 +27,13 @@ struct Crossing {
 template <std::size_t D>
 using Crossings = std::array<std::vector<Crossing<D>>, D>;
 
+template <std::size_t D>
+void sort_along_lines(std::vector<Crossing<D>>& crossings) {
+    std::sort(crossings.begin(), crossings.end(), [](const Crossing<D>& a, const Crossing<D>& b) {
+        return a.line != b.line ? a.line < b.line : a.position < b.position;
+    });
+}
+
 /// A node nearer to a crossing than this (in spacings) is on the boundary and no unknown.
 inline constexpr double on_boundary_distance = 1e-9;
 

@@ -21,6 +21,7 @@ enum class CellTag : std::uint8_t {
 template <std::size_t D>
 struct CellBox {
     using Index = std::array<std::size_t, D>;
+    using SignedIndex = std::array<std::int32_t, D>; ///< of a place that may lie outside
 
     Index cells{}; ///< along each axis
 
@@ -28,12 +29,6 @@ struct CellBox {
         std::size_t n = 1;
         for (const std::size_t c : cells) n *= c;
         return n;
-    }
-    /// The cells along each axis, as signed numbers.
-    std::array<std::int32_t, D> counts() const noexcept {
-        std::array<std::int32_t, D> counts;
-        for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(cells[k]);
-        return counts;
     }
     std::size_t number(const Index& index) const noexcept {
         std::size_t n = 0;
@@ -54,7 +49,42 @@ struct CellBox {
         for (std::size_t k = 0; k < axis; ++k) n *= cells[k];
         return n;
     }
+
+    SignedIndex counts() const noexcept { ///< the cells along each axis
+        SignedIndex counts{};
+        for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(cells[k]);
+        return counts;
+    }
+    /// The number of the line along an axis through a place, which is that of the place on the face across the axis.
+    std::uint32_t line(std::size_t axis, const SignedIndex& index) const noexcept {
+        std::uint32_t n = 0;
+        for (std::size_t k = D; k-- > 0;) {
+            if (k != axis) n = n * std::uint32_t(cells[k]) + std::uint32_t(index[k]);
+        }
+        return n;
+    }
+    /// Place `x` of a line along an axis.
+    SignedIndex on_line(std::size_t axis, std::uint32_t line, std::int32_t x) const noexcept {
+        SignedIndex index{};
+        for (std::size_t k = 0; k < D; ++k) {
+            if (k == axis) {
+                index[k] = x;
+                continue;
+            }
+            index[k] = std::int32_t(line % std::uint32_t(cells[k]));
+            line /= std::uint32_t(cells[k]);
+        }
+        return index;
+    }
 };
+
+/// The position of a node in units of its lattice: node i of an axis lies at i.
+template <std::size_t D>
+Vec<double, D> node_position(const std::array<std::int32_t, D>& node) noexcept {
+    Vec<double, D> p{};
+    for (std::size_t k = 0; k < D; ++k) p[k] = double(node[k]);
+    return p;
+}
 
 /// A CellBox with a place in space. Values live at cell centres; cell 0 begins at `origin`.
 template <Scalar T, std::size_t D>

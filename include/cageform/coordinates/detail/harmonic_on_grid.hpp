@@ -5,9 +5,9 @@
 #include <cageform/coordinates/harmonic_options.hpp>
 #include <cageform/grid/box_boundary.hpp>
 #include <cageform/grid/corner_functions.hpp>
-#include <cageform/grid/mesh_boundary.hpp>
+#include <cageform/grid/embed.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
-#include <cageform/grid/polygon_boundary.hpp>
+#include <cageform/grid/simplex_boundary.hpp>
 
 #include <memory>
 

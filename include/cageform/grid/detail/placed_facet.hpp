@@ -1,0 +1,254 @@
+// Facets of a boundary, edges in the plane and triangles in space, laid into a lattice.
+//
+// Each dimension has its rule of which lattice lines cross a facet, such that every line crosses a closed boundary an even
+// number of times: half-open edges in the plane, whole numbers in space.
+#pragma once
+
+#include <cageform/cage/cell_complex.hpp>
+#include <cageform/grid/grid_boundary.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// All positions are in units of the lattice.
+template <std::size_t D>
+struct PlacedFacet : Facet<D> {
+    using Weights = std::array<double, D>; ///< of the corners, which sum to 1
+
+    PlacedFacet(const std::array<std::uint32_t, D>& of, std::span<const Vec<double, D>> vertices,
+                bool turning)
+        : Facet<D>(of, vertices)
+        , turns(turning) {}
+
+    bool turns; ///< inside and outside change at it
+
+    BoundaryValue<D> value(const Weights& weights) const noexcept {
+        return value_on_facet(this->vertex, weights);
+    }
+    /// The least and the largest coordinate along an axis.
+    std::pair<double, double> extent(std::size_t axis) const noexcept {
+        double low = this->corner[0][axis], high = low;
+        for (const auto& c : this->corner) {
+            low = std::min(low, c[axis]);
+            high = std::max(high, c[axis]);
+        }
+        return {low, high};
+    }
+    Vec<double, D> place(const Weights& weights) const noexcept {
+        Vec<double, D> p;
+        for (std::size_t k = 0; k < D; ++k) p[k] = coordinate(weights, k);
+        return p;
+    }
+    double coordinate(const Weights& weights, std::size_t axis) const noexcept {
+        if constexpr (D == 2) { // exact where the edge lies across the axis
+            return this->corner[0][axis] + weights[1] * (this->corner[1][axis] - this->corner[0][axis]);
+        } else {
+            double sum = 0;
+            for (std::size_t k = 0; k < D; ++k) sum += weights[k] * this->corner[k][axis];
+            return sum;
+        }
+    }
+};
+
+/// Where a ray may meet an edge, its length left aside: on an edge along the ray, the end that it meets first.
+inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>& edge,
+                                                            const AxisRay<2>& ray) noexcept {
+    const auto& [a, b] = edge.corner;
+    const std::size_t across = 1 - ray.axis;
+    const double from = a[across], to = b[across], at = ray.from[across];
+    if (at < std::min(from, to) || at > std::max(from, to)) return std::nullopt;
+    double s = 0;
+    if (from != to) {
+        s = (at - from) / (to - from);
+    } else {
+        const double to_a = ray.distance(a[ray.axis]), to_b = ray.distance(b[ray.axis]);
+        s = to_b >= 0 && (to_a < 0 || to_b <= to_a) ? 1 : 0;
+    }
+    return std::array<double, 2>{1 - s, s};
+}
+
+/// Where the line along `axis` through the place (x, y) of the plane across it meets a face's plane: the weights of the
+/// corners, negative beyond an edge. None where the face is seen edge-on.
+inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& face, std::size_t axis, double x,
+                                                       double y) noexcept {
+    const auto [u, v] = other_axes[axis];
+    std::array<Vec<double, 2>, 3> c;
+    for (std::size_t k = 0; k < 3; ++k) c[k] = {face.corner[k][u] - x, face.corner[k][v] - y};
+    const double area = cross(c[1] - c[0], c[2] - c[0]);
+    if (area == 0) return std::nullopt;
+    std::array<double, 3> w;
+    for (std::size_t k = 0; k < 3; ++k) w[k] = cross(c[(k + 1) % 3], c[(k + 2) % 3]) / area;
+    return w;
+}
+/// The weights of a place that rounding put beyond an edge, moved onto the edge.
+inline std::array<double, 3> onto_face(std::array<double, 3> w) noexcept {
+    double sum = 0;
+    for (double& x : w) sum += (x = std::clamp(x, 0.0, 1.0));
+    for (double& x : w) x /= sum;
+    return w;
+}
+
+/// Where a ray may meet a face, its length left aside.
+inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>& face,
+                                                            const AxisRay<3>& ray) noexcept {
+    constexpr double rim = 1e-9; // of rounding: no ray may slip between two faces
+    const auto [u, v] = other_axes[ray.axis];
+    const auto w = weights_at(face, ray.axis, ray.from[u], ray.from[v]);
+    if (!w || (*w)[0] < -rim || (*w)[1] < -rim || (*w)[2] < -rim) return std::nullopt;
+    return onto_face(*w);
+}
+
+template <std::size_t D>
+std::optional<Hit<D>> hit(const PlacedFacet<D>& facet, const AxisRay<D>& ray) noexcept {
+    const auto weights = meeting_weights(facet, ray);
+    if (!weights) return std::nullopt;
+    const double position = facet.coordinate(*weights, ray.axis);
+    const double distance = ray.distance(position);
+    if (distance < 0 || distance > ray.length) return std::nullopt;
+    return Hit<D>{position, facet.value(*weights)};
+}
+
+/// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its upper one, so that a line
+/// through a common end of two edges crosses both, one, or none, as it changes sides.
+inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
+                          std::vector<Crossing<2>>& out) {
+    const std::size_t across = 1 - axis;
+    const double from = edge.corner[0][across], to = edge.corner[1][across];
+    const auto [low, high] = edge.extent(across);
+    const double last = std::min(high, double(lattice.cells[across]) - 1);
+    const auto add = [&](double line, bool turns, double s) {
+        const std::array<double, 2> weights{1 - s, s};
+        out.push_back({std::uint32_t(line), turns, edge.coordinate(weights, axis), edge.value(weights)});
+    };
+    for (double line = std::max(std::ceil(low), 0.0); line <= last; ++line) {
+        if (from != to) {
+            add(line, edge.turns && line < high, (line - from) / (to - from));
+            continue;
+        }
+        // Along the line: its ends, and every node on it.
+        const auto [begin, end] = edge.extent(axis);
+        const auto add_at = [&, first = edge.corner[0][axis], second = edge.corner[1][axis]](double x) {
+            const double s = (x - first) / (second - first);
+            out.push_back({std::uint32_t(line), false, x, edge.value({1 - s, s})});
+        };
+        add_at(begin);
+        for (double x = std::floor(begin) + 1; x < end; ++x) add_at(x);
+        add_at(end);
+    }
+}
+
+/// A face seen along an axis, its corners rounded to 2⁻²⁰ of a cell: which lattice lines cross it is decided in whole numbers.
+/// A line through an edge or a vertex counts as if all lines lay a little aside, the same for all faces.
+class FaceAcross {
+public:
+    FaceAcross(const PlacedFacet<3>& face, std::size_t axis) noexcept
+        : face_(face) {
+        const auto [u, v] = other_axes[axis];
+        for (std::size_t k = 0; k < 3; ++k) {
+            corners_[k] = {std::llround(face.corner[k][u] * double(one)),
+                           std::llround(face.corner[k][v] * double(one))};
+        }
+        area_ = side(corners_[0], corners_[1], corners_[2]);
+    }
+
+    bool is_edge_on() const noexcept { return area_ == 0; } ///< and crossed by no line
+    bool crosses_line(std::int64_t x, std::int64_t y) const noexcept {
+        const Whole p{x * one, y * one};
+        const bool left = area_ > 0;
+        return is_left(0, 1, p) == left && is_left(1, 2, p) == left && is_left(2, 0, p) == left;
+    }
+    /// The lines [first, last] along one of the axes across, of `count`, between which all that cross the face lie.
+    std::pair<std::int64_t, std::int64_t> lines(std::size_t k, std::size_t count) const noexcept {
+        const auto [low, high] = std::minmax({corners_[0][k], corners_[1][k], corners_[2][k]});
+        return {std::max<std::int64_t>((low + one - 1) >> fraction, 0),
+                std::min<std::int64_t>(high >> fraction, std::int64_t(count) - 1)};
+    }
+
+private:
+    using Whole = std::array<std::int64_t, 2>;
+    static constexpr int fraction = 20; // bits; with 1024 cells a side, products take 61
+    static constexpr std::int64_t one = std::int64_t{1} << fraction;
+
+    /// Positive where `p` is to the left of the line from `a` to `b`.
+    static std::int64_t side(const Whole& a, const Whole& b, const Whole& p) noexcept {
+        return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    }
+    /// On which side of the edge from corner k to corner l a line lies; both faces of the edge ask in the same way.
+    bool is_left(std::size_t k, std::size_t l, const Whole& p) const noexcept {
+        const bool turned = face_.vertex[k] > face_.vertex[l];
+        const auto &a = corners_[turned ? l : k], &b = corners_[turned ? k : l];
+        std::int64_t s = side(a, b, p);
+        if (s == 0 && !face_.turns) return area_ > 0; // the rim of a facet inside belongs to it, on all sides
+        if (s == 0)
+            s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0]; // the line aside, along u far more than along v
+        return (s > 0) != turned;
+    }
+
+    const PlacedFacet<3>& face_;
+    std::array<Whole, 3> corners_;
+    std::int64_t area_; ///< twice
+};
+
+/// Adds where the lattice lines along an axis cross a face.
+inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const Lattice<double, 3>& lattice,
+                          std::vector<Crossing<3>>& out) {
+    const auto [u, v] = other_axes[axis];
+    const FaceAcross across(face, axis);
+    if (across.is_edge_on()) return;
+    const auto [begin_x, end_x] = across.lines(0, lattice.cells[u]);
+    const auto [begin_y, end_y] = across.lines(1, lattice.cells[v]);
+    const auto [low, high] = face.extent(axis);
+    for (auto y = begin_y; y <= end_y; ++y) {
+        for (auto x = begin_x; x <= end_x; ++x) {
+            if (!across.crosses_line(x, y)) continue;
+            const auto w = weights_at(face, axis, double(x), double(y));
+            if (!w) continue;
+            out.push_back({std::uint32_t(x) + std::uint32_t(lattice.cells[u]) * std::uint32_t(y), face.turns,
+                           std::clamp(face.coordinate(*w, axis), low, high), face.value(onto_face(*w))});
+        }
+    }
+}
+
+/// f(lower corner) for the cells that an edge passes, or comes as near to as `slack`.
+template <class F>
+void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
+    const auto& [a, b] = edge.corner;
+    const auto [left, right] = edge.extent(0);
+    const auto height = [&, &a = a, &b = b](double x) {
+        return b[0] == a[0] ? a[1] : a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
+    };
+    for (double x = std::floor(left - slack); x <= std::floor(right + slack); ++x) {
+        auto [low, high] = edge.extent(1);
+        if (right - left > 2 * slack) {
+            const double y0 = height(std::clamp(x - slack, left, right));
+            const double y1 = height(std::clamp(x + 1 + slack, left, right));
+            low = std::min(y0, y1);
+            high = std::max(y0, y1);
+        }
+        for (double y = std::floor(low - slack); y <= std::floor(high + slack); ++y)
+            f(std::array<std::int32_t, 2>{std::int32_t(x), std::int32_t(y)});
+    }
+}
+
+/// f(lower corner) for the cells that a face passes, or comes as near to as `slack`.
+template <class F>
+void for_each_cell(const PlacedFacet<3>& face, double slack, F&& f) {
+    const auto& [a, b, c] = face.corner;
+    const auto normal = cross(b - a, c - a);
+    const double reach = (0.5 + slack) * (std::fabs(normal[0]) + std::fabs(normal[1]) + std::fabs(normal[2]));
+    std::array<std::int32_t, 3> begin{}, end{}, low{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto [least, most] = face.extent(k);
+        begin[k] = std::int32_t(std::floor(least - slack));
+        end[k] = std::int32_t(std::floor(most + slack));
+    }
+    for (low[2] = begin[2]; low[2] <= end[2]; ++low[2]) {
+        for (low[1] = begin[1]; low[1] <= end[1]; ++low[1]) {
+            for (low[0] = begin[0]; low[0] <= end[0]; ++low[0]) {
+                const auto middle = node_position<3>(low) + Vec<double, 3>{0.5, 0.5, 0.5};
+                if (std::fabs(dot(normal, middle - a)) <= reach) f(low);
+            }
+        }
+    }
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,217 @@
+// A polygon or a closed mesh, and the cells inside it, as the boundary of a problem on a lattice: crossings with the
+// lattice lines, and values between the nodes that are right up to it.
+#pragma once
+
+#include <cageform/grid/bones.hpp>
+#include <cageform/grid/detail/placed_facet.hpp>
+#include <cageform/grid/grid_boundary.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Which parts of a boundary pass which cells of a lattice of fewer than 2²⁰ cells a side.
+template <std::size_t D>
+class PartsByCell {
+public:
+    using Index = typename NodeRuns<D>::Index;
+    struct Pass {
+        std::uint64_t cell;
+        std::uint32_t part;
+        auto operator<=>(const Pass&) const = default;
+    };
+
+    void add(const Index& low, std::uint32_t part) { passes_.push_back({key(low), part}); }
+    void sort() { std::sort(passes_.begin(), passes_.end()); }
+    void clear() noexcept { passes_.clear(); }
+
+    /// Those of the cell with this lower corner. O(log #passes).
+    std::span<const Pass> find(const Index& low) const noexcept {
+        const auto cell = key(low);
+        const auto first = std::lower_bound(passes_.begin(), passes_.end(), Pass{cell, 0});
+        auto last = first;
+        while (last != passes_.end() && last->cell == cell) ++last;
+        return {first, last};
+    }
+
+private:
+    static std::uint64_t key(const Index& low) noexcept {
+        constexpr unsigned bits = 64 / D;
+        std::uint64_t key = 0;
+        for (std::size_t k = D; k-- > 0;)
+            key = (key << bits) | (std::uint64_t(std::uint32_t(low[k])) & ((std::uint64_t{1} << bits) - 1));
+        return key;
+    }
+
+    std::vector<Pass> passes_; ///< sorted
+};
+
+} // namespace detail
+
+/// The edges of a polygon or the triangles of a mesh, and the cells inside, on a lattice of at most 1024 cells a side (in the
+/// plane 16384). A part of it is a facet or, numbered after the facets, a bone.
+template <std::size_t D>
+class SimplexBoundary {
+public:
+    static constexpr std::size_t dimension = D;
+    using Index = typename NodeRuns<D>::Index;
+
+    /// Of a Polygon, a TriangleMesh or a CellComplex.
+    template <class Cage>
+    SimplexBoundary(const Cage& cage, const Lattice<double, D>& lattice)
+        : lattice_(lattice)
+        , bones_(interior_cells(cage).bones, lattice.in_cells(cage.vertices()), lattice) {
+        const auto vertices = lattice.in_cells(cage.vertices());
+        for_each_facet(boundary_of(cage), [&](const auto& facet) {
+            facets_.emplace_back(facet, std::span<const Vec<double, D>>(vertices), true);
+        });
+        const auto& cells = interior_cells(cage);
+        for (const auto& facet : cells.facets)
+            facets_.emplace_back(facet, std::span<const Vec<double, D>>(vertices), false);
+    }
+
+    const Lattice<double, D>& lattice() const noexcept { return lattice_; }
+
+    /// O(facets + lines they meet, and the logarithm of that).
+    Crossings<D> crossings() const {
+        Crossings<D> all;
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            for (const Facet& facet : facets_) detail::add_crossings(facet, axis, lattice_, all[axis]);
+        }
+        bones_.add_crossings(all);
+        for (auto& along : all) sort_along_lines<D>(along);
+        return all;
+    }
+    std::vector<FixedNode<D>> fixed_nodes() const { return bones_.nodes(); }
+    std::optional<std::uint32_t> too_thin_bone() const noexcept { return bones_.too_thin(); }
+
+    /// O(parts).
+    BoundaryValue<D> nearest(const Index& node) const noexcept {
+        const auto p = node_position<D>(node);
+        double least = std::numeric_limits<double>::max();
+        BoundaryValue<D> value;
+        for (const Facet& facet : facets_) {
+            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const auto d = facet.place(weights) - p;
+            if (dot(d, d) >= least) continue;
+            least = dot(d, d);
+            value = facet.value(weights);
+        }
+        const auto bone = bones_.nearest(p, std::sqrt(least));
+        return bone ? bone->value : value;
+    }
+
+    /// O(parts).
+    double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        AxisRay<D> ray{p, axis, up, limit};
+        for (std::uint32_t part = 0; part < facets_.size() + bones_.size(); ++part) shorten_to(part, ray);
+        return ray.length;
+    }
+
+    void index_cells(double slack) {
+        parts_.clear();
+        std::uint32_t part = 0;
+        const auto add = [&](const Index& low) { parts_.add(low, part); };
+        for (const Facet& facet : facets_) {
+            detail::for_each_cell(facet, slack, add);
+            ++part;
+        }
+        for (std::size_t n = 0; n < bones_.size(); ++n, ++part) bones_.for_each_cell(n, add);
+        parts_.sort();
+    }
+    bool is_cut(const Index& low) const noexcept { return !parts_.find(low).empty(); }
+
+    /// Multilinear; where the boundary passes the cell, the mean over D orders of the axes. A mean, so never beyond the values it
+    /// is made of.
+    CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
+        CutStencil<D> stencil;
+        Cell cell{nodes, {}, {}, {}, stencil};
+        for (std::size_t k = 0; k < D; ++k) cell.low[k] = std::int32_t(std::floor(p[k]));
+        cell.parts = parts_.find(cell.low);
+        const std::size_t orders = cell.parts.empty() ? 1 : D;
+        for (std::size_t first = 0; first < orders; ++first) {
+            for (std::size_t k = 0; k < D; ++k) cell.axes[k] = (first + k) % D;
+            gather(cell, p, 1.0 / double(orders));
+        }
+        return stencil;
+    }
+
+private:
+    using Facet = detail::PlacedFacet<D>;
+    struct Cell {
+        const NodeRuns<D>& nodes;
+        Index low;
+        std::span<const typename detail::PartsByCell<D>::Pass> parts; ///< that pass it
+        std::array<std::size_t, D> axes;                              ///< in the order they are taken
+        CutStencil<D>& stencil;
+    };
+
+    /// Where a ray meets a part, at which it then ends.
+    std::optional<Hit<D>> shorten_to(std::uint32_t part, AxisRay<D>& ray) const noexcept {
+        const auto hit =
+            part < facets_.size() ? detail::hit(facets_[part], ray) : bones_.hit(part - facets_.size(), ray);
+        if (hit) ray.length = ray.distance(hit->position);
+        return hit;
+    }
+    std::optional<Hit<D>> first_hit(const Cell& cell, AxisRay<D> ray) const noexcept {
+        std::optional<Hit<D>> first;
+        for (const auto& pass : cell.parts) {
+            if (const auto hit = shorten_to(pass.part, ray)) first = hit;
+        }
+        return first;
+    }
+
+    /// Adds a share of the value at `p` to the cell's stencil: linear along one axis after the other, of which `done` are done.
+    /// Where the boundary lies before an end of the cell, its value there takes the place of what lies beyond.
+    void gather(Cell& cell, const Vec<double, D>& p, double share, std::size_t done = 0) const noexcept {
+        if (done == D) {
+            Index index;
+            for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(p[k]);
+            const auto node = cell.nodes.find(index);
+            if (node != NodeRuns<D>::none) {
+                cell.stencil.add(node, share);
+            } else { // on the boundary, up to rounding
+                cell.stencil.add(nearest(index), share);
+            }
+            return;
+        }
+        const std::size_t axis = cell.axes[done];
+        const double low = cell.low[axis], high = low + 1;
+        const auto below = first_hit(cell, {p, axis, low > p[axis], std::fabs(low - p[axis])});
+        const auto above = first_hit(cell, {p, axis, high > p[axis], std::fabs(high - p[axis])});
+        const double begin = below ? below->position : low, end = above ? above->position : high;
+        const double length = end - begin, at = length > 0 ? (p[axis] - begin) / length : 0.0;
+        const auto take = [&](const std::optional<Hit<D>>& hit, double position, double part) {
+            if (!(part > 0)) return;
+            if (hit) {
+                cell.stencil.add(hit->value, part);
+                return;
+            }
+            auto q = p;
+            q[axis] = position;
+            gather(cell, q, part, done + 1);
+        };
+        take(below, begin, share * (1 - at));
+        take(above, end, share * at);
+    }
+
+    Lattice<double, D> lattice_;
+    GridBones<D> bones_;
+    std::vector<Facet> facets_;
+    detail::PartsByCell<D> parts_;
+};
+
+template <Scalar T>
+struct GridBoundaryOf<Polygon<T>> {
+    using type = SimplexBoundary<2>;
+};
+template <Scalar T>
+struct GridBoundaryOf<TriangleMesh<T>> {
+    using type = SimplexBoundary<3>;
+};
+template <Scalar T, std::size_t D>
+struct GridBoundaryOf<CellComplex<T, D>> {
+    using type = SimplexBoundary<D>;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
