@@ -33,6 +33,8 @@ fi
 
 echo "Installing:$missing"
 export DEBIAN_FRONTEND=noninteractive
-$as_root apt-get update -q >/dev/null
+# Another apt may hold the lock (unattended upgrades): wait for it.
+apt_get() { $as_root apt-get -q -o DPkg::Lock::Timeout=600 "$@" >/dev/null; }
+apt_get update
 # shellcheck disable=SC2086  # the list is meant to be split
-$as_root apt-get install -y -q --no-install-recommends $missing >/dev/null
+apt_get install -y --no-install-recommends $missing

@@ -8,8 +8,8 @@ set -eu
 cd "$(dirname "$0")/.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev librsvg2-bin
 
-cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O3 -march=native -DNDEBUG' \
-  -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_BENCH=OFF >/dev/null
+cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O2 -march=native' -DCAGEFORM_BUILD_TESTS=OFF \
+  -DCAGEFORM_BUILD_BENCH=OFF -DCAGEFORM_WARNINGS_AS_ERRORS="${CAGEFORM_WARNINGS_AS_ERRORS:-OFF}" >/dev/null
 cmake --build build
 [ "${1:-}" != --build-only ] || exit 0
 

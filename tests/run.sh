@@ -1,19 +1,24 @@
 #!/bin/sh
 # Usage: sh tests/run.sh [PRESET]
-# Installs what the tests need (Debian), builds and runs all of them through ctest. PRESET is one of the
-# workflow presets: dev (the default), clang, asan, noexcept, release.
+# Installs what the tests need (Debian), builds and runs them through ctest. PRESET is one of the workflow presets:
+#   dev      all tests with g++ and portable flags, and the example programs as a newcomer runs them (the default)
+#   asan     all tests of the library with clang under the address and undefined behaviour sanitizers
+#   native   the kernels' tests for this processor's registers, with clang
+#   release  what dev tests, and the benchmarks, with the flags that figures are taken with
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
+packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev libtinyobjloader-dev
+  libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
 case $preset in
-  clang) compiler=clang-19 ;;
-  asan) compiler='clang-19 libclang-rt-19-dev' ;; # builds in two thirds of the time of g++
-  *) compiler=g++ ;;
+  asan | native) packages="$packages clang-19 libclang-rt-19-dev" ;;
+  *)
+    packages="$packages g++ librsvg2-bin tango-icon-theme libtinygltf-dev"
+    command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
+    [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev"
+    CAGEFORM_WARNINGS_AS_ERRORS=ON sh examples/run.sh --build-only
+    ;;
 esac
-# shellcheck disable=SC2086
-sh cmake/install_packages.sh $compiler cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev \
-  libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev librsvg2-bin tango-icon-theme \
-  libegl-dev libgl-dev libgl1-mesa-dri libtinygltf-dev \
-  $([ "$preset" != dev ] || command -v npm >/dev/null 2>&1 || echo nodejs npm) \
-  $([ "$preset" != release ] || echo libbenchmark-dev libsuitesparse-dev)
+# shellcheck disable=SC2086 # the list is meant to be split
+sh cmake/install_packages.sh $packages
 cmake --workflow --preset "$preset"
