@@ -1,6 +1,8 @@
 // Key-frame curves: fitting them, and evaluating many at one time, beside solving the cubic every time.
-#include <cageform/animate/clip.hpp>
-#include <cageform/animate/track.hpp>
+#include "curve_comparators.hpp"
+
+#include <cageform/animate/compile_track.hpp>
+#include <cageform/animate/curve_bank.hpp>
 
 #include <benchmark/benchmark.h>
 
@@ -9,6 +11,7 @@
 namespace {
 
 using namespace cageform;
+using namespace cageform_bench;
 
 /// A Bézier key interval from (0, 0) to (1, 1) with handles anywhere in the interval and values in [-1, 2].
 std::vector<BezierCurve> random_curves(std::size_t count) {
@@ -83,8 +86,9 @@ void compile_million_keys(benchmark::State& state) {
         int calls = 0;
         TrackOptions options;
         options.tolerance = 1.0 / 1024;
-        options.progress = [&](double) { return ++calls > 0; };
-        const auto track = compile_track<double>(keys, options);
+        Running running;
+        running.progress = [&](double) { return ++calls > 0; };
+        const auto track = compile_track<double>(keys, options, running);
         if (track.status != Status::ok) state.SkipWithError(to_string(track.status));
         state.counters["progress_calls"] = calls;
     }

@@ -409,7 +409,7 @@ double error_at(const BezierCurve& curve, const std::vector<double>& parameters,
 /// At the best knots among candidates.
 double searched_error(const BezierCurve& curve, const std::vector<double>& candidates, std::size_t pieces,
                       const FitOptions& options) {
-    const auto search = search_knots(curve, candidates, pieces, options);
+    const auto search = search_knots(curve, candidates, pieces, {options});
     if (search.status != Status::ok) throw std::runtime_error(cageform::to_string(search.status));
     return error_at(curve, search.parameters, options);
 }
@@ -482,7 +482,7 @@ void captions_and_sup_errors() {
         for (std::size_t n = 1; n <= 8; ++n) {
             const auto curve = test_curve(c, 10);
             const auto fit = fit_pieces(
-                curve, search_knots(curve, candidates, n, configuration(2)).parameters, configuration(2));
+                curve, search_knots(curve, candidates, n, {configuration(2)}).parameters, configuration(2));
             w12[c].push_back(fit.w12_error());
             sup[c].push_back(fit.sup_error / 10);
         }
@@ -554,7 +554,7 @@ void knots() {
         Row row;
         for (std::size_t n = 1; n <= 6; ++n)
             row.push_back(error_at(test_curve(c),
-                                   cageform::optimal_knots(test_curve(c), n, configuration(2)).parameters,
+                                   cageform::optimal_knots(test_curve(c), n, {configuration(2)}).parameters,
                                    configuration(2)));
         best.row(curve_name(c), row, optimum[c]);
     }
@@ -668,7 +668,7 @@ void inner_and_outer() {
         auto options = configuration(2);
         options.slope_weight = 0;
         const auto curve = bezier(a, 0, b, 1);
-        const auto search = search_knots(curve, uniform_in_parameter(10), 3, options);
+        const auto search = search_knots(curve, uniform_in_parameter(10), 3, {options});
         row.push_back(fit_pieces(curve, search.parameters, options).l2_error);
     }
     corners.row("", row, Row{0.001463, 0.001463, 0.008739, 0});

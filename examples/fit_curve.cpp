@@ -170,7 +170,7 @@ void solve_case(Case& one) {
     } else if (mode == "search_t") {
         const auto search = cageform::search_knots(
             one.curve, cageform::uniform_in_parameter(count_of(one.knots, "K", most_candidates)), pieces,
-            one.options);
+            {one.options});
         require(search.status, "knots");
         parameters = search.parameters;
         one.search_index = search.indices;
@@ -513,7 +513,7 @@ Case run_one(const Arguments& given) {
     const auto knots = [&](std::size_t pieces) {
         if (given.knots == "uniform") return cageform::uniform_in_time(one.curve, pieces);
         if (given.knots == "arcs") return cageform::uniform_in_parameter(pieces);
-        const auto search = cageform::optimal_knots(one.curve, pieces, one.options);
+        const auto search = cageform::optimal_knots(one.curve, pieces, {one.options});
         require(search.status, "--knots optimal");
         return search.parameters;
     };

@@ -22,7 +22,7 @@
 #include "csv.hpp"
 
 #include <cageform/animate/clip.hpp>
-#include <cageform/animate/track.hpp>
+#include <cageform/animate/compile_track.hpp>
 
 #include <cstdio>
 #include <numbers>

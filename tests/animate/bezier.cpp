@@ -2,6 +2,8 @@
 #include "animate/curves.hpp"
 #include "catch.hpp"
 
+#include "../bench/curve_comparators.hpp"
+
 using namespace cageform_tests;
 using cageform::BezierFunction;
 using cageform::epsilon;
@@ -221,7 +223,7 @@ TEST_CASE("closed forms are the robust function, in each family", "[animate][bez
         const auto curve = moved(with_times(u1, u2), -2, 5, 1, 3);
         REQUIRE(cageform::check(curve).status == Status::ok);
         const BezierFunction robust(curve);
-        const cageform::ClosedFormFunction closed(curve);
+        const cageform_bench::ClosedFormFunction closed(curve);
         double worst = 0;
         for (int n = 0; n <= 1000; ++n) {
             const double x = -2 + 5 * double(n) / 1000;
@@ -240,7 +242,7 @@ TEST_CASE("closed forms lose digits where the cubic term of time is small",
     Random random(std::uint64_t(seed) + 500);
     const auto curve = random_normal_curve(random);
     const BezierFunction robust(curve);
-    const cageform::ClosedFormFunction closed(curve);
+    const cageform_bench::ClosedFormFunction closed(curve);
     // The roundings of (2b³ − 9abc) / 27a³, taken by the inverse.
     const double a = std::fabs(robust.time().c3);
     CAPTURE(a);
@@ -260,7 +262,7 @@ TEST_CASE("Newton's method is the robust function on tame curves", "[animate][be
     const auto normal = bezier(u1, random.uniform(-1, 2), random.uniform(u1, 0.9), random.uniform(-1, 2));
     const auto curve = moved(normal, random.uniform(-5, 5), random.uniform(0.1, 10), 2, 3);
     const BezierFunction robust(curve);
-    const cageform::NewtonFunction newton(curve), exact(curve, 1e-12);
+    const cageform_bench::NewtonFunction newton(curve), exact(curve, 1e-12);
     for (int n = 0; n <= 100; ++n) {
         const double x = curve.begin() + robust.length() * double(n) / 100;
         CHECK(std::fabs(exact(x) - robust(x)) <= 1e-12 * height_of(curve));
@@ -274,7 +276,7 @@ TEST_CASE("the normal form is the curve between (0, 0) and (1, 1)", "[animate][b
     Random random(std::uint64_t(seed) + 900);
     auto curve = random_curve(random);
     if (seed % 3 == 0) curve.points[3][1] = curve.points[0][1]; // keys of one value: sheared
-    const auto form = cageform::normal_form(curve);
+    const auto form = normal_form(curve);
     CHECK(form.sheared == (seed % 3 == 0));
     CHECK(form.curve.points[0] == Vec<double, 2>{0, 0});
     CHECK(form.curve.points[3] == Vec<double, 2>{1, 1});

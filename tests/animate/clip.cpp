@@ -4,8 +4,7 @@
 #include "support/cages.hpp"
 #include "support/keys.hpp"
 
-#include <cageform/animate/clip.hpp>
-#include <cageform/animate/track.hpp>
+#include <cageform/animate/compile_clip.hpp>
 
 using namespace cageform_tests;
 using cageform::CageClip;
@@ -141,6 +140,65 @@ TEMPLATE_TEST_CASE("a pose is what the tracks say", "[animate][clip][property]",
         test(std::integral_constant<std::size_t, 2>{}, vertices);
         test(std::integral_constant<std::size_t, 3>{}, vertices);
     }
+}
+
+TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their tracks, whatever runs them",
+                   "[animate][clip][property]", float, double) {
+    using T = TestType;
+    Random random(17);
+    std::vector<std::vector<Key>> keys(3 * 7);
+    for (auto& of_curve : keys) {
+        for (int n = 0; n < 5; ++n)
+            of_curve.push_back(key(n + random.uniform(0, 0.5), random.uniform(-2, 2)));
+    }
+    cageform::TrackOptions options;
+    options.before = Extrapolation::linear;
+    options.after = Extrapolation::ping_pong;
+    double told = 0, sup_error = 0;
+    cageform::Running running;
+    running.parallel = [](std::size_t count, std::size_t, const auto& body) { // from the last to the first
+        for (std::size_t k = count; k > 0; --k) body(k - 1, k);
+    };
+    running.progress = [&](double done) { return (told = done) <= 1; };
+    const auto compiled = cageform::compile_clip<T, 3>(keys, options, running);
+    REQUIRE(compiled.status == Status::ok);
+    CHECK(told == 1);
+    std::vector<PiecewiseCubic<T>> curves;
+    for (const auto& of_curve : keys) {
+        const auto track = compile_track<T>(of_curve, options);
+        sup_error = std::max(sup_error, track.sup_error);
+        curves.push_back(track.track.curve);
+    }
+    CHECK(compiled.sup_error == sup_error);
+    const CageClip<T, 3> expected(curves, options.before, options.after);
+    REQUIRE(compiled.clip.vertex_count() == 7);
+    auto cursor = compiled.clip.make_cursor(), other = expected.make_cursor();
+    std::vector<Vec<T, 3>> pose(7), same(7);
+    for (int n = 0; n < 100; ++n) {
+        const T time = T(random.uniform(-3, 12));
+        compiled.clip.sample(time, cursor, pose);
+        expected.sample(time, other, same);
+        REQUIRE(pose == same);
+    }
+}
+
+TEST_CASE("key frames that make no clip are refused, with the curve and the key",
+          "[animate][clip][refused]") {
+    std::vector<std::vector<Key>> keys(6, {key(0, 1), key(1, 2), key(2, 0)});
+    REQUIRE(cageform::compile_clip<double, 3>(keys).status == Status::ok);
+    REQUIRE(cageform::compile_clip<double, 2>(keys).clip.vertex_count() == 3);
+    CHECK(cageform::compile_clip<float, 2>({}).status == Status::ok);
+    CHECK(cageform::compile_clip<float, 2>(std::span(keys).first(5)).status == Status::input_malformed);
+    keys[5].clear();
+    keys[3][2].time = 0.5;
+    const auto refused = cageform::compile_clip<double, 3>(keys);
+    CHECK(refused.status == Status::keys_not_ascending);
+    CHECK(refused.culprit_curve == 3);
+    CHECK(refused.culprit == 2);
+    CHECK(refused.clip.vertex_count() == 0);
+    cageform::Running running;
+    running.progress = [](double) { return false; };
+    CHECK(cageform::compile_clip<double, 3>(keys, {}, running).status == Status::cancelled);
 }
 
 TEST_CASE("a clip goes on as a whole", "[animate][clip][property]") {

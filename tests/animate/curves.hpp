@@ -95,6 +95,35 @@ inline BezierCurve random_curve(Random& random, double margin = 0.02) {
                  height * random.uniform(-3, 3), random.below(2) == 0 ? height : -height);
 }
 
+/// The axis-wise map of a curve to keys at (0, 0) and (1, 1), and back. Where both keys have the same value, time
+/// is added to the value instead, which changes no error of a fit.
+struct NormalForm {
+    BezierCurve curve;
+    double begin = 0, length = 1; ///< of time
+    double value = 0, height = 1; ///< of the first key, and from it to the second; 1 where they are equal
+    bool sheared = false;
+
+    /// A value of the original from a time (in [0, 1]) and value of the normal form.
+    double value_of(double part, double y) const noexcept {
+        return value + height * (sheared ? y - part : y);
+    }
+};
+
+inline NormalForm normal_form(const BezierCurve& curve) noexcept {
+    NormalForm form;
+    form.begin = curve.begin();
+    form.length = curve.end() - curve.begin();
+    form.value = curve.points[0][1];
+    form.sheared = curve.points[3][1] == curve.points[0][1];
+    form.height = form.sheared ? 1 : curve.points[3][1] - curve.points[0][1];
+    for (std::size_t i = 0; i < 4; ++i) {
+        const double part = (curve.points[i][0] - form.begin) / form.length;
+        const double y = (curve.points[i][1] - form.value) / form.height;
+        form.curve.points[i] = {part, form.sheared ? y + part : y};
+    }
+    return form;
+}
+
 /// Ascending parameters from 0 to 1, neighbours at least half a uniform step apart.
 inline std::vector<double> random_parameters(Random& random, std::size_t pieces) {
     std::vector<double> t(pieces + 1);

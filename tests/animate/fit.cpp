@@ -101,7 +101,7 @@ TEST_CASE("pieces tied together: every tolerance is met, one piece less would no
             CHECK(result.sup_error <= tolerance);
             if (result.pieces() == 1) continue;
             // Not at the best knots in the W12 norm, which is what is promised.
-            const auto search = cageform::optimal_knots(test_curves[c], result.pieces() - 1, options);
+            const auto search = cageform::optimal_knots(test_curves[c], result.pieces() - 1, {options});
             if (search.status != Status::ok) continue;
             const auto fewer = cageform::fit_pieces(test_curves[c], search.parameters, options);
             CHECK(fewer.sup_error > tolerance);

@@ -2,14 +2,14 @@
 #include "animate/curves.hpp"
 #include "catch.hpp"
 
-#include <cageform/animate/knots.hpp>
+#include "../bench/curve_comparators.hpp"
 
 using namespace cageform_tests;
 using cageform::optimal_knots;
-using cageform::refine_knot;
 using cageform::search_knots;
 using cageform::uniform_in_parameter;
 using cageform::uniform_in_time;
+using cageform_bench::refine_knot;
 using enum FitCondition;
 
 namespace {
@@ -79,7 +79,7 @@ TEST_CASE("the 60 errors in the captions of the source's figures", "[animate][kn
         for (std::size_t pieces = 1; pieces <= 6; ++pieces) {
             CAPTURE(c + 1, pieces);
             for (const auto conditions : {end_value | knot_c0, end_value | knot_value}) {
-                const auto search = search_knots(curve, candidates, pieces, with(conditions));
+                const auto search = search_knots(curve, candidates, pieces, {with(conditions)});
                 REQUIRE(search.status == Status::ok);
                 REQUIRE(search.parameters.size() == pieces + 1);
                 const auto fit = cageform::fit_pieces(curve, search.parameters, with(conditions));
@@ -125,7 +125,7 @@ TEST_CASE("the search finds the best of all choices", "[animate][knots][property
     constexpr std::array<std::size_t, 6> numbers{3, 13, 15, 4, 8, 9};
     auto options = with(configuration(numbers[random.below(6)]));
     options.degree = 3 + random.below(3);
-    const auto search = search_knots(curve, candidates, pieces, options);
+    const auto search = search_knots(curve, candidates, pieces, {options});
     const double least = slow_search(curve, candidates, pieces, options);
     CAPTURE(pieces, options.degree, unsigned(options.conditions), least);
     if (search.status == Status::too_many_conditions) {
@@ -141,11 +141,11 @@ TEST_CASE("neighbours that agree have practically the best knots of values taken
         for (const std::size_t pieces : {2u, 3u}) {
             CAPTURE(c + 1, pieces);
             const auto candidates = uniform_in_parameter(12);
-            const auto search = search_knots(test_curves[c], candidates, pieces, with(end_value | knot_c0));
+            const auto search = search_knots(test_curves[c], candidates, pieces, {with(end_value | knot_c0)});
             REQUIRE(search.status == Status::ok);
             const auto fit =
                 cageform::fit_pieces(test_curves[c], search.parameters, with(end_value | knot_c0));
-            const double least = slow_search(test_curves[c], candidates, pieces, with(end_value | knot_c0));
+            const double least = slow_search(test_curves[c], candidates, pieces, {with(end_value | knot_c0)});
             CHECK(fit.w12_error() <= std::sqrt(least) + 1e-7);
         }
     }
@@ -159,7 +159,7 @@ TEST_CASE("in the L2 norm neighbours that agree have other best knots than value
     for (const auto& curve : {bezier(1, 0, 0, 1), bezier(0, 0, 0, 1), test_curves[1], test_curves[4]}) {
         CAPTURE(curve.points[1][0], curve.points[2][0]);
         const auto candidates = uniform_in_parameter(10);
-        const auto search = search_knots(curve, candidates, 3, options);
+        const auto search = search_knots(curve, candidates, 3, {options});
         REQUIRE(search.status == Status::ok);
         const auto fit = cageform::fit_pieces(curve, search.parameters, options);
         CHECK(fit.l2_error == Approx(std::sqrt(slow_search(curve, candidates, 3, options))).epsilon(1e-6));
@@ -172,7 +172,7 @@ TEST_CASE("optimal knots reach the optimum", "[animate][knots][oracle]") {
         for (std::size_t pieces = 1; pieces <= 6; ++pieces) {
             CAPTURE(c + 1, pieces);
             for (const auto conditions : {end_value | knot_c0, end_value | knot_value}) {
-                const auto search = optimal_knots(test_curves[c], pieces, with(conditions));
+                const auto search = optimal_knots(test_curves[c], pieces, {with(conditions)});
                 REQUIRE(search.status == Status::ok);
                 const auto fit = cageform::fit_pieces(test_curves[c], search.parameters, with(conditions));
                 REQUIRE(fit.status == Status::ok);
@@ -198,7 +198,7 @@ TEST_CASE("no move of one optimal knot lowers the error", "[animate][knots][prop
     auto options = with(configuration(numbers[random.below(4)]));
     options.degree = 3 + random.below(3);
     const std::size_t pieces = 2 + random.below(3);
-    const auto search = optimal_knots(curve, pieces, options);
+    const auto search = optimal_knots(curve, pieces, {options});
     REQUIRE(search.status == Status::ok);
     const SobolevFitter fitter(curve, options);
     const auto uniform = fitter.objective(uniform_in_parameter(pieces));
@@ -233,6 +233,46 @@ TEST_CASE("the source's heuristic comes near the optimum of two pieces", "[anima
     }
 }
 
+TEST_CASE("a search tells how far it is, and may be cancelled", "[animate][knots]") {
+    const auto curve = bezier(0.3, 0.4, 0.6, 1.2);
+    const auto smooth = with(end_value | knot_c0 | knot_c1);
+    const auto run = [&](std::size_t most, const auto& search) {
+        std::vector<double> told;
+        cageform::Running running;
+        running.progress = [&](double done) {
+            CHECK((done >= 0 && done <= 1 && (told.empty() || done >= told.back())));
+            told.push_back(done);
+            return told.size() < most;
+        };
+        const auto result = search(running);
+        CHECK((result.status == Status::cancelled) == (told.size() == most));
+        return told.size();
+    };
+    for (const auto& search : std::array<std::function<cageform::KnotSearch(const cageform::Running&)>, 4>{
+             [&](const auto& running) {
+                 return search_knots(curve, uniform_in_parameter(20), 3, {}, running);
+             },
+             [&](const auto& running) {
+                 return search_knots(curve, uniform_in_parameter(25), 4, {smooth}, running);
+             },
+             [&](const auto& running) { return optimal_knots(curve, 3, {}, running); },
+             [&](const auto& running) { return optimal_knots(curve, 3, {smooth}, running); }}) {
+        const std::size_t all = run(1000, search);
+        CHECK(all > 1);
+        for (std::size_t most = 1; most <= all; ++most) CHECK(run(most, search) == most);
+    }
+    const auto of_tolerance = [&](const FitOptions& options) {
+        return [&curve, options](const auto& running) {
+            return cageform::fit(curve, 1e-5, options, 64, running);
+        };
+    };
+    for (const auto& options : {FitOptions{}, smooth}) {
+        const std::size_t all = run(1000, of_tolerance(options));
+        CHECK(all > 1);
+        for (std::size_t most = 1; most <= all; ++most) CHECK(run(most, of_tolerance(options)) == most);
+    }
+}
+
 TEST_CASE("a search that cannot be is refused with a reason", "[animate][knots]") {
     const auto curve = bezier(0.3, 0.4, 0.6, 1.2);
     const auto candidates = uniform_in_parameter(10);
@@ -241,15 +281,16 @@ TEST_CASE("a search that cannot be is refused with a reason", "[animate][knots]"
     CHECK(search_knots(curve, candidates, 10).status == Status::ok);
     CHECK(search_knots(curve, {}, 1).status == Status::knots_not_ascending);
     const auto smooth = with(end_value | knot_c0 | knot_c1);
-    CHECK(search_knots(curve, candidates, 4, smooth, 83).status == Status::too_many_trials); // 84 choices
-    CHECK(search_knots(curve, candidates, 4, smooth, 84).status == Status::ok);
-    CHECK(search_knots(curve, candidates, 1, with(configuration(14))).status == Status::too_many_conditions);
+    CHECK(search_knots(curve, candidates, 4, {smooth, 83}).status == Status::too_many_trials); // 84 choices
+    CHECK(search_knots(curve, candidates, 4, {smooth, 84}).status == Status::ok);
+    CHECK(search_knots(curve, candidates, 1, {with(configuration(14))}).status ==
+          Status::too_many_conditions);
     CHECK(search_knots(bezier(-1, 0, 0.5, 1), candidates, 2).status == Status::curve_turns_back);
     CHECK(optimal_knots(bezier(-1, 0, 0.5, 1), 2).status == Status::curve_turns_back);
     CHECK(optimal_knots(curve, 0).status == Status::knots_not_ascending);
-    CHECK(optimal_knots(curve, 1, with(configuration(15))).status == Status::too_many_conditions);
+    CHECK(optimal_knots(curve, 1, {with(configuration(15))}).status == Status::too_many_conditions);
     CHECK(refine_knot(bezier(-1, 0, 0.5, 1), 10).status == Status::curve_turns_back);
     FitOptions degree;
     degree.degree = 6;
-    CHECK(search_knots(curve, candidates, 2, degree).status == Status::degree_not_supported);
+    CHECK(search_knots(curve, candidates, 2, {degree}).status == Status::degree_not_supported);
 }

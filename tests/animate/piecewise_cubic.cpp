@@ -2,7 +2,9 @@
 #include "catch.hpp"
 #include "support/cages.hpp"
 
-#include <cageform/animate/piecewise_cubic.hpp>
+#include <cageform/animate/curve_bank.hpp>
+#include <cageform/animate/quantised_cubic.hpp>
+#include <cageform/animate/track.hpp>
 
 #include <algorithm>
 #include <array>

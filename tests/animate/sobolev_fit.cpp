@@ -109,7 +109,7 @@ TEST_CASE("fits are those of the reference cases", "[animate][fit][oracle]") {
         }
         if (mode == "search_t") {
             const auto search =
-                cageform::search_knots(curve, uniform_in_parameter(knots.at("K")), pieces, options);
+                cageform::search_knots(curve, uniform_in_parameter(knots.at("K")), pieces, {options});
             REQUIRE(search.status == Status::ok);
             CHECK(search.indices == expected.at("search_index").get<std::vector<std::size_t>>());
             parameters = search.parameters;
@@ -266,7 +266,7 @@ TEST_CASE("weights in the curve's units are other weights of the normal form", "
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 53);
     const auto curve = random_curve(random);
-    const auto form = cageform::normal_form(curve);
+    const auto form = normal_form(curve);
     const auto drawn = random_fit(random, curve);
     FitOptions in_units = drawn.options, scale_free = drawn.options, normal = drawn.options;
     in_units.slope_weight = scale_free.slope_weight = 1;

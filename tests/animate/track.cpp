@@ -3,7 +3,7 @@
 #include "support/cages.hpp"
 #include "support/keys.hpp"
 
-#include <cageform/animate/track.hpp>
+#include <cageform/animate/compile_track.hpp>
 
 using namespace cageform_tests;
 using cageform::BezierFunction;
@@ -470,6 +470,29 @@ TEST_CASE("knots between keys that the scalar cannot tell apart are left out, an
     CHECK(short_track.track(float(near[0].time)) == Approx(0).margin(1e-6));
     CHECK(short_track.track(float(near[1].time)) == Approx(1).margin(1e-5));
     for (int n = 0; n <= 4; ++n) CHECK(std::isfinite(short_track.track(float(near[0].time + n * 0x1p-11))));
+}
+
+TEST_CASE("the progress is told every thousand keys, and may cancel", "[animate][track]") {
+    std::vector<Key> keys;
+    for (int i = 0; i <= 2500; ++i) keys.push_back(key(i, i % 7));
+    std::vector<double> told;
+    std::size_t most = 100;
+    cageform::Running running;
+    running.progress = [&](double done) {
+        told.push_back(done);
+        return told.size() < most;
+    };
+    const auto compiled = compile_track<double>(keys, {}, running);
+    REQUIRE(compiled.status == Status::ok);
+    CHECK(told == std::vector<double>{0, 0.4, 0.8, 1});
+    CHECK(compiled.seconds >= 0);
+    for (most = 1; most <= 4; ++most) {
+        told.clear();
+        const auto cancelled = compile_track<double>(keys, {}, running);
+        CHECK(cancelled.status == Status::cancelled);
+        CHECK(cancelled.track.curve.empty());
+        CHECK(told.size() == most);
+    }
 }
 
 TEST_CASE("a track that holds at its end cycles at its keys' period", "[animate][track]") {

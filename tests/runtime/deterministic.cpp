@@ -2,6 +2,7 @@
 // prints the same hashes of clones and clips.
 #include "made_up.hpp"
 
+#include <cageform/animate/quantised_cubic.hpp>
 #include <cageform/clone/clone.hpp>
 
 #include <cinttypes>

@@ -1,7 +1,7 @@
 // Keys of tracks in one line.
 #pragma once
 
-#include <cageform/animate/track.hpp>
+#include <cageform/animate/key.hpp>
 
 namespace cageform_tests {
 

@@ -6,12 +6,11 @@
 
 #include <array>
 #include <cmath>
-#include <cstdint>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Keys at `points[0]` and `points[3]`, their handles between; axis 0 is time, axis 1 the value. A function of time where
-/// time never turns back along the curve, which is what `check` is for.
+/// Keys at `points[0]` and `points[3]`, their handles between; axis 0 is time, axis 1 the value. A function of
+/// time where time never turns back along the curve, which is what `check` is for.
 struct BezierCurve {
     std::array<Vec<double, 2>, 4> points;
 
@@ -21,24 +20,14 @@ struct BezierCurve {
     friend bool operator==(const BezierCurve&, const BezierCurve&) = default;
 };
 
-/// What the curve is from a key to the next; on the way in, the next key's own handle or slope counts.
-enum class KeyKind : std::uint8_t {
-    hold,      ///< the value stays until the next key
-    linear,    ///< a straight line
-    hermite,   ///< slopes `in_slope` and `out_slope`, per unit of time
-    tcb,       ///< slopes by tension, continuity and bias (Kochanek & Bartels 1984)
-    bezier,    ///< handles `in_handle` and `out_handle`
-    automatic, ///< slopes that are smooth and go not beyond the keys (Fritsch & Butland 1984)
-};
-
 /// What a curve is as a function of time. `status` is
 ///   value_not_finite     a coordinate is NaN or infinite
 ///   interval_empty       the second key is not later than the first
 ///   curve_turns_back     time turns back between the keys
 struct BezierCheck {
     Status status = Status::ok;
-    bool vertical_tangent =
-        false; ///< somewhere: the slope is unbounded there, unless it is a handle on its key
+    /// Somewhere; the slope is unbounded there, unless it is a handle on its key.
+    bool vertical_tangent = false;
 };
 
 namespace detail {
@@ -65,8 +54,8 @@ inline PowerForm power_form(const BezierCurve& curve, std::size_t axis, double s
 
 } // namespace detail
 
-/// Whether time never turns back: with u1 and u2 the handles' times in parts of the interval, u1 ≥ 0, u2 ≤ 1, and u1 ≤ u2
-/// or (u1 − u2)² ≤ u1 (1 − u2), which is where the derivative of time, a quadratic, has no sign change in (0, 1).
+/// Whether time never turns back. With u1 and u2 the handles' times in parts of the interval: u1 ≥ 0, u2 ≤ 1, and
+/// u1 ≤ u2 or (u1 − u2)² ≤ u1 (1 − u2). There the derivative of time, a quadratic, has no sign change in (0, 1).
 inline BezierCheck check(const BezierCurve& curve) noexcept {
     BezierCheck result;
     for (const auto& p : curve.points) {
@@ -89,10 +78,10 @@ inline BezierCheck check(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// A curve as a function of time, robustly: Newton's method held between bounds by bisection, so that vertical tangents do
-/// no harm. The reference for everything else here; evaluates a sound curve.
+/// A sound curve as a function of time: Newton's method held between bounds by bisection, so that vertical
+/// tangents do no harm. The reference for everything else here.
 ///
-///   accuracy  of time a rounding of the interval's length, of the value what that comes to
+///   accuracy  of time a rounding of the interval's length, of the value what that makes
 ///   cost      some tens of nanoseconds
 class BezierFunction {
 public:
@@ -120,8 +109,8 @@ public:
         const double g = time_.slope(t), f = value_.slope(t);
         if (g == 0 && f == 0) {
             const double g2 = time_.curvature(t), f2 = value_.curvature(t);
-            if (g2 == 0 && f2 == 0)
-                return value_.c3 / time_.c3 / length_; // both handles of a straight line on their keys
+            // Both handles of a straight line lie on their keys.
+            if (g2 == 0 && f2 == 0) return value_.c3 / time_.c3 / length_;
             return f2 / g2 / length_;
         }
         return f / g / length_;
@@ -159,118 +148,5 @@ private:
     double length_;
     detail::PowerForm time_, value_;
 };
-
-/// Newton's method as OpenGEX has it (from where a straight line would be, without bounds), to a tolerance on the curve's
-/// parameter: fast on tame curves, wrong next to vertical tangents. Here to be compared with.
-class NewtonFunction {
-public:
-    explicit NewtonFunction(const BezierCurve& curve, double tolerance = 1e-6) noexcept
-        : function_(curve)
-        , tolerance_(tolerance) {}
-
-    double operator()(double x) const noexcept {
-        const auto& time = function_.time();
-        const double part = (x - function_.curve().begin()) / function_.length();
-        double t = part;
-        for (int step = 0; step < 32; ++step) {
-            const double change = (time(t) - part) / time.slope(t);
-            t -= change;
-            if (std::fabs(change) <= tolerance_) break;
-        }
-        return function_.curve().points[0][1] + function_.value()(t);
-    }
-
-private:
-    BezierFunction function_;
-    double tolerance_;
-};
-
-/// The inverse of time in closed form, one of six families: linear, square root, cube root, sinh, cosh and cos. Which of
-/// the last two holds may change along a curve. Loses digits where the cubic term of time is small (1e-4 is met), so it is no
-/// reference. Here to be compared with.
-class ClosedFormFunction {
-public:
-    explicit ClosedFormFunction(const BezierCurve& curve) noexcept
-        : function_(curve) {
-        const double a = function_.time().c3, b = function_.time().c2, c = function_.time().c1;
-        constexpr double none = 1e-14; // coefficients of time from 0 to 1, by rounding
-        if (std::fabs(a) <= none) {
-            family_ = std::fabs(b) <= none ? Family::linear : Family::square_root;
-            return;
-        }
-        centre_ = -b / (3 * a);
-        const double p = (3 * a * c - b * b) / (3 * a * a);
-        q_ = (2 * b * b * b - 9 * a * b * c) / (27 * a * a * a);
-        if (p == 0) {
-            family_ = Family::cube_root;
-            return;
-        }
-        family_ = p > 0 ? Family::sinh : Family::cosh_or_cos;
-        amplitude_ = p > 0 ? -2 * std::sqrt(p / 3) : 2 * std::sqrt(-p / 3);
-        scale_ = p > 0 ? -3 / (amplitude_ * p) : 3 / (amplitude_ * p);
-        if (a < 0) {
-            turns_ = 1;
-        } else {
-            turns_ = centre_ <= 0.5 ? 0 : 2;
-        }
-    }
-
-    double parameter(double x) const noexcept {
-        const double a = function_.time().c3, b = function_.time().c2, c = function_.time().c1;
-        const double part = (x - function_.curve().begin()) / function_.length();
-        switch (family_) {
-        case Family::linear: return part / c;
-        case Family::square_root:
-            return -c / (2 * b) + std::copysign(std::sqrt(std::fmax(part / b + c * c / (4 * b * b), 0.0)), b);
-        case Family::cube_root: return centre_ + std::cbrt(part / a - q_);
-        case Family::sinh: return centre_ + amplitude_ * std::sinh(std::asinh(scale_ * (q_ - part / a)) / 3);
-        case Family::cosh_or_cos: break;
-        }
-        const double z = scale_ * (q_ - part / a);
-        if (std::fabs(z) > 1)
-            return centre_ + std::copysign(amplitude_ * std::cosh(std::acosh(std::fabs(z)) / 3), z);
-        constexpr double turn = 6.283185307179586;
-        return centre_ + amplitude_ * std::cos((std::acos(z) - turn * turns_) / 3);
-    }
-    double operator()(double x) const noexcept {
-        return function_.curve().points[0][1] + function_.value()(parameter(x));
-    }
-
-private:
-    enum class Family : std::uint8_t { linear, square_root, cube_root, sinh, cosh_or_cos };
-
-    BezierFunction function_;
-    Family family_ = Family::linear;
-    double centre_ = 0, q_ = 0, amplitude_ = 0, scale_ = 0, turns_ = 0;
-};
-
-/// The axis-wise map of a curve to keys at (0, 0) and (1, 1), and back. Where both keys have the same value, time is added
-/// to the value instead, which changes no error of a fit.
-struct NormalForm {
-    BezierCurve curve;
-    double begin = 0, length = 1; ///< of time
-    double value = 0, height = 1; ///< of the first key, and from it to the second; 1 where they are equal
-    bool sheared = false;
-
-    /// A value of the original from a time (in [0, 1]) and value of the normal form.
-    double value_of(double part, double y) const noexcept {
-        return value + height * (sheared ? y - part : y);
-    }
-};
-
-inline NormalForm normal_form(const BezierCurve& curve) noexcept {
-    NormalForm form;
-    form.begin = curve.begin();
-    form.length = curve.end() - curve.begin();
-    form.value = curve.points[0][1];
-    form.sheared = curve.points[3][1] == curve.points[0][1];
-    form.height = form.sheared ? 1 : curve.points[3][1] - curve.points[0][1];
-    for (std::size_t i = 0; i < 4; ++i) {
-        const double part = (curve.points[i][0] - form.begin) / form.length;
-        const double y = (curve.points[i][1] - form.value) / form.height;
-        form.curve.points[i] = {part, form.sheared ? y + part : y};
-    }
-    return form;
-}
 
 } // namespace cageform::inline CAGEFORM_ABI

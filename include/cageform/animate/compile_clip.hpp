@@ -1,0 +1,51 @@
+// Key frames to the motion of a cage. Bind time.
+#pragma once
+
+#include <cageform/animate/clip.hpp>
+#include <cageform/animate/compile_track.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D>
+struct CompiledClip {
+    Status status = Status::ok;                 ///< as `compile_track`; input_malformed
+    std::size_t culprit_curve = 0, culprit = 0; ///< the curve that is refused, and its key
+    CageClip<T, D> clip;                        ///< without curves where the status is not ok
+    double sup_error = 0;                       ///< the largest of all curves
+    double seconds = 0;
+};
+
+/// Compiles key frames to a clip, one curve after the other, in parallel where asked.
+///
+///   keys     #vertices · D, of each coordinate; the coordinates of a vertex side by side
+///   options  the extrapolation is that of the clip as a whole
+///   fails    input_malformed where the number of curves is no multiple of D; as `compile_track`, of the first
+///            curve that is refused
+template <Scalar T, std::size_t D>
+CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const TrackOptions& options = {},
+                                const Running& running = {}) {
+    CompiledClip<T, D> result;
+    detail::run_into(result, [&] {
+        if (keys.size() % D != 0) return Status::input_malformed;
+        std::vector<CompiledTrack<T>> tracks(keys.size());
+        const Status status = detail::for_each_block(keys.size(), running, [&](std::size_t b, std::size_t e) {
+            for (std::size_t k = b; k < e; ++k) tracks[k] = compile_track<T>(keys[k], options);
+        });
+        if (status != Status::ok) return status;
+        std::vector<PiecewiseCubic<T>> curves;
+        for (std::size_t k = 0; k < keys.size(); ++k) {
+            if (tracks[k].status != Status::ok) {
+                result.culprit_curve = k;
+                result.culprit = tracks[k].culprit;
+                return tracks[k].status;
+            }
+            result.sup_error = std::max(result.sup_error, tracks[k].sup_error);
+            curves.push_back(std::move(tracks[k].track.curve));
+        }
+        result.clip = CageClip<T, D>(curves, options.before, options.after);
+        return Status::ok;
+    });
+    return result;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,82 @@
+// The sup norm of a fit, by reweighted least squares.
+#pragma once
+
+#include <cageform/animate/detail/fit_errors.hpp>
+#include <cageform/animate/detail/normal_equations.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Moves `count` coefficients of a piece, from `first` on, towards the least largest error: least squares again
+/// and again, each sample weighted by the errors it has had (Lawson 1961). Keeps the best piece met.
+class LeastMaximum {
+public:
+    LeastMaximum(const FitProblem& problem, const FitPiece& piece, std::size_t first, std::size_t count)
+        : problem_(problem)
+        , first_(first)
+        , count_(count) {
+        weight_.fill(1);
+        for (std::size_t k = 0; k < samples; ++k) {
+            const double v = 0.5 - 0.5 * std::cos(3.141592653589793 * (double(k) + 0.5) / double(samples));
+            sample(piece, v, k);
+        }
+    }
+
+    void improve(FitPiece& piece) {
+        double least = largest_error(problem_, piece);
+        for (int round = 0; round < 40; ++round) {
+            const SmallVector solution = weighted_least_squares();
+            double largest = 0;
+            std::array<double, samples> error{};
+            for (std::size_t k = 0; k < samples; ++k) {
+                error[k] = std::fabs(rest_[k] - basis_[k].dot(solution));
+                largest = std::fmax(largest, error[k]);
+            }
+            if (!(largest > 0)) return;
+            // The small number keeps a sample without error from being left out for good.
+            for (std::size_t k = 0; k < samples; ++k) weight_[k] *= error[k] / largest + 1e-12;
+            if (largest >= least) continue;
+            FitPiece moved = piece;
+            for (std::size_t i = 0; i < count_; ++i) moved.polynomial.c[first_ + i] = solution(long(i));
+            if (const double exact = largest_error(problem_, moved); exact < least) {
+                least = exact;
+                piece = moved;
+            }
+        }
+    }
+
+private:
+    /// The free basis polynomials at a part of the piece's parameter range, and the curve less the given ones.
+    void sample(const FitPiece& piece, double part, std::size_t k) {
+        const std::size_t d = problem_.options.degree;
+        const double t = piece.begin + part * (piece.end - piece.begin);
+        const double u = (problem_.function.time()(t) - piece.x_begin) / piece.length();
+        basis_[k].resize(long(count_));
+        rest_[k] = problem_.function.value()(t);
+        for (std::size_t j = 0; j <= d; ++j) {
+            const double value = binomials[d][j] * std::pow(u, double(j)) * std::pow(1 - u, double(d - j));
+            if (j >= first_ && j < first_ + count_) {
+                basis_[k](long(j - first_)) = value;
+            } else {
+                rest_[k] -= piece.polynomial.c[j] * value;
+            }
+        }
+    }
+
+    SmallVector weighted_least_squares() const {
+        SmallMatrix normal = SmallMatrix::Zero(long(count_), long(count_));
+        SmallVector right = SmallVector::Zero(long(count_));
+        for (std::size_t k = 0; k < samples; ++k) {
+            normal += weight_[k] * basis_[k] * basis_[k].transpose();
+            right += weight_[k] * rest_[k] * basis_[k];
+        }
+        return normal.ldlt().solve(right);
+    }
+
+    static constexpr std::size_t samples = 48;
+    const FitProblem& problem_;
+    std::size_t first_, count_;
+    std::array<SmallVector, samples> basis_;
+    std::array<double, samples> rest_{}, weight_{};
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,52 @@
+// Times outside of a curve's range. Run time, as piecewise_cubic.hpp.
+#pragma once
+
+#include <cageform/core/detail/simd.hpp>
+
+#include <cmath>
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// What the values of a curve are beyond its keys.
+enum class Extrapolation : std::uint8_t {
+    constant,          ///< the nearest value
+    linear,            ///< a straight line with the slope there
+    cycle,             ///< from the beginning
+    cycle_with_offset, ///< from the beginning, but where it ended
+    ping_pong,         ///< back and forth
+};
+
+/// A time taken into the range of a curve by its extrapolation.
+template <Scalar T>
+struct FoldedTime {
+    T time = 0;   ///< in the range
+    T turns = 0;  ///< of cycle_with_offset: how often the curve has been played before
+    T beyond = 0; ///< of linear: how far beyond the range, negative before it
+
+    /// The extrapolated value: from that at `time`, the slope at the end that is next, and the rise of the
+    /// curve from its begin to its end.
+    T extend(T value, T slope, T rise) const noexcept {
+        return detail::multiply_add(beyond, slope, detail::multiply_add(turns, rise, value));
+    }
+};
+
+/// A time in the range begin … end, which it leaves as it is, or outside. O(1).
+template <Scalar T>
+FoldedTime<T> fold_time(T x, T begin, T end, Extrapolation before, Extrapolation after) noexcept {
+    if (x >= begin && x <= end) return {x, 0, 0};
+    const bool early = x < begin;
+    const auto mode = early ? before : after;
+    const T edge = early ? begin : end, length = end - begin;
+    if (mode == Extrapolation::constant || !(length > 0) || !is_finite(x)) return {edge, 0, 0};
+    if (mode == Extrapolation::linear) return {edge, 0, x - edge};
+    const double turns = std::floor((double(x) - double(begin)) / double(length));
+    double part = detail::multiply_add(-turns, double(length), double(x) - double(begin));
+    part = part < 0 ? 0 : part > double(length) ? double(length) : part;
+    if (mode == Extrapolation::ping_pong && turns - 2 * std::floor(turns / 2) == 1)
+        part = double(length) - part;
+    return {static_cast<T>(double(begin) + part),
+            mode == Extrapolation::cycle_with_offset ? static_cast<T>(turns) : T(0), 0};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,83 @@
+// What a fit of a Bézier curve makes small, and under which conditions.
+#pragma once
+
+#include <cageform/config.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// What the pieces f_i are held to besides being near to the curve C (the columns of the source's Table 6.1).
+/// Values are flags: `FitCondition::end_value | FitCondition::knot_c0`.
+enum class FitCondition : std::uint16_t {
+    none = 0,
+    end_value = 1,  ///< f = C at both keys
+    knot_c0 = 2,    ///< neighbours agree at inner knots
+    knot_value = 4, ///< both are C there
+    end_d1 = 8,     ///< f' = C' at both keys
+    knot_c1 = 16,   ///< slopes of neighbours agree at inner knots
+    knot_d1 = 32,   ///< both are C' there
+    end_d2 = 64,    ///< f'' = C'' at both keys
+    knot_c2 = 128,  ///< second derivatives of neighbours agree at inner knots
+    knot_d2 = 256,  ///< both are C'' there
+};
+constexpr FitCondition operator|(FitCondition a, FitCondition b) noexcept {
+    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): flags, any sum of them is one
+    return FitCondition(unsigned(a) | unsigned(b));
+}
+/// Whether a set holds any flag of another.
+constexpr bool contains(FitCondition set, FitCondition one) noexcept {
+    return (unsigned(set) & unsigned(one)) != 0;
+}
+
+namespace detail {
+
+/// The conditions by the order of the derivative that they are about.
+inline constexpr std::array at_keys{FitCondition::end_value, FitCondition::end_d1, FitCondition::end_d2};
+inline constexpr std::array neighbours_agree{FitCondition::knot_c0, FitCondition::knot_c1,
+                                             FitCondition::knot_c2};
+inline constexpr std::array at_knots{FitCondition::knot_value, FitCondition::knot_d1, FitCondition::knot_d2};
+
+/// Whether every piece is determined by its own interval.
+constexpr bool decoupled(FitCondition set) noexcept {
+    using enum FitCondition;
+    return contains(set, end_value) && contains(set, knot_value) &&
+           !contains(set, knot_c0 | knot_c1 | knot_c2) && (contains(set, end_d1) || !contains(set, end_d2)) &&
+           (contains(set, knot_d1) || !contains(set, knot_d2));
+}
+
+/// The equations that the conditions are for a number of pieces.
+constexpr std::size_t condition_count(FitCondition set, std::size_t pieces) noexcept {
+    std::size_t at_ends = 0, at_each_knot = 0;
+    for (std::size_t order = 0; order < 3; ++order) {
+        at_ends += contains(set, at_keys[order]) ? 2 : 0;
+        at_each_knot += (contains(set, neighbours_agree[order]) ? 1 : 0) + //
+                        (contains(set, at_knots[order]) ? 2 : 0);
+    }
+    return at_ends + (pieces - 1) * at_each_knot;
+}
+
+} // namespace detail
+
+/// What a fit makes small.
+enum class FitNorm : std::uint8_t {
+    sobolev, ///< value_weight ∫ (C − f)² + slope_weight ∫ (C' − f')²
+    /// max |C − f|, from the Sobolev fit on; for pieces that are determined by their own interval. Knots are
+    /// searched as for sobolev.
+    sup,
+};
+
+struct FitOptions {
+    FitNorm norm = FitNorm::sobolev;
+    std::size_t degree = 3; ///< of the pieces: 3, 4 or 5
+    FitCondition conditions = FitCondition::end_value | FitCondition::knot_value;
+    double value_weight = 1; ///< of ∫ (C − f)²
+    double slope_weight = 1; ///< of ∫ (C' − f')²; 0 is the L² norm
+    /// Weights count where the interval is one unit of time long, so that the unit does not matter; or in the
+    /// curve's units.
+    bool scale_free = true;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

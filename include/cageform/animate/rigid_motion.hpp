@@ -1,0 +1,92 @@
+// A cage turned and moved as a whole. Run time, as piecewise_cubic.hpp.
+#pragma once
+
+#include <cageform/animate/track.hpp>
+
+#include <array>
+#include <cmath>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A rotation in space: x, y, z, w with w = cos of half the angle; of unit length.
+template <Scalar T>
+using Quaternion = std::array<T, 4>;
+
+/// From one rotation to another along the shorter arc at constant speed; `part` in [0, 1] (Shoemake 1985).
+template <Scalar T>
+Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
+    T cosine = 0;
+    for (std::size_t k = 0; k < 4; ++k) cosine += a[k] * b[k];
+    if (cosine < 0) {
+        for (T& x : b) x = -x;
+        cosine = -cosine;
+    }
+    T of_a = 1 - part, of_b = part;
+    // Nearer than that a straight line does as well, made of unit length below; the sine is not near zero.
+    constexpr T near = T(0.9995);
+    if (cosine < near) {
+        const T angle = std::acos(cosine), sine = std::sin(angle);
+        of_a = std::sin(of_a * angle) / sine;
+        of_b = std::sin(of_b * angle) / sine;
+    }
+    Quaternion<T> q{};
+    T square = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+        q[k] = of_a * a[k] + of_b * b[k];
+        square += q[k] * q[k];
+    }
+    for (T& x : q) x /= std::sqrt(square);
+    return q;
+}
+
+/// Turns and moves a cage as a whole, on top of what its vertices do: interpolating the vertices between two
+/// turned poses would shrink the cage in between. Tracks without pieces do nothing.
+template <Scalar T, std::size_t D>
+struct RigidMotion {
+    Vec<T, D> pivot{};                    ///< the point about which the cage turns
+    Track<T> angle;                       ///< in the plane: radians, counter-clockwise with y up
+    std::vector<Quaternion<T>> rotations; ///< in space, at keys
+    /// In space, the place among the keys: 2.25 is a quarter of the arc from key 2 to key 3.
+    Track<T> phase;
+    std::array<Track<T>, D> translation{}; ///< after the turn
+
+    /// Moves the points of a pose.
+    void apply(T time, std::span<Vec<T, D>> pose) const noexcept {
+        const auto rows = rotation(time);
+        auto to = pivot;
+        for (std::size_t k = 0; k < D; ++k) {
+            if (!translation[k].curve.empty()) to[k] += translation[k](time);
+        }
+        for (auto& p : pose) {
+            const auto from = p - pivot;
+            for (std::size_t k = 0; k < D; ++k) p[k] = to[k] + dot(rows[k], from);
+        }
+    }
+
+private:
+    /// The rows of the rotation's matrix.
+    Vec<Vec<T, D>, D> rotation(T time) const noexcept {
+        if constexpr (D == 2) {
+            if (!angle.curve.empty()) {
+                const T a = angle(time), c = std::cos(a), s = std::sin(a);
+                return {{{{c, -s}}, {{s, c}}}};
+            }
+        } else if (!rotations.empty()) {
+            const std::size_t last = rotations.size() - 1;
+            const T place = phase.curve.empty() ? T(0) : phase(time);
+            const T inside = place > T(0) ? (place < T(last) ? place : T(last)) : T(0);
+            const std::size_t before = std::size_t(inside);
+            const std::size_t from = before < last ? before : (last > 0 ? last - 1 : 0);
+            const std::size_t to = from < last ? from + 1 : last;
+            const auto [x, y, z, w] = slerp(rotations[from], rotations[to], inside - T(from));
+            return {{{{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)}},
+                     {{2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)}},
+                     {{2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}}}};
+        }
+        Vec<Vec<T, D>, D> unit{};
+        for (std::size_t k = 0; k < D; ++k) unit[k][k] = T(1);
+        return unit;
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,45 @@
+// What errors of an animated value cannot be seen.
+#pragma once
+
+#include <cageform/config.hpp>
+
+#include <cmath>
+#include <numbers>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// @name Tolerances
+/// Errors that cannot be seen (Izdebski 2019, sec. 5.2), in the units of the values animated. Angles are in
+/// radians.
+/// @{
+
+/// One step of a colour channel of `bits` bits, of a range of 1.
+inline double colour_tolerance(unsigned bits) noexcept {
+    return std::ldexp(1.0, -int(bits));
+}
+/// One pixel under an orthographic camera that sees `width` units on `pixels` pixels.
+inline double orthographic_tolerance(double width, double pixels) noexcept {
+    return width / pixels;
+}
+/// One pixel at distance `depth` under a perspective camera whose field of view is `angle` across `pixels`
+/// pixels.
+inline double perspective_tolerance(double angle, double depth, double pixels) noexcept {
+    return 2 * std::tan(0.5 * angle) * depth / pixels;
+}
+/// An angle that moves no point within `radius` of the pivot by more than `distance`.
+inline double rotation_tolerance(double distance, double radius) noexcept {
+    return distance / radius;
+}
+/// What an eye can tell apart at a distance: an arc minute.
+inline double eye_tolerance(double distance) noexcept {
+    return 2 * std::tan(std::numbers::pi / 180 / 120) * distance;
+}
+/// The pitch of a screen's pixels, in millimetres, from its size in pixels and its diagonal in inches.
+inline double pixel_pitch(double width, double height, double diagonal) noexcept {
+    return 25.4 * diagonal / std::hypot(width, height);
+}
+/// The default: a pixel of a path that crosses a screen of 1920.
+inline constexpr double screen_tolerance = 1.0 / 1920;
+/// @}
+
+} // namespace cageform::inline CAGEFORM_ABI
