@@ -133,20 +133,18 @@ private:
     }
 
     void move_to(T x, Cursor& cursor) const noexcept {
-        std::size_t e = cursor.entered_;
-        const bool forward = e < entries_.size() && entries_[e].time <= x;
-        if (!forward && (e == 0 || entries_[e - 1].time <= x)) return;
+        std::size_t& e = cursor.entered_;
         const auto time = [&](std::size_t i) { return entries_[i].time; };
-        const std::size_t goal =
-            time(0) <= x ? detail::last_up_to(x, entries_.size(), time) + 1 : 0; // entries up to x
-        cursor.entered_ = goal;
-        // Of a far jump: a search a curve, in place of more than four entries a curve.
-        if ((forward ? goal - e : e - goal) > 4 * size()) {
+        const std::size_t count = entries_.size(), most = 4 * size();
+        // Of a far jump a search a curve, in place of more than four entries a curve.
+        const bool far_forward = e + most < count && time(e + most) <= x;
+        if (far_forward || (e > most && time(e - most - 1) > x)) {
+            e = time(0) <= x ? detail::last_up_to(x, count, time) + 1 : 0;
             for (std::size_t k = 0; k < size(); ++k) load(cursor, k, locate(k, x));
             return;
         }
-        for (; e < goal; ++e) load(cursor, entries_[e].curve, entries_[e].piece);
-        for (; e > goal; --e) load(cursor, entries_[e - 1].curve, entries_[e - 1].piece - 1);
+        for (; e < count && time(e) <= x; ++e) load(cursor, entries_[e].curve, entries_[e].piece);
+        for (; e > 0 && time(e - 1) > x; --e) load(cursor, entries_[e - 1].curve, entries_[e - 1].piece - 1);
     }
     /// The piece of a curve at a time, which may be one of the two constants.
     std::size_t locate(std::size_t curve, T x) const noexcept {
