@@ -2,8 +2,9 @@
 // give every link that ends on the boundary its length and its data. Knows no cage and no solver.
 #pragma once
 
-#include <cageform/grid/detail/hierarchy.hpp>
+#include <cageform/grid/cut_link.hpp>
 #include <cageform/grid/grid_boundary.hpp>
+#include <cageform/grid/node_runs.hpp>
 
 #include <limits>
 

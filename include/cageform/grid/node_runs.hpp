@@ -1,4 +1,4 @@
-// The unknown nodes of a lattice, kept as runs along the rows: a node elsewhere costs nothing.
+// The unknown nodes of a lattice, kept as runs along the rows: other nodes cost nothing.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -107,97 +107,53 @@ public:
         }
     }
 
-    /// f(index, number, direction) for every link of a node that leads to no node (2·axis, + 1 towards larger indices).
+    /// f(index, number, direction) for every link of a node that leads to no node; the direction is
+    /// 2·axis, + 1 towards larger indices.
     template <class F>
     void for_each_end(F&& f) const {
         for (std::size_t r = 0; r < rows(); ++r) {
-            const Index row = row_index(r);
-            for (std::size_t axis = 1; axis < D; ++axis) {
-                for (const std::int32_t step : {-1, 1}) {
-                    const std::size_t direction = 2 * axis + (step > 0 ? 1u : 0u);
-                    Index other = row;
-                    other[axis] += step;
-                    const bool there = other[axis] >= 0 && other[axis] < size_[axis];
-                    const Run* beside = there ? row_runs(this->row(other)) : nullptr;
-                    const Run* const end = there ? row_runs_end(this->row(other)) : nullptr;
-                    Index index = row;
-                    for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
-                        for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
-                            while (beside != end && beside->end <= index[0]) ++beside;
-                            if (beside != end && beside->begin <= index[0]) {
-                                index[0] = std::min(beside->end, run->end) - 1; // as far as both go
-                                continue;
-                            }
-                            f(index, run->first + std::uint32_t(index[0] - run->begin), direction);
-                        }
-                    }
-                }
-            }
-            for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
-                Index index = row;
-                index[0] = run->begin;
-                if (run == row_runs(r) || run[-1].end != run->begin) f(index, run->first, 0);
-                index[0] = run->end - 1;
-                if (run + 1 == row_runs_end(r) || run[1].begin != run->end)
-                    f(index, run->first + std::uint32_t(run->end - 1 - run->begin), 1);
-            }
+            for (std::size_t direction = 2; direction < 2 * D; ++direction) ends_across(r, direction, f);
+            ends_along(r, f);
         }
     }
 
 private:
+    /// The ends of a row's links towards one of the rows beside it.
+    template <class F>
+    void ends_across(std::size_t r, std::size_t direction, F& f) const {
+        Index index = row_index(r), other = index;
+        const std::size_t axis = direction / 2;
+        other[axis] += (direction & 1) != 0 ? 1 : -1;
+        const bool there = other[axis] >= 0 && other[axis] < size_[axis];
+        const Run* beside = there ? row_runs(row(other)) : nullptr;
+        const Run* const end = there ? row_runs_end(row(other)) : nullptr;
+        for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
+            for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
+                while (beside != end && beside->end <= index[0]) ++beside;
+                if (beside != end && beside->begin <= index[0]) {
+                    index[0] = std::min(beside->end, run->end) - 1; // as far as both runs go
+                } else {
+                    f(index, run->first + std::uint32_t(index[0] - run->begin), direction);
+                }
+            }
+        }
+    }
+    /// The ends of a row's links along itself: those of its runs, as touching runs are one.
+    template <class F>
+    void ends_along(std::size_t r, F& f) const {
+        Index index = row_index(r);
+        for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
+            index[0] = run->begin;
+            f(index, run->first, 0);
+            index[0] = run->end - 1;
+            f(index, run->first + std::uint32_t(index[0] - run->begin), 1);
+        }
+    }
+
     Index size_{};
     std::vector<std::uint32_t> row_begin_;
     std::vector<Run> runs_;
     std::uint32_t count_ = 0;
-};
-
-/// The numbers of nodes around a place that goes along the rows in order, as `for_each` does: each in constant time, where
-/// `find` has to search.
-template <std::size_t D>
-class Neighbours {
-public:
-    using Index = typename NodeRuns<D>::Index;
-
-    explicit Neighbours(const NodeRuns<D>& nodes)
-        : nodes_(nodes) {}
-
-    void move_to(const Index& index) noexcept {
-        const bool onwards = x_ != before_all && index[0] >= x_ &&
-                             std::equal(index.begin() + 1, index.end(), row_.begin() + 1);
-        x_ = index[0];
-        if (onwards) return;
-        row_ = index;
-        for (std::size_t r = 0; r < rows; ++r) {
-            Index there = index;
-            bool inside = true;
-            std::size_t rest = r;
-            for (std::size_t k = 1; k < D; ++k, rest /= 3) {
-                there[k] += std::int32_t(rest % 3) - 1;
-                inside = inside && there[k] >= 0 && there[k] < nodes_.size()[k];
-            }
-            run_[r] = inside ? nodes_.row_runs(nodes_.row(there)) : nullptr;
-            end_[r] = inside ? nodes_.row_runs_end(nodes_.row(there)) : nullptr;
-        }
-    }
-    /// `place` is one of the 3^D around, axis 0 fastest; `NodeRuns::none` where there is no node.
-    std::uint32_t at(std::size_t place) noexcept {
-        const std::size_t r = place / 3;
-        const std::int32_t x = x_ + std::int32_t(place % 3) - 1;
-        while (run_[r] != end_[r] && run_[r]->end < x_) ++run_[r];
-        const auto* run = run_[r];
-        while (run != end_[r] && run->end <= x) ++run;
-        return run != end_[r] && run->begin <= x ? run->first + std::uint32_t(x - run->begin)
-                                                 : NodeRuns<D>::none;
-    }
-
-private:
-    static constexpr std::size_t rows = D == 1 ? 1 : D == 2 ? 3 : 9;
-    static constexpr std::int32_t before_all = std::numeric_limits<std::int32_t>::min();
-
-    const NodeRuns<D>& nodes_;
-    Index row_{};
-    std::int32_t x_ = before_all;
-    std::array<const typename NodeRuns<D>::Run*, rows> run_{}, end_{};
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

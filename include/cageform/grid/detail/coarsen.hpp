@@ -1,0 +1,295 @@
+// From the equations of one level to those of the next coarser one, by Dendy's black box multigrid
+// (J. Comput. Phys. 48 (1982)). Coarse nodes are every second node. The interpolation P is made from
+// the equations, and the coarse operator is Galerkin's, Pᵀ A P. Parts of the domain that are one node
+// wide stay what they are on every level.
+#pragma once
+
+#include <cageform/grid/detail/equations.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// How a node takes its value from the coarse cell it lies in: a weight for each corner (see
+/// `corner_offset`). Along an axis on which its index is even, a node lies at the cell's lower end.
+template <std::size_t D>
+using Interpolation = std::array<double, power(2, D)>;
+
+/// P, and the equations of the coarse nodes.
+template <std::size_t D>
+struct Coarsening {
+    using Index = typename NodeRuns<D>::Index;
+
+    std::vector<std::uint32_t> slot; ///< #nodes: into `irregular`, or none: multilinear
+    std::vector<Interpolation<D>> irregular;
+    Equations<D> coarse;
+
+    bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != NodeRuns<D>::none; }
+    const Interpolation<D>& of(std::uint32_t node, const Index& index) const noexcept {
+        if (is_irregular(node)) return irregular[slot[node]];
+        std::size_t odd = 0;
+        for (std::size_t k = 0; k < D; ++k) odd |= std::size_t(index[k] & 1) << k;
+        return multilinear[odd];
+    }
+    /// The index of a corner of a node's coarse cell.
+    static Index corner_index(Index index, std::size_t corner) noexcept {
+        for (auto& x : index) x >>= 1;
+        return shifted<D>(index, corner_offset<D>(corner));
+    }
+
+private:
+    /// By the axes along which a node lies between coarse ones.
+    static constexpr auto multilinear = [] {
+        std::array<Interpolation<D>, power(2, D)> all{};
+        for (std::size_t odd = 0; odd < all.size(); ++odd) {
+            double weight = 1;
+            for (std::size_t k = 0; k < D; ++k) weight *= ((odd >> k) & 1u) != 0 ? 0.5 : 1.0;
+            for (std::size_t corner = 0; corner < all.size(); ++corner)
+                all[odd][corner] = (corner & ~odd) == 0 ? weight : 0.0;
+        }
+        return all;
+    }();
+};
+
+/// The Galerkin stencil of a coarse node whose surroundings are all regular.
+template <std::size_t D>
+typename Equations<D>::Stencil regular_coarse_stencil(const typename Equations<D>::Stencil& a) noexcept {
+    using P = Places<D>;
+    const auto multilinear = [](const typename P::Offset& from_coarse_node) {
+        double weight = 1;
+        for (const auto t : from_coarse_node) weight *= t == 0 ? 1.0 : t == 1 || t == -1 ? 0.5 : 0.0;
+        return weight;
+    };
+    typename Equations<D>::Stencil coarse{};
+    for (std::size_t f = 0; f < P::count; ++f) {
+        for (std::size_t o = 0; o < P::count; ++o) {
+            const auto neighbour = shifted<D>(P::offset(f), P::offset(o));
+            for (std::size_t c = 0; c < P::count; ++c) {
+                coarse[c] +=
+                    multilinear(P::offset(f)) * a[o] * multilinear(shifted<D>(neighbour, P::offset(c), -2));
+            }
+        }
+    }
+    return coarse;
+}
+
+/// Makes a `Coarsening`: its nodes, then P, then Pᵀ A P.
+template <std::size_t D>
+class Coarsener {
+public:
+    using P = Places<D>;
+    using Index = typename NodeRuns<D>::Index;
+    static constexpr std::uint32_t none = NodeRuns<D>::none;
+
+    explicit Coarsener(const Equations<D>& fine)
+        : fine_(fine) {
+        choose_coarse_nodes();
+        make_interpolation();
+        make_galerkin_operator();
+    }
+    Coarsening<D> take() { return std::move(out_); }
+
+private:
+    void choose_coarse_nodes() {
+        Index size = fine_.nodes.size();
+        for (auto& n : size) n = (n + 1) / 2;
+        NodeRuns<D> coarse(size);
+        for (std::size_t r = 0; r < coarse.rows(); ++r) {
+            const Index row = coarse.row_index(r);
+            const std::size_t fine_row = fine_.nodes.row(shifted<D>(row, row));
+            for (auto* run = fine_.nodes.row_runs(fine_row); run != fine_.nodes.row_runs_end(fine_row); ++run)
+                coarse.add_run((run->begin + 1) / 2, (run->end + 1) / 2);
+            coarse.end_row();
+        }
+        out_.coarse.nodes = std::move(coarse);
+    }
+
+    // ---- interpolation ----------------------------------------------------------------------------
+
+    static std::size_t odd_axes(const Index& index) noexcept {
+        std::size_t n = 0;
+        for (const auto x : index) n += std::size_t(x & 1);
+        return n;
+    }
+    /// Nodes on coarse lines first, then on faces, then in cells: each takes from those before it.
+    /// A node with regular surroundings keeps the multilinear interpolation.
+    void make_interpolation() {
+        out_.slot.assign(fine_.nodes.count(), none);
+        const auto near = near_irregular();
+        for (std::size_t odd = 1; odd <= D; ++odd) {
+            Neighbours<D> around(fine_.nodes);
+            fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
+                if (!near[node] || odd_axes(index) != odd) return;
+                if (!fine_.is_irregular(node) && odd == 1) return;
+                around.move_to(index);
+                const auto weights = interpolate(node, index, around);
+                out_.slot[node] = std::uint32_t(out_.irregular.size());
+                out_.irregular.push_back(weights);
+            });
+        }
+    }
+    /// Which nodes have an irregular one among their 3^D. Beside a missing neighbour there is one.
+    std::vector<bool> near_irregular() const {
+        std::vector<bool> near(fine_.nodes.count());
+        Neighbours<D> around(fine_.nodes);
+        fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
+            if (!fine_.is_irregular(node)) return;
+            around.move_to(index);
+            for (std::size_t p = 0; p < P::count; ++p) {
+                const auto n = around.at(p);
+                if (n != none) near[n] = true;
+            }
+        });
+        return near;
+    }
+    /// Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes along which
+    /// it lies between coarse nodes, and solved for the node.
+    Interpolation<D> interpolate(std::uint32_t node, const Index& index,
+                                 Neighbours<D>& around) const noexcept {
+        const auto collapsed = collapsed_equation(node, index);
+        double total = 0; // the diagonal: Dendy's choice, the row sum and what the neighbours take
+        for (std::size_t k = 0; k < D && fine_.is_irregular(node); ++k) {
+            if ((index[k] & 1) != 0) total += fine_.irregular[fine_.slot[node]].row_sum[k];
+        }
+        for (const double a : collapsed) total += std::fabs(a);
+        Interpolation<D> result{};
+        if (!(total > 0)) return result;
+        for (std::size_t p = 0; p < P::count; ++p) {
+            const auto n = collapsed[p] != 0 ? around.at(p) : none;
+            if (n == none) continue;
+            // Its coarse cell begins where ours does, or ends where ours ends.
+            std::size_t upper = 0;
+            for (std::size_t k = 0; k < D; ++k) upper |= P::offset(p)[k] > 0 ? std::size_t{1} << k : 0u;
+            const auto& from = out_.of(n, shifted<D>(index, P::offset(p)));
+            for (std::size_t corner = 0; corner < from.size(); ++corner) {
+                if (from[corner] != 0) result[corner | upper] += from[corner] * collapsed[p] / total;
+            }
+        }
+        return result;
+    }
+    /// Minus the off-diagonal entries of A, added up along the axes on which the index is even.
+    typename Equations<D>::Stencil collapsed_equation(std::uint32_t node, const Index& index) const noexcept {
+        const auto& a = fine_.stencil(node);
+        typename Equations<D>::Stencil collapsed{};
+        for (std::size_t p = 0; p < P::count; ++p) {
+            if (a[p] == 0) continue;
+            auto o = P::offset(p);
+            for (std::size_t k = 0; k < D; ++k) o[k] *= index[k] & 1;
+            collapsed[P::place(o)] -= a[p];
+        }
+        collapsed[P::centre] = 0;
+        return collapsed;
+    }
+
+    // ---- the coarse operator ----------------------------------------------------------------------
+
+    /// Pᵀ A P, worked out only for coarse nodes near something irregular.
+    void make_galerkin_operator() {
+        auto& coarse = out_.coarse;
+        coarse.regular = regular_coarse_stencil<D>(fine_.regular);
+        choose_irregular();
+        Neighbours<D> around(fine_.nodes), coarse_around(coarse.nodes);
+        fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
+            CoarseRows to{};
+            const auto& weights = out_.of(node, index);
+            coarse_around.move_to(out_.corner_index(index, 0));
+            bool wanted = false;
+            for (std::size_t corner = 0; corner < weights.size(); ++corner) {
+                const auto n =
+                    weights[corner] != 0 ? coarse_around.at(P::place(corner_offset<D>(corner))) : none;
+                to[corner] = n != none ? coarse.slot[n] : none;
+                wanted = wanted || to[corner] != none;
+            }
+            if (!wanted) return;
+            around.move_to(index);
+            add_restricted(weights, row_of_ap(node, index, around), to);
+        });
+        for (auto& equation : coarse.irregular) share_out_row_sum(equation);
+    }
+    /// Irregular coarse nodes are those with irregular interpolation within two fine nodes, or an
+    /// irregular equation within one.
+    void choose_irregular() {
+        auto& coarse = out_.coarse;
+        std::vector<bool> near(coarse.nodes.count());
+        Neighbours<D> coarse_around(coarse.nodes);
+        fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
+            if (!fine_.is_irregular(node) && !out_.is_irregular(node)) return;
+            coarse_around.move_to(out_.corner_index(index, 0));
+            const std::int32_t reach = out_.is_irregular(node) ? 2 : 1;
+            for (std::size_t p = 0; p < P::count; ++p) {
+                bool within = true;
+                for (std::size_t k = 0; k < D; ++k)
+                    within = within && std::abs(2 * P::offset(p)[k] - (index[k] & 1)) <= reach;
+                const auto n = within ? coarse_around.at(p) : none;
+                if (n != none) near[n] = true;
+            }
+        });
+        coarse.slot.assign(coarse.nodes.count(), none);
+        for (std::uint32_t node = 0; node < coarse.nodes.count(); ++node) {
+            if (!near[node]) continue;
+            coarse.slot[node] = std::uint32_t(coarse.irregular.size());
+            coarse.irregular.push_back({});
+        }
+    }
+    /// A node's row of A P, by places around the lower corner of its coarse cell.
+    typename Equations<D>::Stencil row_of_ap(std::uint32_t node, const Index& index,
+                                             Neighbours<D>& around) const noexcept {
+        typename Equations<D>::Stencil row{};
+        const auto& a = fine_.stencil(node);
+        for (std::size_t p = 0; p < P::count; ++p) {
+            const auto n = a[p] != 0 ? around.at(p) : none;
+            if (n == none) continue;
+            const auto at = shifted<D>(index, P::offset(p));
+            const auto& from = out_.of(n, at);
+            for (std::size_t corner = 0; corner < from.size(); ++corner) {
+                if (from[corner] == 0) continue;
+                const auto offset =
+                    shifted<D>(out_.corner_index(at, corner), out_.corner_index(index, 0), -1);
+                row[P::place(offset)] += a[p] * from[corner];
+            }
+        }
+        return row;
+    }
+    /// Adds a node's row of A P to the equations of the coarse nodes that it interpolates from.
+    using CoarseRows = std::array<std::uint32_t, power(2, D)>; ///< into `coarse.irregular`, or none
+    void add_restricted(const Interpolation<D>& weights, const typename Equations<D>::Stencil& row,
+                        const CoarseRows& to) noexcept {
+        for (std::size_t corner = 0; corner < to.size(); ++corner) {
+            if (to[corner] == none) continue;
+            auto& stencil = out_.coarse.irregular[to[corner]].a;
+            for (std::size_t p = 0; p < P::count; ++p) {
+                if (row[p] == 0) continue;
+                const auto offset = shifted<D>(P::offset(p), corner_offset<D>(corner), -1);
+                stencil[P::place(offset)] += weights[corner] * row[p];
+            }
+        }
+    }
+    /// The row sum is what a node takes from the data. It goes in equal shares to the axes on which
+    /// the node has no neighbour on one side.
+    static void share_out_row_sum(typename Equations<D>::Irregular& equation) noexcept {
+        const auto& a = equation.a;
+        double row_sum = 0;
+        for (const double entry : a) row_sum += entry;
+        std::array<bool, D> misses{};
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < D; ++k) {
+            double down = 0, up = 0;
+            for (std::size_t p = 0; p < P::count; ++p) {
+                if (P::offset(p)[k] < 0) down += std::fabs(a[p]);
+                if (P::offset(p)[k] > 0) up += std::fabs(a[p]);
+            }
+            // Regular neighbours of one side have at least a sixth of the diagonal; rounding has 1e-15.
+            misses[k] = std::fmin(down, up) < 1e-3 * a[P::centre];
+            count += misses[k] ? 1 : 0;
+        }
+        for (std::size_t k = 0; k < D; ++k)
+            equation.row_sum[k] = misses[k] ? std::fmax(row_sum, 0.0) / double(count) : 0.0;
+    }
+
+    const Equations<D>& fine_;
+    Coarsening<D> out_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
