@@ -1,7 +1,7 @@
 // A link of the lattice that boundary data cuts: all that the equations know of a boundary.
 #pragma once
 
-#include <cageform/config.hpp>
+#include <cageform/core/vec.hpp>
 
 #include <cstdint>
 

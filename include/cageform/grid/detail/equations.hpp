@@ -7,7 +7,6 @@
 // and Kang, J. Comput. Phys. 176 (2002), sec. 2).
 #pragma once
 
-#include <cageform/config.hpp>
 #include <cageform/grid/cut_link.hpp>
 #include <cageform/grid/detail/stencil.hpp>
 
