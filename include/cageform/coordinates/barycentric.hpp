@@ -9,6 +9,59 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+namespace detail {
+
+// Of any dimension, so that a program has them once; templates, so that a program without simplices does not have them.
+
+/// The gradients of the barycentric coordinates of a simplex: (D + 1) × D, from its vertices, D × (D + 1). Empty where the
+/// simplex has no volume to working precision.
+template <class Number>
+Eigen::MatrixX<Number> simplex_gradients(const Eigen::MatrixX<Number>& vertices) {
+    const long d = vertices.rows();
+    const Eigen::FullPivLU<Eigen::MatrixX<Number>> lu(vertices.leftCols(d).colwise() - vertices.col(d));
+    if (!lu.isInvertible()) return {};
+    Eigen::MatrixX<Number> gradients(d + 1, d);
+    gradients.topRows(d) = lu.inverse();
+    gradients.row(d) = -gradients.topRows(d).colwise().sum();
+    return gradients;
+}
+
+/// The barycentric coordinates of the point on the boundary of a simplex that is nearest to `p`: the least projection of `p`
+/// onto the span of a face that lies in the face.
+template <class Number>
+Eigen::VectorX<Number> nearest_on_simplex_boundary(const Eigen::MatrixX<Number>& vertices,
+                                                   const Eigen::MatrixX<Number>& p) {
+    const long d = vertices.rows();
+    Number least = std::numeric_limits<Number>::max();
+    Eigen::VectorX<Number> best = Eigen::VectorX<Number>::Zero(d + 1);
+    for (unsigned face = 1; face + 1 < (1u << (d + 1)); ++face) {
+        std::vector<long> corner;
+        for (long i = 0; i <= d; ++i) {
+            if ((face >> i) & 1u) corner.push_back(i);
+        }
+        const long edges = long(corner.size()) - 1;
+        const Eigen::MatrixX<Number> base = vertices.col(corner[0]);
+        Eigen::MatrixX<Number> span(d, edges);
+        for (long k = 0; k < edges; ++k)
+            span.col(k) = vertices.col(corner[std::size_t(k) + 1]) - vertices.col(corner[0]);
+        const Eigen::MatrixX<Number> across = span.transpose();
+        const Eigen::MatrixX<Number> s =
+            Eigen::MatrixX<Number>(across * span)
+                .ldlt()
+                .solve(Eigen::MatrixX<Number>(across * Eigen::MatrixX<Number>(p - base)));
+        if ((edges > 0 && s.minCoeff() < 0) || s.sum() > 1) continue;
+        const Number distance = Eigen::MatrixX<Number>(base + span * s - p).stableNorm();
+        if (distance >= least) continue;
+        least = distance;
+        best.setZero();
+        best[corner[0]] = 1 - s.sum();
+        for (long k = 0; k < edges; ++k) best[corner[std::size_t(k) + 1]] = s(k, 0);
+    }
+    return best;
+}
+
+} // namespace detail
+
 /// Barycentric coordinates in a simplex of `D` dimensions: a triangle, a tetrahedron, …
 ///
 /// The solution β of [C_0 … C_D; 1 … 1] β = [p; 1] (Möbius 1827; Ceva's masses). The inverse is computed
@@ -79,45 +132,25 @@ public:
     }
 
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
-        // The nearest point of a simplex is the projection onto the span of one of its faces.
-        double least = std::numeric_limits<double>::max();
-        std::array<double, D + 1> best{};
-        for (unsigned face = 1; face + 1 < (1u << (D + 1)); ++face) {
-            std::array<std::size_t, D + 1> corner{};
-            std::size_t count = 0;
-            for (std::size_t i = 0; i <= D; ++i) {
-                if ((face >> i) & 1u) corner[count++] = i;
-            }
-            const auto base = eigen(vertices_[corner[0]]);
-            Eigen::MatrixXd span(D, count - 1);
-            for (std::size_t k = 1; k < count; ++k)
-                span.col(long(k) - 1) = eigen(vertices_[corner[k]]) - base;
-            const Eigen::VectorXd s =
-                (span.transpose() * span).ldlt().solve(span.transpose() * (eigen(p) - base));
-            if ((count > 1 && s.minCoeff() < 0) || s.sum() > 1) continue;
-            const double distance = (base + span * s - eigen(p)).stableNorm();
-            if (distance >= least) continue;
-            least = distance;
-            best.fill(0);
-            best[corner[0]] = 1 - s.sum();
-            for (std::size_t k = 1; k < count; ++k) best[corner[k]] = s[long(k) - 1];
-        }
+        const auto best = detail::nearest_on_simplex_boundary(matrix(handles()), matrix(std::span(&p, 1)));
         Vec<double, D> q{};
         for (std::size_t i = 0; i <= D; ++i) {
-            row[i] = static_cast<T>(best[i]);
-            q = q + best[i] * vec_cast<double>(vertices_[i]);
+            row[i] = static_cast<T>(best[long(i)]);
+            q = q + best[long(i)] * vec_cast<double>(vertices_[i]);
         }
         return vec_cast<T>(q);
     }
 
 private:
     using Simd = detail::Simd<T>;
-    using Column = Eigen::Matrix<double, int(D), 1>;
 
-    static Column eigen(const Vec<T, D>& p) {
-        Column c;
-        for (std::size_t k = 0; k < D; ++k) c[long(k)] = double(p[k]);
-        return c;
+    /// A column a point.
+    static Eigen::MatrixXd matrix(std::span<const Vec<T, D>> points) {
+        auto columns = Eigen::MatrixXd::Zero(long(D), long(points.size())).eval();
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            for (std::size_t k = 0; k < D; ++k) columns(long(k), long(i)) = double(points[i][k]);
+        }
+        return columns;
     }
 
     void prepare() {
@@ -127,19 +160,14 @@ private:
             if (!is_finite(vertices_[i])) report_.add(CageFaultKind::vertex_not_finite, i);
         }
         if (report_.status != Status::ok) return;
-        Eigen::Matrix<double, int(D), int(D)> edges;
-        for (std::size_t k = 0; k < D; ++k) edges.col(long(k)) = eigen(vertices_[k]) - eigen(vertices_[D]);
-        const Eigen::FullPivLU<decltype(edges)> lu(edges);
-        if (!lu.isInvertible()) return report_.add(CageFaultKind::degenerate_simplex);
-        const auto inverse = lu.inverse().eval();
+        const auto gradients = detail::simplex_gradients(matrix(handles()));
+        if (gradients.size() == 0) return report_.add(CageFaultKind::degenerate_simplex);
         // The gradient of β_k is one over the height of vertex k above the opposite face.
         const double tolerance = coincidence_tolerance(bounds_of(handles()));
         for (std::size_t k = 0; k <= D; ++k) {
-            const Column gradient = k < D ? Column(inverse.row(long(k)).transpose())
-                                          : Column(-inverse.colwise().sum().transpose());
             for (std::size_t axis = 0; axis < D; ++axis)
-                gradient_[k][axis] = static_cast<T>(gradient[long(axis)]);
-            const double inverse_height = gradient.norm();
+                gradient_[k][axis] = static_cast<T>(gradients(long(k), long(axis)));
+            const double inverse_height = gradients.row(long(k)).norm();
             if (!(tolerance * inverse_height < 1)) return report_.add(CageFaultKind::degenerate_simplex);
             on_face_[k] = static_cast<T>(tolerance * inverse_height);
         }
