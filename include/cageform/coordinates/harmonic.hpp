@@ -3,10 +3,26 @@
 // Two solvers: the multigrid of this library, and the papers' own as the baseline it is measured against.
 #pragma once
 
-#include <cageform/coordinates/detail/harmonic_by_averaging.hpp>
-#include <cageform/coordinates/detail/harmonic_on_grid.hpp>
+#include <cageform/coordinates/detail/difference_gradients.hpp>
+#include <cageform/coordinates/multigrid_solver.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
+
+/// The library's solvers for a kind of cage; HarmonicOptions::solver names one.
+template <class C>
+struct HarmonicSolvers {
+    using Options = HarmonicOptions;
+
+    /// use(std::type_identity<the solver>{}), or solver_not_supported.
+    template <class Use>
+    static Status choose(const Options& options, const Use& use) {
+        if (options.solver == HarmonicSolver::multigrid) return use(std::type_identity<MultigridSolver<C>>{});
+        if constexpr (std::is_same_v<C, Polygon<typename C::scalar>>)
+            return use(std::type_identity<PyramidSolver<typename C::scalar>>{});
+        return Status::solver_not_supported;
+    }
+};
 
 /// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the plane the cage is a
 /// Polygon, in space a TriangleMesh or a Box, in both a CellComplex.
@@ -35,45 +51,49 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 /// Outside the cage they are not defined (no extension). With the averaging pyramid a point inside none of whose
 /// surrounding cells has a value is unreached; with the multigrid every point inside has one.
-template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
+template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
+          class Solvers = HarmonicSolvers<C>>
     requires(D == 2 || D == 3)
 class HarmonicCoordinates {
 public:
     using scalar = T;
     using Cage = C;
+    using Options = typename Solvers::Options;
     static constexpr std::size_t dimension = D;
     static constexpr bool has_extension = false;
     static constexpr bool closed_form = false;
 
-    explicit HarmonicCoordinates(Cage cage, const HarmonicOptions& options = {})
-        : grid_(std::move(cage), options) {}
+    explicit HarmonicCoordinates(Cage cage, const Options& options = {})
+        : problem_(std::make_shared<const Problem>(std::move(cage), options)) {}
 
     /// A polygon of one loop.
     template <PointRange R>
         requires(D == 2 && range_dimension<R> == 2)
-    explicit HarmonicCoordinates(const R& vertices, const HarmonicOptions& options = {})
+    explicit HarmonicCoordinates(const R& vertices, const Options& options = {})
         : HarmonicCoordinates(Cage(vertices), options) {}
 
-    const Cage& cage() const noexcept { return grid_.cage(); }
-    const HarmonicOptions& options() const noexcept { return grid_.options(); }
+    const Cage& cage() const noexcept { return problem_->cage; }
+    const Options& options() const noexcept { return problem_->options; }
     std::span<const Vec<T, D>> handles() const noexcept { return cage().vertices(); }
-    const CageReport& cage_report() const noexcept { return grid_.cage_report(); }
+    const CageReport& cage_report() const noexcept { return problem_->report; }
 
     /// Solves all functions and keeps them, for several batches of points to be evaluated; their reports repeat
     /// this solve's.
-    Evaluation solve(const Running& options = {}) {
-        return guarded([&](SolverReport& report) {
-            return by_averaging() ? averaging_.solve(grid_, options, report) : grid_.solve(options, report);
+    Evaluation solve(const Running& running = {}) {
+        return with_solution([&](const auto& solution, SolverReport& report) {
+            if (solution == kept_) return Status::ok;
+            const Status status = solution->solve(report, running);
+            if (status == Status::ok) kept_ = solution;
+            return status;
         });
     }
 
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const Running& options = {}) const {
+                        const Running& running = {}) const {
         CAGEFORM_ASSERT(weights.rows == cage().size() && states.size() == points.points,
                         "one row per handle");
-        return guarded([&](SolverReport& report) {
-            return by_averaging() ? averaging_.evaluate(grid_, points, weights, states, options, report)
-                                  : grid_.evaluate(points, weights, states, options, report);
+        return with_solution([&](const auto& solution, SolverReport& report) {
+            return detail::sample_solution(*solution, {points, weights, states}, report, running);
         });
     }
 
@@ -87,54 +107,60 @@ public:
     ///              inside (unreached where there is none)
     ///   cost       of evaluating 2D + 1 points for each, with the memory of their weights
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const Running& options = {}) const {
+                                  std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,
                         "a row per axis and handle");
-        return guarded([&](SolverReport& report) {
-            return by_averaging() ? Status::solver_not_supported
-                                  : grid_.gradients(points, gradients, states, options, report);
-        });
+        return with_solution(
+            [&]<class S>(const std::shared_ptr<detail::Solution<S>>& solution, SolverReport& report) {
+                if constexpr (DifferentiableSolver<S>) {
+                    const detail::DifferenceGradients<S> differences(*solution->solver,
+                                                                     {points, gradients, states});
+                    return differences.run(*solution, gradients, report, running);
+                } else {
+                    return Status::solver_not_supported;
+                }
+            });
     }
 
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const noexcept {
         return nearest_boundary_weights(cage(), p, row);
     }
 
-    /// What the multigrid will need, in bytes; all zero where the cage or the grid is refused, or the hierarchy itself finds
-    /// no room. The cost is that of setting the solver up: a tenth of solving, and the hierarchy's memory.
-    struct SolverMemory {
-        std::size_t hierarchy = 0; ///< once
-        std::size_t block =
-            0; ///< sixteen functions: on each thread, and after `solve` half of it per sixteen
-    };
+    /// What the solver will need; all zero where the cage or the grid is refused, or the hierarchy itself finds no room. The
+    /// cost is that of setting the solver up: a tenth of solving, and the hierarchy's memory. After `solve` half a
+    /// block for each group of sixteen is kept.
     SolverMemory solver_memory() const {
-        const auto [hierarchy, block] = grid_.memory();
-        return {hierarchy, block};
+        SolverMemory memory;
+        (void)with_solution([&](const auto& solution, SolverReport&) {
+            memory = solution->solver->memory();
+            return Status::ok;
+        });
+        return memory;
     }
 
 private:
-    bool by_averaging() const noexcept { return options().solver == HarmonicSolver::averaging_pyramid; }
-    template <class F>
-    static Evaluation guarded(const F& f) {
-        Evaluation evaluation;
-        evaluation.status = detail::guard_memory([&] { return f(evaluation.solver); });
-        return evaluation;
+    using Problem = CageProblem<Cage, Options>;
+
+    /// use(solution, report) with the functions kept, or with a solver that has none yet.
+    template <class Use>
+    Evaluation with_solution(const Use& use) const {
+        return detail::guarded_evaluation([&](SolverReport& report) {
+            if (cage_report().status != Status::ok) return cage_report().status;
+            return Solvers::choose(options(), [&]<class S>(std::type_identity<S>) {
+                auto solution = std::static_pointer_cast<detail::Solution<S>>(kept_);
+                if (solution) {
+                    report = solution->report;
+                    return use(solution, report);
+                }
+                solution = std::make_shared<detail::Solution<S>>();
+                const Status status = solution->make(problem_, report);
+                return status == Status::ok ? use(solution, report) : status;
+            });
+        });
     }
 
-    detail::HarmonicOnGrid<Cage> grid_;
-    /// Of other cages than polygons.
-    struct NoAveraging {
-        template <class... Arguments>
-        Status solve(const Arguments&...) const noexcept {
-            return Status::solver_not_supported;
-        }
-        template <class... Arguments>
-        Status evaluate(const Arguments&...) const noexcept {
-            return Status::solver_not_supported;
-        }
-    };
-    std::conditional_t<std::is_same_v<Cage, Polygon<T>>, detail::HarmonicByAveraging<T>, NoAveraging>
-        averaging_;
+    std::shared_ptr<const Problem> problem_;
+    std::shared_ptr<void> kept_; ///< a Solution of the solver that the options name
 };
 
 /// Deduced from the cage: `HarmonicCoordinates coordinates(box)`.

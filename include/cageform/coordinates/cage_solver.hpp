@@ -1,0 +1,97 @@
+// The seam between coordinates that are solved for and their solvers.
+//
+// HarmonicCoordinates own the cage and the options and know no solver; a solver knows no driver, no threads and no cage
+// but its own. One of your own is a model of CageSolver: HarmonicCoordinates<T, D, Cage, OnlySolver<Yours>>.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/grid/solve_groups.hpp>
+
+#include <optional>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// What a solver is given: a cage that `check` finds sound, with what else is known of it.
+template <class C, class SolverOptions>
+struct CageProblem {
+    using Cage = C;
+    using Options = SolverOptions;
+    using scalar = typename Cage::scalar;
+    static constexpr std::size_t dimension = Cage::dimension;
+
+    CageProblem(Cage its_cage, const Options& its_options)
+        : cage(std::move(its_cage))
+        , report(check(cage))
+        , options(its_options)
+        , tolerance(report.status == Status::ok ? coincidence_tolerance(bounds_of(cage.vertices()))
+                                                : scalar(0)) {}
+
+    Cage cage;
+    CageReport report; ///< status and warnings; no solver sees a problem whose status is not ok
+    Options options;
+    scalar tolerance; ///< coincidence_tolerance of the cage
+};
+
+/// What a solver will need, in bytes.
+struct SolverMemory {
+    std::size_t hierarchy = 0; ///< once, for all functions
+    std::size_t block = 0;     ///< for one group of functions: on each thread
+};
+
+/// A solver of the functions of a cage's handles. A GroupSolver; its groups are handles in order, as many in each.
+///
+///   Problem                    the CageProblem it solves
+///   make(problem, report, made)
+///                              puts into `made` what no function's data enters (grid, hierarchy) and into `report` the
+///                              cells, or refuses by a status. The problem outlives what is made
+///   memory()                   what that takes, and a block
+///   Functions, keep(block)     the functions of a solved group
+///   Samples, samples(batch, first, last)
+///                              what the values at points first … last − 1 are made of, whatever the function, and where
+///                              the points lie (batch.states); points beyond batch.points.points have the value 0
+///   sample(samples, group, functions, rows)
+///                              the rows of weights of a group at those points; `functions` is a block or what is kept.
+///                              Different groups are sampled at once
+///   finish(samples, rows)      what is left to do when all groups are sampled
+template <class S>
+concept CageSolver = GroupSolver<S> &&
+    requires(const S& solver, const typename S::Problem& problem, std::optional<S>& made,
+             SolverReport& report, const typename S::Block& block, const typename S::Functions& functions,
+             typename S::Samples& samples, const detail::Batch<typename S::Problem::scalar>& batch,
+             std::size_t n) {
+    { S::make(problem, report, made) } -> std::same_as<Status>;
+    { solver.memory() } -> std::same_as<SolverMemory>;
+    { solver.keep(block) } -> std::same_as<typename S::Functions>;
+    { solver.samples(batch, n, n) } -> std::same_as<typename S::Samples>;
+    solver.sample(samples, n, block, batch.rows);
+    solver.sample(samples, n, functions, batch.rows);
+    solver.finish(samples, batch.rows);
+};
+
+/// A solver whose functions can be differentiated, by differences of samples up to a cell apart.
+///
+///   spacing()                  of its grid
+///   state_of(p)                where a point lies, as `samples` says
+///   free_distance(p, axis, up, limit)
+///                              from a point inside along an axis, up or down, to the boundary, in cells; at most `limit`
+template <class S>
+concept DifferentiableSolver = CageSolver<S> &&
+    requires(const S& solver, const Vec<typename S::Problem::scalar, S::Problem::dimension>& p,
+             std::size_t axis, bool up, double limit) {
+    { solver.spacing() } -> std::same_as<double>;
+    { solver.state_of(p) } -> std::same_as<PointState>;
+    { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
+};
+
+/// A choice that is none: the one solver given.
+template <CageSolver S>
+struct OnlySolver {
+    using Options = typename S::Problem::Options;
+
+    template <class Use>
+    static Status choose(const Options& /*options*/, const Use& use) {
+        return use(std::type_identity<S>{});
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

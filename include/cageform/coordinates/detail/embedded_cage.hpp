@@ -1,0 +1,147 @@
+// A cage laid into a lattice: the nodes inside, their links to the boundary, where points lie, what they are a mean of.
+#pragma once
+
+#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/grid/box_boundary.hpp>
+#include <cageform/grid/embed.hpp>
+#include <cageform/grid/simplex_boundary.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The lattice of `resolution` spacings along the longest side. Centred on the cage's box, so that a symmetric cage has
+/// symmetric functions; sides of an axis-aligned cage whose extents divide evenly lie on lattice lines.
+template <Scalar T, std::size_t D>
+Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
+    const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
+    double longest = 0;
+    for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, extent[k]);
+    Lattice<double, D> lattice;
+    lattice.spacing = longest / double(resolution);
+    for (std::size_t k = 0; k < D; ++k) {
+        const double links = std::ceil(extent[k] / lattice.spacing - on_boundary_distance);
+        lattice.cells[k] = std::size_t(links) + 1;
+        lattice.origin[k] = lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
+    }
+    return lattice;
+}
+
+/// Of a cage that outlives it.
+template <class C>
+class EmbeddedCage {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+    using Boundary = typename GridBoundaryOf<C>::type;
+
+public:
+    static constexpr std::size_t least_resolution = 8, most_resolution = D == 2 ? 16384 : 1024;
+
+    /// Lays the cage of a problem whose options have a `resolution` into a lattice of that.
+    ///
+    ///   fails  resolution_not_supported; grid_too_coarse, with the handle and a resolution that would do in `report`
+    template <class Problem>
+    static Status make(const Problem& problem, SolverReport& report, std::optional<EmbeddedCage>& made) {
+        const std::size_t resolution = problem.options.resolution;
+        if (resolution < least_resolution || resolution > most_resolution)
+            return Status::resolution_not_supported;
+        const auto bounds = bounds_of(problem.cage.vertices());
+        const auto lattice = lattice_on(bounds, resolution);
+        const double rounding = double(epsilon<T>) * double(bounds.magnitude());
+        if (!(lattice.spacing > 4 * rounding) ||
+            lattice.spacing < 1e-290) // squares of it are to be normal numbers
+            return Status::resolution_not_supported;
+        Boundary boundary(problem.cage, lattice);
+        const auto crossings = boundary.crossings();
+        report.unseen_handle = first_unseen(problem, boundary, crossings);
+        if (report.unseen_handle == SolverReport::none) {
+            made.emplace(problem.cage, problem.tolerance, std::move(boundary), crossings);
+            return Status::ok;
+        }
+        for (std::size_t finer = 2 * resolution; finer <= most_resolution; finer *= 2) {
+            const Boundary there(problem.cage, lattice_on(bounds, finer));
+            if (first_unseen(problem, there, there.crossings()) != SolverReport::none) continue;
+            report.sufficient_resolution = finer;
+            break;
+        }
+        return Status::grid_too_coarse;
+    }
+
+    EmbeddedCage(const C& cage, T tolerance, Boundary boundary, const Crossings<D>& crossings)
+        : cage_(&cage)
+        , tolerance_(tolerance)
+        , boundary_(std::move(boundary))
+        , problem_(embed(boundary_, crossings)) {
+        boundary_.index_cells(1e-6 + 2 * double(tolerance) / lattice().spacing);
+    }
+
+    const C& cage() const noexcept { return *cage_; }
+    const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
+    const EmbeddedProblem<D>& problem() const noexcept { return problem_; }
+
+    /// Adds to `source`, at slots[node] of each node, the data of functions first … first + count − 1.
+    template <class Values>
+    void add_data(std::size_t first, std::size_t count, std::span<const std::uint32_t> slots,
+                  std::span<Values> source) const noexcept {
+        for (std::size_t c = 0; c < problem_.cuts.size(); ++c) {
+            const auto& [node, direction, weight] = problem_.cuts[c];
+            const auto& value = problem_.values[c];
+            for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
+                if (value.handle[n] < first || value.handle[n] >= first + count) continue;
+                source[slots[node]][value.handle[n] - first] += weight * value.weight[n];
+            }
+        }
+    }
+
+    /// `locate`; but where no boundary passes a point's cell, the cell's nodes tell.
+    PointState state_of(const Vec<T, D>& p) const noexcept {
+        const auto at = in_cells(p);
+        typename NodeRuns<D>::Index low;
+        for (std::size_t k = 0; k < D; ++k) {
+            if (!(at[k] >= 0 && at[k] < double(lattice().cells[k]))) return locate(*cage_, p, tolerance_);
+            low[k] = std::int32_t(at[k]);
+        }
+        if (boundary_.is_cut(low)) return locate(*cage_, p, tolerance_);
+        return problem_.nodes.find(low) != NodeRuns<D>::none ? PointState::inside : PointState::outside;
+    }
+    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        return boundary_.free_distance(in_cells(p), axis, up, limit);
+    }
+    Vec<double, D> in_cells(const Vec<T, D>& p) const noexcept {
+        return lattice().in_cells(vec_cast<double>(p));
+    }
+
+    /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points outside and beyond
+    /// the batch.
+    CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
+        CutStencil<D> stencil;
+        if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
+        const auto p = block_point<D>(batch.points, i);
+        const PointState state = batch.states[i] = state_of(p);
+        if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
+        if (state == PointState::on_boundary) {
+            Vec<T, D> place;
+            stencil.add(nearest_boundary_value(*cage_, p, place), 1.0);
+        }
+        return stencil;
+    }
+
+private:
+    /// The first handle that no node feels.
+    template <class Problem>
+    static std::size_t first_unseen(const Problem& problem, const Boundary& boundary,
+                                    const Crossings<D>& crossings) {
+        auto seen = seen_handles<D>(crossings, problem.cage.size());
+        if (const auto thin = boundary.too_thin_bone()) seen[*thin] = false;
+        for (const CageFault& fault : problem.report.faults) { // warnings
+            if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
+        }
+        const auto first = std::find(seen.begin(), seen.end(), false);
+        return first == seen.end() ? SolverReport::none : std::size_t(first - seen.begin());
+    }
+
+    const C* cage_;
+    T tolerance_;
+    Boundary boundary_;
+    EmbeddedProblem<D> problem_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,72 @@
+// The functions of a cage by any solver: solved and kept, or solved and sampled group by group.
+#pragma once
+
+#include <cageform/coordinates/cage_solver.hpp>
+
+#include <memory>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A solver made for a problem and, once they are solved and kept, the functions.
+template <CageSolver S>
+struct Solution {
+    std::shared_ptr<const typename S::Problem> problem;
+    std::optional<S> solver;
+    std::vector<typename S::Functions> functions; ///< by group, or none
+    SolverReport report;                          ///< of the functions kept
+
+    Status make(std::shared_ptr<const typename S::Problem> given, SolverReport& into) {
+        problem = std::move(given);
+        const Status status = S::make(*problem, into, solver);
+        if (status != Status::ok) return status;
+        const auto [hierarchy, block] = solver->memory();
+        into.bytes = hierarchy + block;
+        return Status::ok;
+    }
+
+    /// Solves all functions and keeps them.
+    Status solve(SolverReport& into, const Running& running) {
+        functions.resize(solver->groups());
+        const Status status = solve_groups(
+            *solver, into,
+            [&](std::size_t group, const auto& block) { functions[group] = solver->keep(block); }, running);
+        report = into;
+        return status;
+    }
+};
+
+/// The weights of a batch of points by the functions kept, or by functions that are solved now, sampled and freed.
+template <CageSolver S>
+Status sample_solution(const Solution<S>& solution, const Batch<typename S::Problem::scalar>& batch,
+                       SolverReport& report, const Running& running) {
+    constexpr std::size_t lanes = lane_count<typename S::Problem::scalar>;
+    constexpr std::size_t together = 1024 / lanes; // blocks of points whose samples lie in one place
+    const S& solver = *solution.solver;
+    const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
+    if (!solution.functions.empty()) {
+        return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; b += together) {
+                auto samples = solver.samples(batch, b * lanes, std::min(b + together, end) * lanes);
+                for (std::size_t group = 0; group < solution.functions.size(); ++group)
+                    solver.sample(samples, group, solution.functions[group], batch.rows);
+                solver.finish(samples, batch.rows);
+            }
+        });
+    }
+    if (blocks == 0) return Status::ok;
+    std::vector<typename S::Samples> samples(pieces);
+    in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n)
+            samples[n] =
+                solver.samples(batch, n * together * lanes, std::min((n + 1) * together, blocks) * lanes);
+    });
+    const auto sample_group = [&](std::size_t group, const auto& block) {
+        for (auto& piece : samples) solver.sample(piece, group, block, batch.rows);
+    };
+    const Status status = solve_groups(solver, report, sample_group, running);
+    if (status != Status::ok) return status;
+    for (auto& piece : samples) solver.finish(piece, batch.rows);
+    return Status::ok;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

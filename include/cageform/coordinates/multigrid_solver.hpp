@@ -1,0 +1,142 @@
+// Harmonic functions of a cage by the multigrid, on a lattice that the cage is laid into where it is.
+#pragma once
+
+#include <cageform/coordinates/detail/corner_samples.hpp>
+#include <cageform/coordinates/detail/cut_samples.hpp>
+#include <cageform/coordinates/detail/embedded_cage.hpp>
+#include <cageform/coordinates/harmonic_options.hpp>
+#include <cageform/grid/multigrid_groups.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A CageSolver for every cage that GridBoundaryOf knows; groups are of sixteen functions. The singularities at a polygon's
+/// corners are treated apart (grid/corner_functions.hpp).
+template <class C>
+class MultigridSolver {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+    static constexpr std::size_t width = Multigrid<D>::width;
+
+public:
+    using Problem = CageProblem<C, HarmonicOptions>;
+
+    static Status make(const Problem& problem, SolverReport& report, std::optional<MultigridSolver>& made) {
+        if (!(problem.options.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
+        std::optional<detail::EmbeddedCage<C>> grid;
+        const Status status = detail::EmbeddedCage<C>::make(problem, report, grid);
+        if (status != Status::ok) return status;
+        made.emplace(std::move(*grid), problem.options.multigrid);
+        report.cells = made->multigrid_.unknowns();
+        return Status::ok;
+    }
+
+    MultigridSolver(detail::EmbeddedCage<C> grid, const MultigridOptions& options)
+        : grid_(std::move(grid))
+        , options_(options)
+        , corners_(corners_of(grid_, options))
+        , multigrid_(grid_.problem().nodes, grid_.problem().cuts, corners_.sources())
+        , slots_(multigrid_.source_slots()) {
+        corners_.set_slots(slots_);
+    }
+
+    SolverMemory memory() const noexcept { return {multigrid_.bytes(), multigrid_.block_bytes()}; }
+
+    // ---- groups ------------------------------------------------------------------------------------
+
+    struct Block {
+        typename Multigrid<D>::Block cycled;
+        CornerFunctions::Coefficients at_corners;
+
+        typename Multigrid<D>::Values value(std::uint32_t node) const noexcept { return cycled.value(node); }
+    };
+    std::size_t groups() const noexcept { return (grid_.cage().size() + width - 1) / width; }
+    Block make_block() const { return {multigrid_.make_block(), {}}; }
+
+    Status solve(std::size_t group, Block& block, GroupWork& work) const {
+        const auto [first, count] = handles_of(group);
+        auto& source = block.cycled.source;
+        for (auto& values : source) values.fill(0.0);
+        grid_.add_data(first, count, slots_, std::span(source));
+        block.at_corners = corners_.start(first, source);
+        const CycleGoal goal{count, options_.tolerance, options_.max_cycles};
+        return run_cycles(multigrid_, block.cycled, goal, work, [&, first = first] {
+            // The corners' coefficients follow the solution and the solution them.
+            const auto fitted = corners_.fit(first, block, block.at_corners);
+            const double change = corners_.difference(fitted, block.at_corners);
+            Multigrid<D>::disturb(block.cycled, corners_.replace(block.at_corners, fitted, source));
+            return change;
+        });
+    }
+
+    struct Functions {
+        std::vector<typename Multigrid<D>::Values> values; ///< by node
+        CornerFunctions::Coefficients at_corners;
+
+        const typename Multigrid<D>::Values& value(std::uint32_t node) const noexcept { return values[node]; }
+    };
+    Functions keep(const Block& block) const {
+        Functions functions{{}, block.at_corners};
+        functions.values.reserve(multigrid_.unknowns());
+        for (std::uint32_t node = 0; node < multigrid_.unknowns(); ++node)
+            functions.values.push_back(block.value(node));
+        return functions;
+    }
+
+    // ---- samples -----------------------------------------------------------------------------------
+
+    struct Samples {
+        detail::CutSamples<D> cut;
+        detail::CornerSamples<T> at_corners;
+    };
+    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
+        Samples samples{detail::CutSamples<D>(first), {}};
+        for (std::size_t i = first; i < last; ++i) {
+            const auto stencil = grid_.stencil(batch, i);
+            samples.cut.add(stencil);
+            if constexpr (D == 2) {
+                if (i < batch.points.points && batch.states[i] == PointState::inside)
+                    samples.at_corners.add(corners_, i, grid_.in_cells(block_point<D>(batch.points, i)),
+                                           stencil, grid_.problem().nodes);
+            }
+        }
+        samples.at_corners.reserve(grid_.cage().size());
+        return samples;
+    }
+    template <class Solved> // a block or what is kept
+    void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
+        const auto [first, count] = handles_of(group);
+        samples.cut.sample(solved, first, count, rows);
+        samples.at_corners.sample(solved.at_corners, first, count);
+    }
+    void finish(const Samples& samples, BlockView<T> rows) const noexcept {
+        samples.at_corners.finish(options_.tolerance, rows);
+    }
+
+    double spacing() const noexcept { return grid_.lattice().spacing; }
+    PointState state_of(const Vec<T, D>& p) const noexcept { return grid_.state_of(p); }
+    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        return grid_.free_distance(p, axis, up, limit);
+    }
+
+private:
+    /// Of polygons alone.
+    static CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<C>& grid,
+                                      [[maybe_unused]] const MultigridOptions& options) {
+        if constexpr (D == 2) {
+            if (options.corner_functions) return {grid.cage(), grid.lattice(), grid.problem()};
+        }
+        return {};
+    }
+    /// The first handle of a group, and how many it has.
+    std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
+        return {group * width, std::min(width, grid_.cage().size() - group * width)};
+    }
+
+    detail::EmbeddedCage<C> grid_;
+    MultigridOptions options_;
+    CornerFunctions corners_;
+    Multigrid<D> multigrid_;
+    std::vector<std::uint32_t> slots_; ///< of each node in Block::source
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

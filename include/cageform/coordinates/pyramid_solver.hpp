@@ -1,0 +1,130 @@
+// Harmonic functions of a polygon by the papers' averaging sweeps, on cells: the baseline that others are measured against.
+#pragma once
+
+#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic_options.hpp>
+#include <cageform/grid/rasterise.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A CageSolver; groups are of HarmonicOptions::handles_at_once functions, one solved after the other.
+template <Scalar T>
+class PyramidSolver {
+public:
+    using Problem = CageProblem<Polygon<T>, HarmonicOptions>;
+
+    static Status make(const Problem& problem, SolverReport& report, std::optional<PyramidSolver>& made) {
+        const std::size_t resolution = problem.options.resolution;
+        if (resolution < 8 || resolution > 16384) return Status::resolution_not_supported;
+        if (!(problem.options.averaging.tolerance > 0)) return Status::tolerance_not_positive;
+        made.emplace(problem);
+        const GridDomain<T, 2>& domain = made->domain_;
+        report.crowded_cells = domain.crowded_cells;
+        report.cells = std::size_t(std::count(domain.tags.begin(), domain.tags.end(), CellTag::interior));
+        return Status::ok;
+    }
+
+    explicit PyramidSolver(const Problem& problem)
+        : problem_(problem)
+        , domain_(rasterise(problem.cage,
+                            lattice_about(bounds_of(problem.cage.vertices()), problem.options.resolution))) {}
+
+    /// At most: a pyramid has four thirds of the cells of its finest level.
+    SolverMemory memory() const noexcept {
+        const std::size_t cells = domain_.tags.size();
+        constexpr std::size_t of_pyramid = sizeof(T) + sizeof(CellTag) + 2 * sizeof(std::size_t);
+        return {cells + domain_.places.size() * (sizeof(std::size_t) + sizeof(BoundaryPoint<T>)),
+                cells * (width() * sizeof(T) + of_pyramid * 4 / 3)};
+    }
+
+    // ---- groups ------------------------------------------------------------------------------------
+
+    using Functions = std::vector<std::vector<T>>; ///< the cells of each
+    struct Block {
+        AveragingPyramid<T, 2> pyramid;
+        Functions functions;
+
+        operator const Functions&() const noexcept { return functions; }
+    };
+    std::size_t groups() const noexcept { return (problem_.cage.size() + width() - 1) / width(); }
+    Block make_block() const {
+        return {AveragingPyramid<T, 2>(domain_.lattice, domain_.tags, problem_.options.averaging), {}};
+    }
+
+    Status solve(std::size_t group, Block& block, GroupWork& work) const {
+        const std::size_t first = group * width(), count = std::min(width(), problem_.cage.size() - first);
+        block.functions.assign(count, std::vector<T>(domain_.tags.size(), T(0)));
+        for (std::size_t n = 0; n < count; ++n) {
+            std::vector<T>& field = block.functions[n];
+            for (std::size_t b = 0; b < domain_.places.size(); ++b) {
+                const auto& place = domain_.places[b];
+                if (place.i == first + n) field[domain_.boundary_cells[b]] = T(1) - place.s;
+                if (place.j == first + n) field[domain_.boundary_cells[b]] = place.s;
+            }
+            const auto keep_going = [&] { return work.keep_going(double(n) / double(count)); };
+            if (!keep_going()) return Status::cancelled;
+            const auto outcome = block.pyramid.solve(std::span<T>(field), keep_going);
+            if (outcome.cancelled) return Status::cancelled;
+            ++work.report.solves;
+            work.report.sweeps += outcome.sweeps;
+            work.report.largest_mean_change = std::max(work.report.largest_mean_change, outcome.mean_change);
+            if (outcome.converged) continue;
+            work.report.unconverged = 1;
+            return Status::not_converged;
+        }
+        return Status::ok;
+    }
+    Functions keep(const Block& block) const { return block.functions; }
+
+    // ---- samples -----------------------------------------------------------------------------------
+
+    struct Sample {
+        SampleStencil<T, 2> stencil;        ///< of a point inside
+        std::optional<BoundaryPoint<T>> on; ///< for a point on the boundary
+    };
+    struct Samples {
+        std::size_t first = 0;
+        std::vector<Sample> points;
+    };
+    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
+        Samples samples{first, std::vector<Sample>(last - first)};
+        for (std::size_t i = first; i < std::min(last, batch.points.points); ++i) {
+            Sample& sample = samples.points[i - first];
+            PointState& state = batch.states[i];
+            if (state == PointState::not_finite) continue;
+            const auto p = block_point<2>(batch.points, i);
+            state = locate(problem_.cage, p, problem_.tolerance);
+            if (state == PointState::on_boundary) sample.on = nearest_on_boundary(problem_.cage, p);
+            if (state != PointState::inside) continue;
+            sample.stencil = sample_stencil(domain_.lattice, std::span<const CellTag>(domain_.tags), p,
+                                            problem_.options.interpolation);
+            if (sample.stencil.count == 0) state = PointState::unreached;
+        }
+        return samples;
+    }
+    void sample(const Samples& samples, std::size_t group, const Functions& functions,
+                BlockView<T> rows) const noexcept {
+        const std::size_t first = group * width();
+        for (std::size_t n = 0; n < samples.points.size(); ++n) {
+            const auto& [stencil, on] = samples.points[n];
+            const std::size_t i = samples.first + n, lane = i % lane_count<T>;
+            auto* const row = rows.block(i / lane_count<T>) + first;
+            for (std::size_t k = 0; k < functions.size(); ++k)
+                row[k][lane] = stencil.sample(std::span<const T>(functions[k]));
+            if (!on) continue;
+            if (on->i - first < functions.size()) row[on->i - first][lane] = T(1) - on->s;
+            if (on->j - first < functions.size()) row[on->j - first][lane] = on->s;
+        }
+    }
+    void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
+
+private:
+    std::size_t width() const noexcept {
+        return std::clamp<std::size_t>(problem_.options.handles_at_once, 1, problem_.cage.size());
+    }
+
+    const Problem& problem_;
+    GridDomain<T, 2> domain_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
