@@ -13,10 +13,7 @@ public:
     /// Of point `i`, at `p` in units of the lattice, that `stencil` is of.
     void add(const CornerFunctions& corners, std::size_t i, const Vec<double, 2>& p,
              const CutStencil<2>& stencil, const NodeRuns<2>& nodes) {
-        const auto place = [&](std::uint32_t node) {
-            const auto index = nodes.index(node);
-            return Vec<double, 2>{double(index[0]), double(index[1])};
-        };
+        const auto place = [&](std::uint32_t node) { return node_position<2>(nodes.index(node)); };
         const auto correction = corners.correction(p, stencil, place);
         if (correction.corner != CornerFunctions::Correction::none) points_.push_back({i, correction});
     }
