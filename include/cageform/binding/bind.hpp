@@ -122,7 +122,7 @@ public:
         : coordinates_(coordinates)
         , points_(points)
         , options_(options)
-        , handles_(coordinates.handles())
+        , handles_(handle_view(coordinates))
         , restorer_(handles_)
         , count_(std::size(points)) {}
 
@@ -130,9 +130,9 @@ public:
         auto [weights, rest] = std::move(binding).release();
         const std::size_t blocks = block_count<T>(count_);
         rest.resize(blocks * D);
-        weights.resize(blocks * handles_.size());
+        weights.resize(blocks * handles_.count);
         rest_ = {rest.data(), D, count_};
-        weights_ = {weights.data(), handles_.size(), count_};
+        weights_ = {weights.data(), handles_.count, count_};
         states_.assign(count_, PointState::unreached);
         pieces_.assign((blocks + piece_blocks - 1) / piece_blocks, {});
 
@@ -160,8 +160,7 @@ public:
         }
         const Status status = gather(pieces_, states_, report);
         if (status != Status::ok) return status;
-        binding =
-            Binding<T, D>(std::move(weights), std::move(rest), {handles_.begin(), handles_.end()}, count_);
+        binding = Binding<T, D>(std::move(weights), std::move(rest), handles_, count_);
         return Status::ok;
     }
 
@@ -216,7 +215,7 @@ private:
                 if (state == PointState::outside) {
                     if (options_.outside == OutsidePoints::extend && C::has_extension) continue;
                     if (options_.outside == OutsidePoints::nearest_boundary) {
-                        std::vector<T> row(handles_.size());
+                        std::vector<T> row(handles_.count);
                         const auto q = coordinates_.nearest_boundary(block_point<D>(rest_, i), row);
                         for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
                         for (std::size_t h = 0; h < row.size(); ++h) block[h][lane] = row[h];
@@ -225,8 +224,8 @@ private:
                 }
                 // Kept in place: no weights. The target is any finite point.
                 bound[lane] = T(0);
-                for (std::size_t h = 0; h < handles_.size(); ++h) block[h][lane] = T(0);
-                for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_[0][k];
+                for (std::size_t h = 0; h < handles_.count; ++h) block[h][lane] = T(0);
+                for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_.rest[0][k];
             }
             const auto outcome =
                 restorer_.run(target, bound, block, options_.linear_precision == LinearPrecision::restore);
@@ -236,7 +235,7 @@ private:
                 if (!is_finite(outcome.partition[lane]) || !is_finite(outcome.reproduction[lane])) {
                     // Too far away for the scalar: a weight or what it makes is not representable.
                     states_[i] = PointState::unreached;
-                    for (std::size_t h = 0; h < handles_.size(); ++h) block[h][lane] = T(0);
+                    for (std::size_t h = 0; h < handles_.count; ++h) block[h][lane] = T(0);
                     continue;
                 }
                 piece.note(outcome, lane, i);
@@ -247,7 +246,7 @@ private:
     const C& coordinates_;
     const R& points_;
     const BindOptions& options_;
-    std::span<const Vec<T, D>> handles_;
+    HandleView<T, D> handles_;
     LinearRestorer<T, D> restorer_;
     std::size_t count_;
     BlockView<T> rest_, weights_;

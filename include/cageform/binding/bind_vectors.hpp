@@ -27,7 +27,7 @@ public:
         , points_(points)
         , vector_(vector)
         , options_(options)
-        , handles_(coordinates.handles())
+        , handles_(handle_view(coordinates))
         , restorer_(handles_)
         , count_(std::size(points)) {}
 
@@ -35,9 +35,9 @@ public:
         const std::size_t blocks = block_count<T>(count_);
         std::array<std::vector<Lanes<T>>, K> weights, rest;
         for (std::size_t n = 0; n < K; ++n) {
-            weights[n].resize(blocks * handles_.size());
+            weights[n].resize(blocks * handles_.count);
             rest[n].resize(blocks * D);
-            weights_[n] = {weights[n].data(), handles_.size(), count_};
+            weights_[n] = {weights[n].data(), handles_.count, count_};
             rest_[n] = {rest[n].data(), D, count_};
         }
         states_.assign(count_, PointState::inside);
@@ -47,8 +47,7 @@ public:
         const Status gathered = gather(pieces_, states_, report);
         if (gathered != Status::ok) return gathered;
         for (std::size_t n = 0; n < K; ++n)
-            bindings[n] = {
-                std::move(weights[n]), std::move(rest[n]), {handles_.begin(), handles_.end()}, count_};
+            bindings[n] = Binding<T, D>(std::move(weights[n]), std::move(rest[n]), handles_, count_);
         return Status::ok;
     }
 
@@ -82,10 +81,10 @@ private:
         constexpr std::size_t most = piece_blocks * lanes;
         return for_each_block(pieces_.size(), {options_.parallel, options_.progress},
                               [&](std::size_t begin, std::size_t end) {
-                                  Batch batch(begin * most, most, handles_.size());
+                                  Batch batch(begin * most, most, handles_.count);
                                   for (std::size_t piece = begin; piece < end; ++piece) {
                                       const std::size_t first = piece * most;
-                                      batch.choose(first, std::min(most, count_ - first), handles_.size());
+                                      batch.choose(first, std::min(most, count_ - first), handles_.count);
                                       pieces_[piece].status = evaluate(batch, {}).status;
                                       if (pieces_[piece].status == Status::ok) finish(batch, piece);
                                   }
@@ -94,7 +93,7 @@ private:
 
     /// All points together, so that a solver solves once.
     Status at_once(BindReport& report) {
-        Batch batch(0, count_, handles_.size());
+        Batch batch(0, count_, handles_.count);
         for (auto& row : batch.slopes) Simd<T>(T(0)).store(row); // where there are none nothing is written
         Running options{options_.parallel};
         if (options_.progress) {
@@ -125,14 +124,14 @@ private:
             bool finite = is_finite(p);
             for (std::size_t n = 0; n < K; ++n) finite = finite && is_finite(vector_(from, n));
             if (i < batch.size) states[i] = finite ? PointState::inside : PointState::not_finite;
-            for (std::size_t k = 0; k < D; ++k) batch.points(i, k) = finite ? p[k] : handles_[0][k];
+            for (std::size_t k = 0; k < D; ++k) batch.points(i, k) = finite ? p[k] : handles_.rest[0][k];
         }
         Evaluation evaluation =
             coordinates_.evaluate_gradients(batch.points, batch.gradients, states, options);
         if (evaluation.status != Status::ok || options_.outside != OutsidePoints::nearest_boundary)
             return evaluation;
         std::vector<std::size_t> outside;
-        std::vector<T> row(handles_.size());
+        std::vector<T> row(handles_.count);
         for (std::size_t i = 0; i < batch.size; ++i) {
             if (states[i] != PointState::outside) continue;
             outside.push_back(i);
@@ -187,10 +186,10 @@ private:
                 target[k][lane] = bound[lane] == T(0) ? T(0) : t[k];
             }
         }
-        for (std::size_t h = 0; h < handles_.size(); ++h) {
+        for (std::size_t h = 0; h < handles_.count; ++h) {
             Simd<T> sum(T(0));
             for (std::size_t k = 0; k < D; ++k)
-                sum = sum + Simd<T>::load(target[k]) * Simd<T>::load(slopes[k * handles_.size() + h]);
+                sum = sum + Simd<T>::load(target[k]) * Simd<T>::load(slopes[k * handles_.count + h]);
             sum.store(row[h]);
         }
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -210,14 +209,14 @@ private:
     }
 
     void clear(Lanes<T>* row, std::size_t lane) const noexcept {
-        for (std::size_t h = 0; h < handles_.size(); ++h) row[h][lane] = T(0);
+        for (std::size_t h = 0; h < handles_.count; ++h) row[h][lane] = T(0);
     }
 
     const C& coordinates_;
     const R& points_;
     const Vectors& vector_;
     const BindOptions& options_;
-    std::span<const Vec<T, D>> handles_;
+    HandleView<T, D> handles_;
     LinearRestorer<T, D> restorer_;
     std::size_t count_;
     std::array<BlockView<T>, K> rest_, weights_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/handles.hpp>
 
 #include <utility>
 #include <vector>
@@ -14,18 +15,24 @@ struct BindingView {
     using scalar = T;
     static constexpr std::size_t dimension = D;
 
-    BlockView<const T> weights;              ///< rows are handles
-    BlockView<const T> rest;                 ///< rows are axes: where the points were bound
-    const Vec<T, D>* rest_handles = nullptr; ///< #handles: where the handles were then
+    BlockView<const T> weights;               ///< rows are handles
+    BlockView<const T> rest;                  ///< rows are axes: where the points were bound
+    const Vec<T, D>* rest_handles = nullptr;  ///< #handles: where the handles were then
+    const HandleKind* handle_kinds = nullptr; ///< #handles; null: all are points
+    const HandleFace<D>* handle_faces =
+        nullptr; ///< of the vectors, in their order; null: they belong to none
 
     std::size_t handle_count() const noexcept { return weights.rows; }
     std::size_t point_count() const noexcept { return weights.points; }
+    HandleView<T, D> handle_view() const noexcept {
+        return {rest_handles, weights.rows, handle_kinds, handle_faces};
+    }
 };
 
 /// A bound figure: for every point its place at rest and a weight per handle. Made by `bind`.
 ///
 /// A pose moves a point by the weighted sum of its handles' displacements, so the unmoved pose returns the
-/// bound points bit for bit, and what the weights lack of reproducing the point at rest is kept:
+/// bound points bit for bit, and where the weights miss the point at rest the residual is kept:
 ///
 ///     p' = p + Σ w_i (C'_i − C_i) = Σ w_i C'_i + (p − Σ w_i C_i)
 ///
@@ -45,16 +52,22 @@ public:
         weights_ = std::exchange(other.weights_, {});
         rest_ = std::exchange(other.rest_, {});
         rest_handles_ = std::exchange(other.rest_handles_, {});
+        handle_kinds_ = std::exchange(other.handle_kinds_, {});
+        handle_faces_ = std::exchange(other.handle_faces_, {});
         point_count_ = std::exchange(other.point_count_, 0);
         return *this;
     }
     ~Binding() = default;
-    Binding(std::vector<Lanes<T>> weights, std::vector<Lanes<T>> rest, std::vector<Vec<T, D>> rest_handles,
-            std::size_t point_count) noexcept
+    /// Copies the handles. A copy may throw std::bad_alloc.
+    Binding(std::vector<Lanes<T>> weights, std::vector<Lanes<T>> rest, const HandleView<T, D>& handles,
+            std::size_t point_count)
         : weights_(std::move(weights))
         , rest_(std::move(rest))
-        , rest_handles_(std::move(rest_handles))
+        , rest_handles_(handles.rest, handles.rest + handles.count)
         , point_count_(point_count) {
+        if (handles.kinds != nullptr) handle_kinds_.assign(handles.kinds, handles.kinds + handles.count);
+        if (handles.faces != nullptr)
+            handle_faces_.assign(handles.faces, handles.faces + handles.vector_count());
         CAGEFORM_ASSERT(weights_.size() == block_count<T>(point_count_) * rest_handles_.size(),
                         "one row per handle");
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");
@@ -79,13 +92,18 @@ public:
     BindingView<T, D> view() const noexcept {
         return {{weights_.data(), handle_count(), point_count_},
                 {rest_.data(), D, point_count_},
-                rest_handles_.data()};
+                rest_handles_.data(),
+                handle_kinds_.empty() ? nullptr : handle_kinds_.data(),
+                handle_faces_.empty() ? nullptr : handle_faces_.data()};
     }
+    HandleView<T, D> handle_view() const noexcept { return view().handle_view(); }
 
 private:
     std::vector<Lanes<T>> weights_;
     std::vector<Lanes<T>> rest_;
     std::vector<Vec<T, D>> rest_handles_;
+    std::vector<HandleKind> handle_kinds_;    // empty: all are points
+    std::vector<HandleFace<D>> handle_faces_; // empty: the vectors belong to none
     std::size_t point_count_ = 0;
 };
 

@@ -10,7 +10,10 @@
 //     scale         B × T, residual  B × (D + 1) × L × T, affine_fit  #handles × (D + 1) × T     not with scalar weights
 //     rest          B × D × L × T
 //     rest_handles  #handles × D × T
+//     handle_kinds  #handles × uint8: 0 a point, 1 a vector        only where some are vectors
+//     handle_faces  #vectors × D × uint32: the handles at a face's corners    only where the vectors belong to faces
 //
+// Version 1 has no vectors and is read as well.
 // The same bytes serve as buffers of a GPU (clone/glsl.hpp).
 #pragma once
 
@@ -26,7 +29,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 for a part that is not there.
 struct BlobHeader {
     static constexpr std::uint64_t magic_number = 0x6D726F6665676163u; // "cageform" in little endian
-    static constexpr std::uint32_t current_version = 1, endian_tag = 0x01020304u;
+    static constexpr std::uint32_t current_version = 2, endian_tag = 0x01020304u;
 
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;
@@ -38,7 +41,8 @@ struct BlobHeader {
     std::uint64_t cage_hash = 0, figure_hash = 0;
     std::uint64_t weights = 0, row_begin = 0, row_handle = 0, order = 0, scale = 0, residual = 0,
                   affine_fit = 0, rest = 0, rest_handles = 0;
-    std::uint64_t padding[4] = {};
+    std::uint64_t handle_kinds = 0, handle_faces = 0, vectors = 0; ///< since version 2
+    std::uint64_t padding = 0;
 };
 static_assert(sizeof(BlobHeader) == 192);
 
@@ -121,6 +125,8 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     find(view.affine_fit, header.affine_fit);
     find(view.rest, header.rest);
     find(view.rest_handles, header.rest_handles);
+    find(view.handle_kinds, header.handle_kinds);
+    find(view.handle_faces, header.handle_faces);
     return view;
 }
 
@@ -140,6 +146,23 @@ void for_each_blob_part(Header& header, const Visit& visit) noexcept {
     visit(header.affine_fit, handles * ((D + 1) * sizeof(T)), rounded);
     visit(header.rest, blocks * (D * sizeof(Lanes<T>)), true);
     visit(header.rest_handles, handles * (D * sizeof(T)), true);
+    visit(header.handle_kinds, handles, header.handle_kinds != 0);
+    visit(header.handle_faces, header.vectors * (D * sizeof(std::uint32_t)), header.handle_faces != 0);
+}
+
+/// Whether there are as many vectors among the handles as a blob says, on faces whose corners are points.
+template <Scalar T, std::size_t D>
+Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noexcept {
+    for (std::size_t i = 0; handles.kinds != nullptr && i < handles.count; ++i) {
+        if (handles.kinds[i] > HandleKind::vector) return Status::blob_malformed;
+    }
+    if (handles.vector_count() != vectors) return Status::blob_malformed;
+    for (std::size_t n = 0; handles.faces != nullptr && n < vectors; ++n) {
+        for (const std::uint32_t corner : handles.faces[n]) {
+            if (corner >= handles.count || !handles.is_point(corner)) return Status::blob_malformed;
+        }
+    }
+    return Status::ok;
 }
 
 /// Counts that 32 bits hold keep the products of `for_each_blob_part` below 2^64; rows of dense blobs are checked by division.
@@ -147,7 +170,8 @@ template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
     if (header.format > std::uint32_t(WeightFormat::int8)) return Status::blob_malformed;
-    if (header.points > most || header.handles > most) return Status::blob_malformed;
+    if (header.points > most || header.handles > most || header.vectors > header.handles)
+        return Status::blob_malformed;
     const std::uint64_t blocks = (header.points + lane_count<T> - 1) / lane_count<T>;
     if (header.row_begin != 0 ? header.rows > most
                               : (header.handles != 0 && blocks > header.bytes / header.handles) ||
@@ -180,7 +204,7 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
             highest = view.order[i] > highest ? view.order[i] : highest;
         if (header.points > 0 && highest >= header.points) return Status::blob_malformed;
     }
-    return Status::ok;
+    return check_handles(view.handle_view(), header.vectors);
 }
 
 } // namespace detail
@@ -210,8 +234,10 @@ OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectatio
     };
     if (header.magic == swapped(BlobHeader::magic_number)) return refused(Status::blob_version_differs);
     if (header.magic != BlobHeader::magic_number) return refused(Status::not_a_blob);
-    if (header.version != BlobHeader::current_version || header.endian != BlobHeader::endian_tag)
+    if (header.version == 0 || header.version > BlobHeader::current_version ||
+        header.endian != BlobHeader::endian_tag)
         return refused(Status::blob_version_differs);
+    if (header.version == 1) header.handle_kinds = header.handle_faces = header.vectors = 0;
     if (data.size() < sizeof(header) || header.bytes > data.size()) return refused(Status::blob_truncated);
     if (header.bytes < sizeof(header) || header.bytes % 64 != 0) return refused(Status::blob_malformed);
     constexpr std::size_t checked_from = 32;
@@ -272,6 +298,7 @@ public:
         std::memcpy(&header, bytes().data(), sizeof(header));
         return detail::view_blob<T, D>(bytes().data(), header);
     }
+    HandleView<T, D> handle_view() const noexcept { return view().handle_view(); }
 
 private:
     std::byte* data() noexcept { return std::as_writable_bytes(std::span(memory_)).data(); }

@@ -54,8 +54,8 @@ struct PackResult {
 
 namespace detail {
 
-/// Columns (1, ĉ_i) of the handles, ĉ centred and scaled so that their mean square is the identity: what Σ w and Σ w c are
-/// taken with.
+/// The affine rows of the handles, centred at the mean of the points and scaled so that their mean square is the identity:
+/// what Σ wκ and Σ wH are taken with.
 template <std::size_t D>
 class Moments {
 public:
@@ -64,19 +64,19 @@ public:
     using Matrix = Eigen::Matrix<double, size, size>;
 
     template <Scalar T>
-    Moments(const Vec<T, D>* handles, std::size_t count)
-        : columns_(count) {
-        Column mean = Column::Zero();
-        for (std::size_t i = 0; i < count; ++i) {
-            columns_[i][0] = 1;
-            for (std::size_t k = 0; k < D; ++k) columns_[i][Eigen::Index(k) + 1] = double(handles[i][k]);
-            mean += columns_[i] / double(count);
+    explicit Moments(const HandleView<T, D>& handles)
+        : columns_(handles.count) {
+        AffineFrame<double, D> frame; // at the mean of the points
+        const double points = double(handles.count - handles.vector_count());
+        for (std::size_t i = 0; i < handles.count; ++i) {
+            for (std::size_t k = 0; k < D && handles.is_point(i); ++k)
+                frame.centre[k] += double(handles.rest[i][k]) / points;
         }
-        mean[0] = 0;
+        const AffineRows<double, D> rows(handles, frame);
         Matrix square = Matrix::Zero();
-        for (auto& a : columns_) {
-            a -= mean;
-            square += a * a.transpose() / double(count);
+        for (std::size_t i = 0; i < handles.count; ++i) {
+            columns_[i] = rows.column(i);
+            square += columns_[i] * columns_[i].transpose() / double(handles.count);
         }
         const Matrix whiten = power(square, -0.5);
         for (auto& a : columns_) a = whiten * a;
@@ -175,7 +175,7 @@ public:
         , points_(binding.point_count())
         , blocks_(block_count<T>(points_))
         , sparse_((options.largest != 0 && options.largest < handles_) || options.threshold > 0)
-        , moments_(binding.rest_handles, handles_) {}
+        , moments_(binding.handle_view()) {}
 
     Status run(PackedBinding<T, D>& packed, PackReport& report) {
         if (options_.largest != 0 && options_.largest < D + 1) return Status::too_few_weights;
@@ -215,6 +215,9 @@ public:
         header.points = points_;
         header.rows = rows;
         header.row_begin = header.order = sparse_ ? 1 : 0;
+        header.handle_kinds = binding_.handle_kinds != nullptr ? 1 : 0;
+        header.handle_faces = binding_.handle_faces != nullptr ? 1 : 0;
+        header.vectors = binding_.handle_view().vector_count();
         std::vector<Vec<T, D>> at_rest(points_);
         for (std::size_t i = 0; i < points_; ++i) at_rest[i] = block_point<D>(binding_.rest, i);
         const std::span<const Vec<T, D>> handles_at_rest(binding_.rest_handles, handles_);
@@ -349,7 +352,12 @@ private:
                 place = std::copy(piece.handles.begin(), piece.handles.end(), place);
             std::copy(order_.begin(), order_.end(), blob.writable(out.order));
         }
-        std::copy(binding_.rest_handles, binding_.rest_handles + handles_, blob.writable(out.rest_handles));
+        std::copy_n(binding_.rest_handles, handles_, blob.writable(out.rest_handles));
+        if (out.handle_kinds != nullptr)
+            std::copy_n(binding_.handle_kinds, handles_, blob.writable(out.handle_kinds));
+        if (out.handle_faces != nullptr)
+            std::copy_n(binding_.handle_faces, binding_.handle_view().vector_count(),
+                        blob.writable(out.handle_faces));
         for (std::size_t h = 0; out.affine_fit != nullptr && h < handles_; ++h) {
             const Column fit = moments_.fit(h);
             for (std::size_t r = 0; r <= D; ++r)

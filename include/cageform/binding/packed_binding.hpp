@@ -44,6 +44,9 @@ struct PackedBindingView {
     const Vec<T, D + 1>* affine_fit = nullptr; ///< #handles: F; null for scalar weights
     const Lanes<T>* rest = nullptr;            ///< D rows a block
     const Vec<T, D>* rest_handles = nullptr;   ///< #handles
+    const HandleKind* handle_kinds = nullptr;  ///< #handles; null: all are points
+    const HandleFace<D>* handle_faces =
+        nullptr; ///< of the vectors, in their order; null: they belong to none
 
     PackedBindingView() = default;
     /// Any binding is a packed one from which nothing was dropped.
@@ -52,7 +55,9 @@ struct PackedBindingView {
         , points(dense.point_count())
         , weights(reinterpret_cast<const std::byte*>(dense.weights.data))
         , rest(dense.rest.data)
-        , rest_handles(dense.rest_handles) {}
+        , rest_handles(dense.rest_handles)
+        , handle_kinds(dense.handle_kinds)
+        , handle_faces(dense.handle_faces) {}
 
     /// The same for a figure whose points were put into the order of the binding, once and for all: then nothing is scattered,
     /// which a third of the time of sparse clones goes into. Point n of the output is point `order[n]` as bound.
@@ -64,6 +69,9 @@ struct PackedBindingView {
 
     std::size_t handle_count() const noexcept { return handles; }
     std::size_t point_count() const noexcept { return points; }
+    HandleView<T, D> handle_view() const noexcept {
+        return {rest_handles, handles, handle_kinds, handle_faces};
+    }
     std::size_t block_count() const noexcept { return cageform::block_count<T>(points); }
     std::size_t first_row(std::size_t block) const noexcept {
         return row_begin != nullptr ? row_begin[block] : block * handles;

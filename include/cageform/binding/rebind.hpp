@@ -126,7 +126,7 @@ public:
         : old_(old)
         , points_(points)
         , options_(options)
-        , handles_(old.rest_handles, old.handle_count())
+        , handles_(old.handle_view())
         , restorer_(handles_)
         , count_(std::size(points))
         , neighbours_(options.neighbours == 0 ? 4 * D : std::max(options.neighbours, D + 1)) {}
@@ -134,8 +134,8 @@ public:
     Status run(Binding<T, D>& binding, RebindReport& report) {
         if (count_ > 0 && old_.point_count() == 0) return Status::binding_empty;
         const std::size_t blocks = block_count<T>(count_);
-        std::vector<Lanes<T>> weights(blocks * handles_.size()), rest(blocks * D);
-        weights_ = {weights.data(), handles_.size(), count_};
+        std::vector<Lanes<T>> weights(blocks * handles_.count), rest(blocks * D);
+        weights_ = {weights.data(), handles_.count, count_};
         rest_ = {rest.data(), D, count_};
         Status status = look_at_old(report);
         if (status != Status::ok) return status;
@@ -160,8 +160,7 @@ public:
                                 });
         if (status != Status::ok) return status;
         gather(report);
-        binding =
-            Binding<T, D>(std::move(weights), std::move(rest), {handles_.begin(), handles_.end()}, count_);
+        binding = Binding<T, D>(std::move(weights), std::move(rest), handles_, count_);
         return Status::ok;
     }
 
@@ -204,7 +203,7 @@ private:
         std::vector<char> sound(count, 1);
         const auto look = [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin * lanes; i < std::min(end * lanes, count); ++i) {
-                for (std::size_t h = 0; h < handles_.size(); ++h) {
+                for (std::size_t h = 0; h < handles_.count; ++h) {
                     const T w = old_.weights(i, h);
                     if (w != T(0)) bound_[i] = 1;
                     if (!is_finite(w)) sound[i] = 0;
@@ -284,7 +283,7 @@ private:
             const std::size_t i = block * lanes + lane;
             clear(rows, lane);
             // Lanes that are left out have any finite target.
-            Vec<T, D> place = handles_.empty() ? Vec<T, D>{} : handles_[0];
+            Vec<T, D> place = handles_.count == 0 ? Vec<T, D>{} : handles_.rest[0];
             bound[lane] = T(0);
             if (i < count_ && kinds_[i] == Kind::interpolated) {
                 kinds_[i] = interpolate(i, rows, lane, place, piece, scratch);
@@ -310,7 +309,7 @@ private:
             if (i < count_ && is_interpolated(kinds_[i])) continue;
             clear(rows, lane);
             if (i >= count_ || kinds_[i] != Kind::matched) continue;
-            for (std::size_t h = 0; h < handles_.size(); ++h) rows[h][lane] = old_.weights(sources_[i], h);
+            for (std::size_t h = 0; h < handles_.count; ++h) rows[h][lane] = old_.weights(sources_[i], h);
         }
     }
 
@@ -319,7 +318,7 @@ private:
     }
 
     void clear(Lanes<T>* rows, std::size_t lane) const noexcept {
-        for (std::size_t h = 0; h < handles_.size(); ++h) rows[h][lane] = T(0);
+        for (std::size_t h = 0; h < handles_.count; ++h) rows[h][lane] = T(0);
     }
 
     /// Writes the weights of a point, and into `target` what they are to reproduce.
@@ -347,21 +346,21 @@ private:
         scratch.places.clear();
         for (const auto& n : found) scratch.places.push_back(in_units(old_point(places_[n.point])) - p);
         scratch.shares.compute(scratch.places, radius, 8 * double(epsilon<T>));
-        scratch.row.assign(handles_.size(), 0.0);
+        scratch.row.assign(handles_.count, 0.0);
         Vec<double, D> reached{}; // Σ s q less the point: 0 unless the places say too little
         for (std::size_t j = 0; j < found.size(); ++j) {
             const double share = scratch.shares[j];
             const std::size_t source = places_[found[j].point];
             reached = reached + share * scratch.places[j];
-            for (std::size_t h = 0; h < handles_.size(); ++h)
+            for (std::size_t h = 0; h < handles_.count; ++h)
                 scratch.row[h] += share * double(old_.weights(source, h));
         }
         // What the old weights reproduce other than their own points, beyond rounding, the new ones do as well: points
         // outside that follow the boundary do so at an offset.
         Vec<double, D> offset = reached + p;
         Vec<double, D> rounding{};
-        for (std::size_t h = 0; h < handles_.size(); ++h) {
-            const auto part = (scratch.row[h] * unit_) * vec_cast<double>(handles_[h]);
+        for (std::size_t h = 0; h < handles_.count; ++h) {
+            const auto part = (scratch.row[h] * unit_) * vec_cast<double>(handles_.rest[h]);
             offset = offset - part;
             for (std::size_t k = 0; k < D; ++k) rounding[k] += std::fabs(part[k]);
             rows[h][lane] = static_cast<T>(scratch.row[h]);
@@ -402,7 +401,7 @@ private:
     const BindingView<T, D>& old_;
     const R& points_;
     const RebindOptions& options_;
-    std::span<const Vec<T, D>> handles_;
+    HandleView<T, D> handles_;
     LinearRestorer<T, D> restorer_;
     std::size_t count_, neighbours_;
     BlockView<T> weights_, rest_;

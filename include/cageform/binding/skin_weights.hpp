@@ -59,7 +59,7 @@ namespace detail {
 /// The weights of one point nearest to given ones, in the sense of least squares, among those that are not negative,
 /// belong to some handles, sum to 1 and reproduce a place q.
 ///
-/// With a_i = (1, ĉ_i), ĉ_i = (c_i − q) / size, they are w_i = max(0, w0_i + a_i·y) for the y of D + 1 numbers that makes
+/// With the affine rows a_i of the handles in a frame at q they are w_i = max(0, w0_i + a_i·y) for the y of D + 1 numbers that makes
 /// Σ w_i a_i = (1, 0): Newton's method for the dual problem, which is smooth, convex and quadratic in pieces.
 /// Its penalty (the proximal term E) keeps equations solvable where q cannot be reproduced, and y then tells the
 /// nearest place that can; repeated about the last y it fades away where q can.
@@ -68,19 +68,18 @@ class ConvexWeights {
 public:
     static constexpr double reproduced = 1e-7; ///< of the size: what weights in single precision resolve
 
-    /// Takes up a point: its weights and the handles around q, in units of the cage's size.
-    template <class Handle, class Weight>
-    void load(std::size_t count, const Handle& handle, const Weight& weight) {
-        columns_.resize(count);
-        given_.resize(count);
-        weights_.assign(count, 0.0);
-        support_.resize(count);
-        trial_.resize(count);
-        needed_.assign(count, 0);
-        for (std::size_t i = 0; i < count; ++i) {
-            columns_[i][0] = 1;
-            const Vec<double, D> at = handle(i);
-            for (std::size_t k = 0; k < D; ++k) columns_[i][long(k) + 1] = at[k];
+    /// Takes up a point: its weights, and the handles in a frame at q.
+    template <Scalar T, class Weight>
+    void load(const HandleView<T, D>& handles, const AffineFrame<double, D>& frame, const Weight& weight) {
+        columns_.resize(handles.count);
+        given_.resize(handles.count);
+        weights_.assign(handles.count, 0.0);
+        support_.resize(handles.count);
+        trial_.resize(handles.count);
+        needed_.assign(handles.count, 0);
+        for (std::size_t i = 0; i < handles.count; ++i) {
+            const auto row = frame.row(handles, i);
+            for (std::size_t r = 0; r <= D; ++r) columns_[i][long(r)] = row[r];
             given_[i] = weight(i);
             support_[i] = i;
         }
@@ -346,9 +345,8 @@ private:
         }
         if (!is_finite(p) || !is_finite(whole) || !is_finite(offset) || whole == 0) return {};
         if (dot(offset, offset) < 1e-8) offset = {};
-        solver.load(
-            handles, [&](std::size_t h) { return from(p, h) - offset; },
-            [&](std::size_t h) { return double(binding_.weights(i, h)); });
+        solver.load(binding_.handle_view(), AffineFrame<double, D>{p + size_ * offset, size_},
+                    [&](std::size_t h) { return double(binding_.weights(i, h)); });
 
         PointResult result;
         result.kind =
@@ -454,7 +452,8 @@ SkinWeightsResult skin_weights(const BindingView<T, D>& binding, const SkinWeigh
     SkinWeightsResult result;
     auto& report = result.report;
     report.points = binding.point_count();
-    report.status = options.influences < 1 ? Status::too_few_influences
+    report.status = binding.handle_view().vector_count() > 0 ? Status::handles_not_points
+                    : options.influences < 1                 ? Status::too_few_influences
                     : std::max(binding.handle_count(), options.influences) > 65535 ? Status::too_many_handles
                     : !is_finite(options.threshold)                                ? Status::value_not_finite
                                                                                    : Status::ok;
@@ -486,7 +485,7 @@ Status skin_to_binding(const BindingView<T, D>& binding, const SkinWeights& skin
         for (std::size_t i = 0; i < skin.joints.size(); ++i)
             table(i / skin.influences, skin.joints[i]) += static_cast<T>(skin.weights[i]);
         out = Binding<T, D>(std::move(weights), {binding.rest.data, binding.rest.data + blocks * D},
-                            {binding.rest_handles, binding.rest_handles + handles}, binding.point_count());
+                            binding.handle_view(), binding.point_count());
         return Status::ok;
     });
 }

@@ -39,7 +39,7 @@ public:
         : parts_(std::move(parts)) {
         for (const C& part : parts_) {
             first_.push_back(handles_.size());
-            handles_.insert(handles_.end(), part.handles().begin(), part.handles().end());
+            add_handles(handle_view(part));
         }
         first_.push_back(handles_.size());
         if (parts_.empty()) report_.add(CageFaultKind::too_few_vertices, 0, 0);
@@ -55,8 +55,8 @@ public:
         if (report_.status != Status::ok) return;
         for (const C& part : parts_) {
             depths_.emplace_back(part.cage());
-            scales_.push_back(1 / double(bounds_of(part.handles()).diagonal()));
-            restorers_.emplace_back(part.handles());
+            scales_.push_back(1 / double(detail::frame_of(handle_view(part)).size));
+            restorers_.emplace_back(handle_view(part));
         }
     }
 
@@ -64,6 +64,8 @@ public:
     /// The first handle of a part; for the number of parts, that of handles.
     std::size_t first_handle(std::size_t part) const noexcept { return first_[part]; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
+    std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
+    std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
 
     /// That of the first cage that is refused, which is `refused_part()`; otherwise the warnings of all.
     const CageReport& cage_report() const noexcept { return report_; }
@@ -121,6 +123,17 @@ public:
 
 private:
     static constexpr std::size_t lanes = lane_count<scalar>;
+
+    void add_handles(const HandleView<scalar, dimension>& part) {
+        const std::size_t first = handles_.size();
+        handles_.insert(handles_.end(), part.rest, part.rest + part.count);
+        for (std::size_t i = 0; i < part.count; ++i)
+            kinds_.push_back(part.is_point(i) ? HandleKind::point : HandleKind::vector);
+        for (std::size_t n = 0; part.faces != nullptr && n < part.vector_count(); ++n) {
+            faces_.push_back(part.faces[n]);
+            for (auto& corner : faces_.back()) corner += static_cast<std::uint32_t>(first);
+        }
+    }
 
     /// evaluation = f(part, options), one after the other until one fails.
     template <class F>
@@ -214,6 +227,8 @@ private:
     std::vector<C> parts_;
     std::vector<std::size_t> first_; ///< handle of every part, and the end
     std::vector<Vec<scalar, dimension>> handles_;
+    std::vector<HandleKind> kinds_;
+    std::vector<HandleFace<dimension>> faces_;
     CageReport report_;
     std::size_t refused_ = none;
     std::vector<Depth<Cage>> depths_;

@@ -3,6 +3,7 @@
 
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/handles.hpp>
 #include <cageform/grid/evaluation.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -22,6 +23,10 @@ concept CageCoordinateConstants = requires {
 /// a cage vertex; a type may have others (scaled face normals, say), so nobody assumes weights = vertices.
 ///
 ///   handles()           the handles at rest; a pose holds as many points, in the same order
+///   handle_kinds()      need not be there: a span of the kinds of the handles (core/handles.hpp); absent or empty, all are
+///                       points
+///   handle_faces()      need not be there: a span of the faces that vector handles belong to, in their order, so that
+///                       `pose_handles` makes their poses from one of the vertices
 ///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that status
 ///   has_extension       whether weights are defined outside the cage
 ///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in cache
@@ -55,6 +60,23 @@ concept GradientCoordinates = CageCoordinates<C> &&
              std::span<PointState> states, const Running& running) {
     { c.evaluate_gradients(points, gradients, states, running) } -> std::same_as<Evaluation>;
 };
+
+/// The handles of a coordinate type, with what it says of their kinds.
+template <CageCoordinates C>
+HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) noexcept {
+    HandleView<typename C::scalar, C::dimension> view(coordinates.handles());
+    if constexpr (requires { coordinates.handle_kinds(); }) {
+        const std::span<const HandleKind> kinds = coordinates.handle_kinds();
+        CAGEFORM_ASSERT(kinds.empty() || kinds.size() == view.count, "a kind for every handle");
+        if (!kinds.empty()) view.kinds = kinds.data();
+    }
+    if constexpr (requires { coordinates.handle_faces(); }) {
+        const std::span<const HandleFace<C::dimension>> faces = coordinates.handle_faces();
+        CAGEFORM_ASSERT(faces.empty() || faces.size() == view.vector_count(), "a face for every vector");
+        if (!faces.empty()) view.faces = faces.data();
+    }
+    return view;
+}
 
 /// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights on the boundary are
 /// its hat functions: `row` (#V) gets the weights of the nearest boundary point, which is returned.

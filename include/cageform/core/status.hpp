@@ -61,6 +61,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(handle_not_allowed, "a handle lies where the format allows none")                           \
     /* binding/: bind, pack, rebind, skins */                                                     \
     X(too_many_handles, "more handles than the format can count")                                 \
+    X(handles_not_points, "some handles are vectors, and only points will do")                    \
     X(too_few_weights, "linear precision takes more weights a point")                             \
     X(too_few_influences, "a skin needs at least one influence a point")                          \
     X(order_not_a_permutation, "the order leaves a point out or names one twice")                 \
@@ -79,7 +80,9 @@ namespace cageform::inline CAGEFORM_ABI {
     X(pose_size_differs, "the pose has another number of points than the cage")                   \
     X(pose_not_finite, "the pose holds a number that is not finite")                              \
     X(output_too_small, "the output has fewer places than there are points")                      \
-    X(mask_too_small, "the mask has fewer numbers than there are points")
+    X(mask_too_small, "the mask has fewer numbers than there are points")                         \
+    X(handles_not_faces, "some vectors among the handles belong to no face")                      \
+    X(handles_not_bones, "the handles are not the origins and axes of bones")
 // clang-format on
 
 enum class [[nodiscard]] Status : std::uint8_t{

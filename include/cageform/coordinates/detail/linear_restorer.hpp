@@ -1,7 +1,7 @@
 // Linear precision for weights that miss it by a little.
 #pragma once
 
-#include <cageform/cage/polygon.hpp>
+#include <cageform/coordinates/detail/affine_rows.hpp>
 #include <cageform/core/blocks.hpp>
 #include <cageform/core/detail/simd_sqrt.hpp>
 
@@ -9,11 +9,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The least change of a point's weights that restores Σw = 1 and Σwc = p, for all points of a block; or, of weights that
-/// move a vector t, Σw = 0 and Σwc = t.
+/// The least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of a block; or, of weights
+/// that move a vector t, Σwκ = 0 and ΣwH = t.
 ///
-/// With A = [1 … 1; ĉ_0 … ĉ_{m−1}] (ĉ centred and scaled to the cage) the change is Aᵀ(AAᵀ)⁻¹ r, r what is
-/// missing; AAᵀ is (D+1)² and the same for all points.
+/// With A = [a_0 … a_{m−1}] of the affine rows of the handles the change is Aᵀ(AAᵀ)⁻¹ r, r the residual of the row sums;
+/// AAᵀ is (D+1)² and the same for all points.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
@@ -21,23 +21,9 @@ public:
         Lanes<T> partition, reproduction, before, change, least;
     };
 
-    explicit LinearRestorer(std::span<const Vec<T, D>> handles) {
-        const auto bounds = bounds_of(handles);
-        centre_ = T(0.5) * (bounds.lower + bounds.upper);
-        size_ = bounds.diagonal();
-        columns_.resize(handles.size());
-        Eigen::Matrix<double, int(D + 1), int(D + 1)> normal;
-        normal.setZero();
-        for (std::size_t i = 0; i < handles.size(); ++i) {
-            Eigen::Matrix<double, int(D + 1), 1> a;
-            a[0] = 1;
-            for (std::size_t k = 0; k < D; ++k) {
-                columns_[i][k] = (handles[i][k] - centre_[k]) / size_;
-                a[long(k) + 1] = double(columns_[i][k]);
-            }
-            normal += a * a.transpose();
-        }
-        const auto inverse = normal.inverse().eval();
+    explicit LinearRestorer(const HandleView<T, D>& handles)
+        : rows_(handles, frame_of(handles)) {
+        const auto inverse = rows_.sum_of_squares().inverse().eval();
         for (std::size_t r = 0; r <= D; ++r) {
             for (std::size_t c = 0; c <= D; ++c) inverse_[r][c] = static_cast<T>(inverse(long(r), long(c)));
         }
@@ -49,7 +35,7 @@ public:
         Simd wanted[D + 1];
         wanted[0] = Simd(T(1));
         for (std::size_t k = 0; k < D; ++k)
-            wanted[k + 1] = (Simd::load(target[k]) - Simd(centre_[k])) * Simd(T(1) / size_);
+            wanted[k + 1] = (Simd::load(target[k]) - Simd(frame().centre[k])) * Simd(T(1) / frame().size);
         return run_to(wanted, Simd(T(1)), bound, row, restore);
     }
 
@@ -58,7 +44,7 @@ public:
         Simd wanted[D + 1], longest(T(0));
         wanted[0] = Simd(T(0));
         for (std::size_t k = 0; k < D; ++k) {
-            wanted[k + 1] = Simd::load(target[k]) * Simd(T(1) / size_);
+            wanted[k + 1] = Simd::load(target[k]) * Simd(T(1) / frame().size);
             longest = max<T>(longest, abs<T>(wanted[k + 1]));
         }
         return run_to(wanted, longest, bound, row, restore);
@@ -67,7 +53,9 @@ public:
 private:
     using Simd = detail::Simd<T>;
 
-    /// `wanted`: Σw and Σwĉ. `unit` is what sums are to be accurate relative to.
+    const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
+
+    /// `wanted`: Σ w a. `unit` is what sums are to be accurate relative to.
     Result run_to(const Simd* wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
         // Two roundings of the cage's size are not worth a change: exact zeros on edges would be lost.
@@ -88,9 +76,9 @@ private:
                 for (std::size_t c = 1; c <= D; ++c) y[r] = y[r] + Simd(inverse_[r][c]) * missing[c];
                 y[r] = y[r] * apply;
             }
-            for (std::size_t i = 0; i < columns_.size(); ++i) {
-                Simd delta = y[0];
-                for (std::size_t k = 0; k < D; ++k) delta = delta + y[k + 1] * Simd(columns_[i][k]);
+            for (std::size_t i = 0; i < rows_.size(); ++i) {
+                Simd delta = y[0] * Simd(rows_[i][0]);
+                for (std::size_t r = 1; r <= D; ++r) delta = delta + y[r] * Simd(rows_[i][r]);
                 change = max<T>(change, abs<T>(delta));
                 (Simd::load(row[i]) + delta).store(row[i]);
             }
@@ -107,11 +95,10 @@ private:
     Simd measure(const Lanes<T>* row, const Simd* wanted, Simd* missing) const {
         for (std::size_t k = 0; k <= D; ++k) missing[k] = wanted[k];
         Simd least = Simd::load(row[0]);
-        for (std::size_t i = 0; i < columns_.size(); ++i) {
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
             const Simd w = Simd::load(row[i]);
             least = min<T>(least, w);
-            missing[0] = missing[0] - w;
-            for (std::size_t k = 0; k < D; ++k) missing[k + 1] = missing[k + 1] - w * Simd(columns_[i][k]);
+            for (std::size_t r = 0; r <= D; ++r) missing[r] = missing[r] - w * Simd(rows_[i][r]);
         }
         return least;
     }
@@ -120,10 +107,10 @@ private:
         // Squared in units of the cage: in the caller's the square of a small error may vanish.
         Simd sum(T(0));
         for (std::size_t k = 0; k < D; ++k) {
-            const Simd d = missing[k + 1] + Simd(centre_[k] / size_) * missing[0];
+            const Simd d = missing[k + 1] + Simd(frame().centre[k] / frame().size) * missing[0];
             sum = sum + d * d;
         }
-        return Simd(size_) * sqrt(sum);
+        return Simd(frame().size) * sqrt(sum);
     }
 
     static bool any(const Simd& flags) {
@@ -134,9 +121,7 @@ private:
         return sum != T(0);
     }
 
-    Vec<T, D> centre_;
-    T size_ = 1;
-    std::vector<Vec<T, D>> columns_;
+    AffineRows<T, D> rows_;
     T inverse_[D + 1][D + 1];
 };
 

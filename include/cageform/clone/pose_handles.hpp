@@ -1,0 +1,156 @@
+// Before a clone by handles that are not all points: from a pose of the cage's vertices, or of bones, to one of all handles.
+//
+//     pose_handles(binding, cage_pose, handles);      // faces' vectors follow their corners
+//     clone(binding, handles, out);
+#pragma once
+
+#include <cageform/binding/binding.hpp>
+#include <cageform/core/face_handles.hpp>
+#include <cageform/core/status.hpp>
+#include <cageform/core/view.hpp>
+
+#include <limits>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// How a pose of handles went.
+struct PoseReport {
+    static constexpr std::size_t none = ~std::size_t{0};
+    Status status = Status::ok;
+    std::size_t collapsed_faces = 0;    ///< posed to no area: their direction is unknown, their vector zero
+    std::size_t first_collapsed = none; ///< the handle of the first of them
+};
+
+/// x ↦ A x + b.
+template <Scalar T, std::size_t D>
+struct Transform {
+    std::array<Vec<T, D>, D> columns; ///< of A
+    Vec<T, D> translation;            ///< b
+
+    /// A v.
+    Vec<T, D> turn(const Vec<T, D>& v) const noexcept {
+        Vec<T, D> sum = v[0] * columns[0];
+        for (std::size_t k = 1; k < D; ++k) sum = sum + v[k] * columns[k];
+        return sum;
+    }
+};
+
+/// A binding or its view, packed or not.
+template <class B>
+concept HasHandles = requires(const B& binding) {
+    typename B::scalar;
+    { binding.handle_view() } -> std::same_as<HandleView<typename B::scalar, B::dimension>>;
+};
+
+namespace detail {
+
+/// Whether what is made of coordinates of this size stays finite, in the scalars of a binding and of an output.
+template <Scalar T, class Out, std::size_t D>
+bool can_be_posed(const Vec<T, D>& p) noexcept {
+    using Narrow = std::conditional_t<std::is_same_v<T, float> || std::is_same_v<range_scalar_t<Out>, float>,
+                                      float, double>;
+    constexpr T limit = T((std::numeric_limits<Narrow>::max)() * epsilon<Narrow>);
+    if (!is_finite(p)) return false;
+    for (std::size_t k = 0; k < D; ++k) {
+        if (p[k] > limit || p[k] < -limit) return false;
+    }
+    return true;
+}
+
+/// The vector of a face whose posed corners stand in `out`. One that has not moved keeps its handle bit for bit.
+template <Scalar T, std::size_t D, class Out>
+Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, const HandleFace<D>& face,
+                       const Out& out) noexcept {
+    std::array<Vec<T, D>, D> rest, posed;
+    for (std::size_t k = 0; k < D; ++k) {
+        rest[k] = handles.rest[face[k]];
+        posed[k] = to_vec<T>(out[face[k]]);
+    }
+    if (posed == rest) return handles.rest[handle];
+    if constexpr (D == 2) {
+        return edge_handle(posed[0], posed[1]);
+    } else {
+        return face_handle(rest, posed);
+    }
+}
+
+} // namespace detail
+
+/// From a pose of the cage's vertices to a pose of all handles.
+///
+///   pose     a place for every handle that is a point, in their order
+///   out      at least #handles places that can be read again; may begin with `pose` itself, whose vertices are then moved to
+///            their handles
+///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors that belong to no face): `out`
+///            is then untouched. Or ok, and the faces without area
+///   cost     O(#handles), no allocation; 40 operations and two roots a face in space, two operations in the plane
+///
+/// The pose at rest gives the handles at rest bit for bit, so `clone` gives the bound points. A similarity takes every vector
+/// along, to rounding. A mirrored pose is allowed, but no similarity: normals point the other way.
+template <HasHandles B, PointRange Pose, class Out>
+    requires(B::dimension == 2 || B::dimension == 3)
+&&MutablePointRange<std::remove_reference_t<Out>> PoseReport pose_handles(const B& binding, const Pose& pose,
+                                                                          Out&& out) noexcept {
+    using T = typename B::scalar;
+    const HandleView<T, B::dimension> handles = binding.handle_view();
+    const std::size_t vectors = handles.vector_count();
+    PoseReport report;
+    const auto refuse = [&report](Status status) {
+        report.status = status;
+        return report;
+    };
+    if (std::size(pose) != handles.count - vectors) return refuse(Status::pose_size_differs);
+    if (std::size(out) < handles.count) return refuse(Status::output_too_small);
+    if (vectors > 0 && handles.faces == nullptr) return refuse(Status::handles_not_faces);
+    for (std::size_t n = 0; n < std::size(pose); ++n) {
+        if (!detail::can_be_posed<T, Out>(to_vec<T>(pose[n]))) return refuse(Status::pose_not_finite);
+    }
+    // From the last on: a point never stands behind its handle.
+    for (std::size_t i = handles.count, n = std::size(pose); i-- > 0;) {
+        if (handles.is_point(i)) store_point(out, i, to_vec<range_scalar_t<Out>>(pose[--n]));
+    }
+    for (std::size_t i = 0, face = 0; face < vectors; ++i) {
+        if (handles.is_point(i)) continue;
+        const auto vector = detail::posed_vector(handles, i, handles.faces[face++], out);
+        store_point(out, i, vector);
+        if (vector != Vec<T, B::dimension>{}) continue;
+        if (report.collapsed_faces++ == 0) report.first_collapsed = i;
+    }
+    return report;
+}
+
+/// From the moves of bones to a pose of their handles. A bone has D + 1 of them, side by side: a point, its origin o, and D
+/// vectors, its axes. With the weights ω and ω (p − o)_k a clone is linear blend skinning, Σ ω (A p + b).
+///
+///   bones    as many as the binding has points among its handles
+///   out      at least #handles places; may not overlap `bones`
+///   returns  handles_not_bones (the handles are in another order), pose_size_differs, pose_not_finite, output_too_small (`out`
+///            is then untouched), or ok
+///   cost     O(#handles), no allocation
+template <HasHandles B, class Out>
+    requires MutablePointRange<std::remove_reference_t<Out>>
+        Status pose_bones(const B& binding,
+                          std::span<const Transform<typename B::scalar, B::dimension>> bones, Out&& out)
+noexcept {
+    using T = typename B::scalar;
+    constexpr std::size_t D = B::dimension;
+    const HandleView<T, D> handles = binding.handle_view();
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (handles.is_point(i) != (i % (D + 1) == 0)) return Status::handles_not_bones;
+    }
+    if (handles.count % (D + 1) != 0) return Status::handles_not_bones;
+    if (bones.size() != handles.count / (D + 1)) return Status::pose_size_differs;
+    if (std::size(out) < handles.count) return Status::output_too_small;
+    const auto posed = [&](std::size_t i) {
+        const Transform<T, D>& bone = bones[i / (D + 1)];
+        const auto turned = bone.turn(handles.rest[i]);
+        return handles.is_point(i) ? turned + bone.translation : turned;
+    };
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (!is_finite(posed(i))) return Status::pose_not_finite;
+    }
+    for (std::size_t i = 0; i < handles.count; ++i) store_point(out, i, posed(i));
+    return Status::ok;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
