@@ -1,6 +1,8 @@
 // Blobs: opened where they lie, refused by name when anything is wrong, harmless whatever the bytes.
 #include "../support/packed.hpp"
 
+#include <cageform/clone/pose_handles.hpp>
+
 #include <algorithm>
 #include <cstddef>
 #include <set>
@@ -121,7 +123,7 @@ TEST_CASE("a blob of another kind is refused by name", "[blob][status]") {
     CHECK(status_of(shifted.bytes().subspan(8)) == Status::not_a_blob);
 
     Aligned newer(packed.bytes());
-    newer.set(offsetof(BlobHeader, version), std::uint32_t(2));
+    newer.set(offsetof(BlobHeader, version), BlobHeader::current_version + 1);
     CHECK(status_of(newer.bytes()) == Status::blob_version_differs);
     Aligned turned(packed.bytes()); // as a machine of the other byte order writes it
     std::reverse(turned.data(), turned.data() + 8);
@@ -201,6 +203,88 @@ TEST_CASE("every contradiction in a blob is found though its checksum is right",
     CHECK(status_of(untouched.bytes()) == Status::ok);
 }
 
+namespace {
+
+/// A blob of three points and two vectors among the handles, with the faces of the vectors where wanted.
+cageform::PackedBinding<float, 3> blob_with_vectors(bool faces) {
+    using cageform::HandleKind;
+    const auto points = random_binding<float, 3>(20, 5, 2);
+    const HandleKind kinds[] = {HandleKind::point, HandleKind::vector, HandleKind::point, HandleKind::point,
+                                HandleKind::vector};
+    const cageform::HandleFace<3> corners[] = {{0, 2, 3}, {3, 2, 0}};
+    auto view = points.view();
+    view.handle_kinds = kinds;
+    view.handle_faces = faces ? corners : nullptr;
+    auto result = cageform::pack(view, {.format = WeightFormat::half, .largest = 4});
+    REQUIRE(result.report.status == Status::ok);
+    return std::move(result.binding);
+}
+
+} // namespace
+
+TEST_CASE("a blob keeps the kinds of handles and their faces", "[blob][handle_kinds]") {
+    const auto packed = blob_with_vectors(true), bare = blob_with_vectors(false);
+    const auto opened = open_blob<float, 3>(packed.bytes());
+    REQUIRE(opened.status == Status::ok);
+    const auto handles = opened.binding.handle_view();
+    CHECK(handles.vector_count() == 2);
+    CHECK_FALSE(handles.is_point(1));
+    CHECK(handles.faces[1] == cageform::HandleFace<3>{3, 2, 0});
+    CHECK(open_blob<float, 3>(bare.bytes()).binding.handle_faces == nullptr);
+    CHECK(open_blob<float, 3>(small_blob().bytes()).binding.handle_kinds == nullptr);
+
+    const auto refused = [&](auto change) {
+        Aligned memory(packed.bytes());
+        change(memory, memory.header());
+        memory.seal();
+        return status_of(memory.bytes()) == Status::blob_malformed;
+    };
+    const auto corner = [](std::size_t place, std::uint32_t handle) {
+        return [place, handle](Aligned& m, const BlobHeader& h) {
+            m.set(std::size_t(h.handle_faces) + 4 * place, handle);
+        };
+    };
+    CHECK_FALSE(refused(corner(0, 2)));
+    for (const std::size_t place : {0u, 3u, 5u}) {
+        CHECK(refused(corner(place, 5)));           // no handle
+        CHECK(refused(corner(place, 0xFFFFFFFFu))); // far from one
+        CHECK(refused(corner(place, 1)));           // a vector
+    }
+    for (const std::uint8_t kind : {0, 2, 255})
+        CHECK(refused(
+            [kind](Aligned& m, const BlobHeader& h) { m.set(std::size_t(h.handle_kinds) + 1, kind); }));
+    for (const std::uint64_t x : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{3}, ~std::uint64_t{0}})
+        CHECK(refused([x](Aligned& m, const BlobHeader&) { m.set(offsetof(BlobHeader, vectors), x); }));
+    for (const std::size_t field : {offsetof(BlobHeader, handle_kinds), offsetof(BlobHeader, handle_faces)}) {
+        for (const std::uint64_t x :
+             {packed.bytes().size() + 64, packed.bytes().size() - 4, ~std::size_t{63}, std::size_t{64}})
+            CHECK(refused([field, x](Aligned& m, const BlobHeader&) { m.set(field, std::uint64_t(x)); }));
+    }
+    CHECK(refused([](Aligned& m, const BlobHeader&) { // vectors, and not said which
+        m.set(offsetof(BlobHeader, handle_kinds), std::uint64_t{0});
+    }));
+}
+
+TEST_CASE("a blob of version 1 is read: all its handles are points", "[blob]") {
+    const auto packed = small_blob();
+    Aligned older(packed.bytes());
+    older.set(offsetof(BlobHeader, version), std::uint32_t(1));
+    for (std::size_t field = offsetof(BlobHeader, handle_kinds); field < sizeof(BlobHeader); field += 8)
+        older.set(field, std::uint64_t(64)); // was padding, of no meaning
+    older.seal();
+    const auto opened = open_blob<float, 3>(older.bytes());
+    REQUIRE(opened.status == Status::ok);
+    CHECK(opened.binding.handle_kinds == nullptr);
+    CHECK(opened.binding.handle_faces == nullptr);
+    const auto pose = random_points<float, 3>(9, 10, 2);
+    std::vector<Vec<float, 3>> a(37), b(37);
+    CHECK(cageform::clone(packed.view(), pose, a) == Status::ok);
+    CHECK(cageform::clone(opened.binding, pose, b) == Status::ok);
+    CHECK(a == b);
+    older.set(offsetof(BlobHeader, version), std::uint32_t(0));
+    CHECK(status_of(older.bytes()) == Status::blob_version_differs);
+}
+
 TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[blob][hostile]") {
     // Under the sanitizers this is what counts; here that nothing hangs and that some variants get through.
     std::vector<Aligned> sound;
@@ -209,6 +293,7 @@ TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[bl
         sound.emplace_back(small_blob(format, 4).bytes());
         sound.emplace_back(small_blob(format, 0).bytes());
     }
+    sound.emplace_back(blob_with_vectors(true).bytes());
     Random random{std::uint64_t(GENERATE(range(0, 4)))};
     std::size_t opened_count = 0;
     for (int round = 0; round < 20000; ++round) {
@@ -236,6 +321,11 @@ TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[bl
         std::vector<Vec<float, 3>> out(opened.binding.point_count());
         const Status status = cageform::clone(opened.binding, pose, out);
         CHECK((status == Status::ok || status == Status::pose_not_finite));
+        const auto handles = opened.binding.handle_view();
+        if (handles.vector_count() == 0 || handles.faces == nullptr) continue;
+        std::vector<Vec<float, 3>> posed(handles.count);
+        const std::span vertices(pose.data(), handles.count - handles.vector_count());
+        CHECK(cageform::pose_handles(opened.binding, vertices, posed).status == Status::ok);
     }
     CHECK(opened_count > 1000);
 }

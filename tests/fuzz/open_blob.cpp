@@ -5,6 +5,7 @@
 //     mkdir corpus && ./fuzz_open_blob --seeds=corpus && ./fuzz_open_blob -max_len=24576 corpus
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/pose_handles.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -97,6 +98,22 @@ void clone_with(const cageform::PackedBindingView<T, D>& binding, const Array<Ve
     REQUIRE(clone(binding, pose, out, options, BackwardFor{}) == forward);
 }
 
+/// `pose_handles` of vertices that all stand in one place, and of those at rest.
+template <class T, std::size_t D>
+void pose_vertices(const cageform::PackedBindingView<T, D>& binding) {
+    const auto handles = binding.handle_view();
+    const std::size_t vectors = handles.vector_count();
+    Array<Vec<T, D>> vertices(handles.count - vectors, Vec<T, D>{1, 2});
+    const Array<Vec<T, D>> posed(handles.count, Vec<T, D>{});
+    const Status expected = vectors > 0 && handles.faces == nullptr ? Status::handles_not_faces : Status::ok;
+    REQUIRE(pose_handles(binding, vertices, posed).status == expected);
+    for (std::size_t i = 0, n = 0; i < handles.count; ++i) {
+        if (handles.is_point(i)) vertices[n++] = handles.rest[i];
+    }
+    const Status at_rest = pose_handles(binding, vertices, posed).status;
+    REQUIRE(at_rest == expected || at_rest == Status::pose_not_finite);
+}
+
 template <class T, std::size_t D>
 void clone_all_ways(const cageform::PackedBindingView<T, D>& binding) {
     using cageform::CloneOnto;
@@ -118,6 +135,7 @@ void clone_all_ways(const cageform::PackedBindingView<T, D>& binding) {
     clone_with(binding.in_order(), pose, apart, {.mask = masked});
     const Array<Vec<double, D>> converted(points, Vec<double, D>{});
     clone_with(binding, pose, converted, {.onto = CloneOnto::output});
+    pose_vertices(binding);
 
     if (points > 0) { // one place too few is told before anything is written
         const Array<Vec<T, D>> less(points - 1, Vec<T, D>{});
@@ -185,6 +203,10 @@ std::vector<std::byte> made_up(Numbers& numbers) {
     header.rows = sparse ? row_begin.back() : blocks * handles;
     header.row_begin = sparse ? 1 : 0;
     header.order = numbers.below(2);
+    const std::size_t vectors = handles < 2 ? 0 : numbers.below(handles); // the last of the handles
+    header.vectors = vectors;
+    header.handle_kinds = vectors > 0 ? 1 : 0;
+    header.handle_faces = vectors > 0 ? numbers.below(2) : 0;
     cageform::PackedBinding<T, D> packed(header);
     const auto view = packed.view();
     const auto open = [](auto* part) {
@@ -197,6 +219,12 @@ std::vector<std::byte> made_up(Numbers& numbers) {
     }
     if (header.order != 0) {
         for (std::size_t i = 0; i < points; ++i) open(view.order)[i] = std::uint32_t(numbers.below(points));
+    }
+    for (std::size_t n = 0; n < vectors; ++n) {
+        open(view.handle_kinds)[handles - vectors + n] = cageform::HandleKind::vector;
+        if (view.handle_faces == nullptr) continue;
+        for (auto& corner : open(view.handle_faces)[n])
+            corner = std::uint32_t(numbers.below(handles - vectors));
     }
     packed.seal();
     return {packed.bytes().begin(), packed.bytes().end()};
@@ -283,16 +311,16 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     for (std::size_t n = 1 + numbers.below(3); n > 0; --n) {
         constexpr std::size_t counts = offsetof(BlobHeader, handles), offsets = offsetof(BlobHeader, weights);
         const BlobHeader header = header_of({bytes, size});
-        const std::uint64_t tables[] = {header.row_begin, header.row_handle, header.order,
-                                        header.rest_handles};
-        const std::uint64_t table = tables[numbers.below(4)];
+        const std::uint64_t tables[] = {header.row_begin,    header.row_handle,   header.order,
+                                        header.rest_handles, header.handle_kinds, header.handle_faces};
+        const std::uint64_t table = tables[numbers.below(6)];
         const std::uint64_t limits[] = {size, header.handles, header.points, header.rows};
         const auto limit = std::max<std::size_t>(std::size_t(limits[numbers.below(4)]), 1);
         switch (numbers.below(5)) {
         case 0: disturb<std::uint64_t>(bytes + counts + 8 * numbers.below(3), numbers, limit); break;
-        case 1: disturb<std::uint64_t>(bytes + offsets + 8 * numbers.below(9), numbers, limit); break;
+        case 1: disturb<std::uint64_t>(bytes + offsets + 8 * numbers.below(12), numbers, limit); break;
         case 2: { // a part in the place of another, or none
-            const std::size_t to = offsets + 8 * numbers.below(9), from = offsets + 8 * numbers.below(9);
+            const std::size_t to = offsets + 8 * numbers.below(12), from = offsets + 8 * numbers.below(12);
             std::memmove(bytes + to, bytes + from, 8);
             break;
         }
@@ -312,7 +340,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     BlobHeader header = header_of({bytes, size});
     const BlobHeader plausible;
     header.magic = plausible.magic;
-    header.version = plausible.version;
+    header.version = plausible.version - (numbers.below(16) == 0 ? 1 : 0);
     header.endian = plausible.endian;
     header.bytes = numbers.below(8) == 0 ? header.bytes : size / 64 * 64;
     header.scalar_bytes =

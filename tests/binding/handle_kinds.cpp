@@ -1,0 +1,383 @@
+// Handles that are vectors, through everything that takes a binding: bound, packed, shipped, rebound, played.
+#include "../support/packed.hpp"
+#include "../support/vector_handles.hpp"
+
+#include <cageform/binding/rebind.hpp>
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/coordinates/blended.hpp>
+
+using namespace cageform_tests;
+using cageform::bind;
+using cageform::Binding;
+using cageform::BlendedCoordinates;
+using cageform::epsilon;
+using cageform::open_blob;
+using cageform::pack;
+using cageform::pose_handles;
+
+namespace {
+
+template <class T>
+cageform::Polygon<T> l_shape() {
+    return cageform::Polygon<T>(Points2<T>{{0, 0}, {4, 0}, {4, 1}, {1.5, 1.5}, {1, 3}, {0, 3}});
+}
+/// Clockwise, and not far from the other.
+template <class T>
+cageform::Polygon<T> diamond() {
+    return cageform::Polygon<T>(Points2<T>{{3, 0.5}, {1, -2}, {-1, 0.5}, {1, 2}});
+}
+
+/// A coordinate type with faces, its vertices, and points that it binds.
+template <class Scalar, std::size_t Dimension>
+struct Case {
+    using T = Scalar;
+    static constexpr std::size_t D = Dimension;
+
+    static auto coordinates() {
+        if constexpr (D == 2)
+            return PlaneGreen<T>(l_shape<T>());
+        else
+            return MeanValueWithNormals<T>(sphere(1).template mesh<T>());
+    }
+    static std::vector<Vec<T, D>> vertices(const cageform::HandleView<T, D>& handles) {
+        std::vector<Vec<T, D>> result;
+        for (std::size_t i = 0; i < handles.count; ++i) {
+            if (handles.is_point(i)) result.push_back(handles.rest[i]);
+        }
+        return result;
+    }
+    static std::vector<Vec<T, D>> points(std::uint64_t seed, std::size_t count = 70) {
+        Random random(seed << 20); // seeds side by side have numbers in common
+        std::vector<Vec<T, D>> result;
+        while (result.size() < count) {
+            if constexpr (D == 2)
+                result.push_back(random_inside(l_shape<T>(), random, 0.01));
+            else
+                result.push_back(0.8F * random_points<T, D>(1, 0.6, random.bits())[0]);
+        }
+        return result;
+    }
+};
+using Float2 = Case<float, 2>;
+using Double2 = Case<double, 2>;
+using Float3 = Case<float, 3>;
+using Double3 = Case<double, 3>;
+
+/// x ↦ μ R x + b without a reflection.
+template <std::size_t D>
+AffineMap<D> random_similarity(std::uint64_t seed) {
+    Random random(seed);
+    AffineMap<D> map;
+    for (std::size_t k = 0; k < D; ++k) {
+        map.rows[k][k] = 1;
+        map.shift[k] = random.uniform(-3, 3);
+    }
+    for (std::size_t turn = 0; turn < 2 * D; ++turn) { // in the planes of two axes, one after the other
+        const double angle = random.uniform(0, 6), c = std::cos(angle), s = std::sin(angle);
+        auto &a = map.rows[turn % D], &b = map.rows[(turn + 1) % D];
+        const auto turned = c * a - s * b;
+        b = s * a + c * b;
+        a = turned;
+    }
+    const double scale = random.uniform(0.3, 3);
+    for (auto& row : map.rows.v) row = scale * row;
+    return map;
+}
+
+template <class B, class Pose>
+auto posed(const B& binding, const Pose& vertices) {
+    std::vector<Vec<typename B::scalar, B::dimension>> handles(binding.handle_view().count);
+    const auto report = pose_handles(binding, vertices, handles);
+    REQUIRE(report.status == Status::ok);
+    REQUIRE(report.collapsed_faces == 0);
+    return handles;
+}
+
+template <class T, std::size_t D>
+auto cloned_view(const cageform::PackedBindingView<T, D>& view, const std::vector<Vec<T, D>>& handles) {
+    std::vector<Vec<T, D>> out(view.point_count());
+    REQUIRE(cageform::clone(view, handles, out) == Status::ok);
+    return out;
+}
+
+/// That a binding returns its points to the bit at rest, and is exact in similarity poses.
+template <class T, std::size_t D>
+void check_poses(const cageform::PackedBindingView<T, D>& view, const std::vector<Vec<T, D>>& vertices,
+                 const std::vector<Vec<T, D>>& points) {
+    CHECK(cloned_view(view, posed(view, vertices)) == points);
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        const auto map = random_similarity<D>(seed);
+        const auto pose = map(std::span<const Vec<T, D>>(vertices));
+        const auto moved = cloned_view(view, posed(view, pose));
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CAPTURE(seed, i);
+            CHECK(distance(moved[i], map(cageform::vec_cast<long double>(points[i]))) <=
+                  64 * double(epsilon<T>) * (size_of(vertices) + size_of(pose)));
+        }
+    }
+}
+
+} // namespace
+
+TEST_CASE("the Green coordinates of these tests are those of the literature", "[handle_kinds]") {
+    // By quadrature of the defining integrals to 45 digits.
+    const PlaneGreen<double> green(
+        cageform::Polygon<double>(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
+    std::vector<double> row(8);
+    REQUIRE(cageform::weights_at(green, Vec<double, 2>{0.25, 0.75}, row) == PointState::inside);
+    const double expected[] = {0.210041913056813, 0.158265960489395, 0.210041913056813, 0.421650213396978,
+                               0.029319567692601, 0.029319567692601, 0.147627441238809, 0.147627441238809};
+    for (std::size_t h = 0; h < 8; ++h) {
+        CAPTURE(h);
+        CHECK(std::fabs(row[h] - expected[h]) < 2e-15);
+    }
+    const auto binding = bind(green, Points2<double>{{0.25, 0.75}}).binding;
+    const auto handles = posed(binding, Points2<double>{{0, 0}, {1.5, 0.25}, {1, 1.5}, {-0.25, 1}});
+    CHECK(distance(cloned(binding, handles)[0], Vec<double, 2>{0.164566490122349, 0.894587446650756}) <
+          2e-15);
+}
+
+TEMPLATE_TEST_CASE("a type with normals is bound as it is, by adding a file", "[handle_kinds][bind]", Float2,
+                   Double2, Float3, Double3) {
+    using T = typename TestType::T;
+    const auto coordinates = TestType::coordinates();
+    const auto points = TestType::points(1);
+    const auto [binding, report] = bind(coordinates, points);
+    REQUIRE(report.status == Status::ok);
+    REQUIRE(report.outside.empty());
+    const double rounding = 64 * double(epsilon<T>) * size_of(coordinates.handles());
+    CHECK(report.partition_error.value <= rounding);
+    CHECK(report.reproduction_error.value <= rounding);
+    CHECK(report.weight_change.value <= rounding);
+    CHECK(report.residual_restored.value <= rounding);
+
+    const auto view = binding.view();
+    REQUIRE(view.handle_kinds != nullptr);
+    REQUIRE(view.handle_faces != nullptr);
+    CHECK(std::equal(view.handle_kinds, view.handle_kinds + view.handle_count(),
+                     coordinates.handle_kinds().begin()));
+    CHECK(
+        std::equal(coordinates.handle_faces().begin(), coordinates.handle_faces().end(), view.handle_faces));
+    check_poses<T, TestType::D>(view, TestType::vertices(binding.handle_view()), points);
+}
+
+TEST_CASE("weights that miss linear precision are restored with vectors among the handles",
+          "[handle_kinds][bind]") {
+    const PlaneGreen<double> green(l_shape<double>());
+    const auto handles = cageform::handle_view(green);
+    const cageform::detail::LinearRestorer<double, 2> restorer(handles);
+    const auto points = Double2::points(2, 8);
+    std::vector<cageform::Lanes<double>> row(handles.count), target(2), bound(1);
+    std::vector<double> weights(handles.count);
+    Random random(3);
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+        REQUIRE(cageform::weights_at(green, points[lane], weights) == PointState::inside);
+        for (std::size_t h = 0; h < handles.count; ++h)
+            row[h][lane] = weights[h] + random.uniform(-0.01, 0.01);
+        for (std::size_t k = 0; k < 2; ++k) target[k][lane] = points[lane][k];
+        bound[0][lane] = 1;
+    }
+    const auto result = restorer.run(target.data(), bound[0], row.data(), true);
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+        CHECK(result.change[lane] < 0.05);
+        double sum = 0;
+        Vec<double, 2> place{};
+        for (std::size_t h = 0; h < handles.count; ++h) {
+            sum += handles.is_point(h) ? row[h][lane] : 0;
+            place = place + row[h][lane] * handles.rest[h];
+        }
+        CHECK(std::fabs(sum - 1) < 1e-14);
+        CHECK(distance(place, points[lane]) < 1e-14);
+    }
+}
+
+TEMPLATE_TEST_CASE("bindings by normals are packed in every format, exact at rest and in similarity poses",
+                   "[handle_kinds][pack]", Float2, Double2, Float3, Double3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto points = TestType::points(4);
+    const auto bound = bind(TestType::coordinates(), points).binding;
+    const auto vertices = TestType::vertices(bound.handle_view());
+    for (const auto format :
+         {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
+        for (const std::size_t largest : {std::size_t(0), D + 1, std::size_t(8)}) {
+            CAPTURE(int(format), largest);
+            const auto [packed, report] = pack(bound, {.format = format, .largest = largest});
+            REQUIRE(report.status == Status::ok);
+            check_poses(packed.view(), vertices, points);
+            const auto opened = open_blob<T, D>(packed.bytes());
+            REQUIRE(opened.status == Status::ok);
+            check_poses(opened.binding, vertices, points);
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("a binding by normals is rebound with its kinds of handles", "[handle_kinds][rebind]",
+                   Float2, Double2, Float3, Double3) {
+    using T = typename TestType::T;
+    const auto old = bind(TestType::coordinates(), TestType::points(5, 400)).binding;
+    auto points = TestType::points(6);
+    points.push_back(old.rest_point(17));
+    const auto [binding, report] = cageform::rebind(old, points);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.matched == 1);
+    CHECK(report.partition_error.value <= 64 * double(epsilon<T>));
+    for (std::size_t h = 0; h < old.handle_count(); ++h) CHECK(binding.weight(70, h) == old.weight(17, h));
+    check_poses<T, TestType::D>(binding.view(), TestType::vertices(old.handle_view()), points);
+}
+
+TEST_CASE("a skin has points for joints, and refuses vectors", "[handle_kinds][skin_weights][status]") {
+    const auto bound = bind(PlaneGreen<double>(l_shape<double>()), Double2::points(7));
+    const auto made = cageform::skin_weights(bound.binding);
+    CHECK(made.report.status == Status::handles_not_points);
+    CHECK(made.skin.joints.empty());
+}
+
+TEST_CASE("several cages with normals: handles of a cage stand together", "[handle_kinds][blended]") {
+    using Green = PlaneGreen<double>;
+    const BlendedCoordinates<Green> coordinates({Green(l_shape<double>()), Green(diamond<double>())});
+    const auto points = Double2::points(8);
+    const auto [binding, report] = bind(coordinates, points);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.partition_error.value < 1e-14);
+    const auto handles = binding.handle_view();
+    CHECK(handles.vector_count() == 10);
+    CHECK(handles.faces[6][0] >= 12); // corners by the numbers of all handles
+    check_poses<double, 2>(binding.view(), Double2::vertices(handles), points);
+    const auto packed = pack(binding, {.format = WeightFormat::int16, .largest = 8}).binding;
+    check_poses(packed.view(), Double2::vertices(handles), points);
+
+    // In place: points move on to their handles.
+    const auto vertices = Double2::vertices(handles);
+    std::vector<Vec<double, 2>> place(vertices);
+    place.resize(handles.count);
+    const std::span<const Vec<double, 2>> pose(place.data(), vertices.size());
+    CHECK(pose_handles(binding, pose, place).status == Status::ok);
+    CHECK(place == std::vector(handles.rest, handles.rest + handles.count));
+}
+
+TEMPLATE_TEST_CASE("linear blend skinning is a clone by bones", "[handle_kinds][bones]", Float2, Double2,
+                   Float3, Double3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    using Bone = cageform::Transform<T, D>;
+    const BoneCoordinates<T, D> coordinates(random_points<T, D>(5, 2, 1));
+    const auto points = random_points<T, D>(50, 3, 2);
+    const auto [binding, report] = bind(coordinates, points);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.partition_error.value <= 32 * double(epsilon<T>));
+    std::vector<Bone> still(5), own(5), common(5);
+    std::vector<AffineMap<D>> maps;
+    Random random(3);
+    for (std::size_t b = 0; b < 5; ++b) {
+        maps.push_back(random_affine<D>(random, 2));
+        for (std::size_t r = 0; r < D; ++r) {
+            still[b].translation[r] = 0;
+            own[b].translation[r] = T(maps[b].shift[r]);
+            common[b].translation[r] = T(maps[0].shift[r]);
+            for (std::size_t k = 0; k < D; ++k) {
+                still[b].columns[k][r] = r == k ? 1 : 0;
+                own[b].columns[k][r] = T(maps[b].rows[r][k]);
+                common[b].columns[k][r] = T(maps[0].rows[r][k]);
+            }
+        }
+    }
+    std::vector<Vec<T, D>> handles(binding.handle_count());
+    const auto pose = [&](const std::vector<Bone>& bones) {
+        REQUIRE(cageform::pose_bones(binding, std::span<const Bone>(bones), handles) == Status::ok);
+        return handles;
+    };
+    const double rounding = 512 * double(epsilon<T>);
+    const auto packed = pack(binding, {.format = WeightFormat::int16}).binding;
+    CHECK(cloned(binding, pose(still)) == points);
+    CHECK(cloned_view(packed.view(), pose(still)) == points);
+    const auto skinned = cloned(binding, pose(own)), moved = cloned_view(packed.view(), pose(common));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto shares = coordinates.shares(points[i]);
+        Vec<double, D> expected{};
+        for (std::size_t b = 0; b < 5; ++b)
+            expected = expected + shares[b] * maps[b](cageform::vec_cast<double>(points[i]));
+        CHECK(distance(skinned[i], expected) <= rounding);
+        CHECK(distance(moved[i], maps[0](cageform::vec_cast<double>(points[i]))) <= rounding);
+    }
+    std::vector<Bone> four(4);
+    CHECK(cageform::pose_bones(binding, std::span<const Bone>(four), handles) == Status::pose_size_differs);
+    own[3].translation[0] = std::numeric_limits<T>::infinity();
+    CHECK(cageform::pose_bones(binding, std::span<const Bone>(own), handles) == Status::pose_not_finite);
+    handles.pop_back();
+    CHECK(cageform::pose_bones(binding, std::span<const Bone>(still), handles) == Status::output_too_small);
+    CHECK(pose_handles(binding, points, handles).status == Status::pose_size_differs);
+    handles.push_back({});
+    const std::vector<Vec<T, D>> origins(points.begin(), points.begin() + 5);
+    CHECK(pose_handles(binding, origins, handles).status == Status::handles_not_faces);
+    const auto faces = bind(TestType::coordinates(), TestType::points(9)).binding;
+    CHECK(cageform::pose_bones(faces, std::span<const Bone>(still), handles) == Status::handles_not_bones);
+}
+
+TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone; collapsed faces are counted",
+                   "[handle_kinds][status]", Float2, Double2, Float3, Double3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto binding = bind(TestType::coordinates(), TestType::points(9)).binding;
+    const auto vertices = TestType::vertices(binding.handle_view());
+    const std::vector<Vec<T, D>> before(binding.handle_count(), Vec<T, D>{7});
+    auto handles = before;
+    const auto status = [&](const std::vector<Vec<T, D>>& pose) {
+        return pose_handles(binding, pose, handles).status;
+    };
+    CHECK(status(before) == Status::pose_size_differs);
+    for (const T bad : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity(),
+                        -std::numeric_limits<T>::max()}) {
+        auto pose = vertices;
+        pose.back()[D - 1] = bad;
+        CHECK(status(pose) == Status::pose_not_finite);
+    }
+    handles.pop_back();
+    CHECK(status(vertices) == Status::output_too_small);
+    CHECK(handles == std::vector<Vec<T, D>>(before.begin(), before.end() - 1));
+
+    handles = before;
+    auto large = vertices; // as far as can be represented
+    for (auto& p : large) p = (std::numeric_limits<T>::max() * epsilon<T> / 8) * p;
+    CHECK(status(large) == Status::ok);
+    for (const auto& handle : handles) CHECK(cageform::is_finite(handle));
+
+    std::fill(large.begin(), large.end(), vertices[0]);
+    const auto report = pose_handles(binding, large, handles);
+    CHECK(report.status == Status::ok);
+    CHECK(report.collapsed_faces == binding.handle_view().vector_count());
+    CHECK(report.first_collapsed == vertices.size());
+    CHECK(handles.back() == Vec<T, D>{});
+}
+
+TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds][face_handle]", float,
+                   double) {
+    using T = TestType;
+    using Long = Vec<long double, 3>;
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        CAPTURE(seed);
+        const auto p = random_points<T, 3>(6, 1, seed);
+        const double reach = std::pow(10.0, double(seed % 13) - 6);
+        std::array<Vec<T, 3>, 3> rest{p[0], p[1], p[2]}, pose;
+        for (std::size_t k = 0; k < 3; ++k) pose[k] = T(reach) * p[3 + k];
+        const Long u = cageform::vec_cast<long double>(rest[1]) - cageform::vec_cast<long double>(rest[0]),
+                   v = cageform::vec_cast<long double>(rest[2]) - cageform::vec_cast<long double>(rest[0]),
+                   U = cageform::vec_cast<long double>(pose[1]) - cageform::vec_cast<long double>(pose[0]),
+                   V = cageform::vec_cast<long double>(pose[2]) - cageform::vec_cast<long double>(pose[0]);
+        const auto n = cross(U, V), m = cross(u, v);
+        const long double area = std::sqrt(dot(m, m)) / 2;
+        const long double s =
+            std::sqrt(dot(U, U) * dot(v, v) - 2 * dot(U, V) * dot(u, v) + dot(V, V) * dot(u, u)) /
+            (std::sqrt(8.0L) * area);
+        const Long expected = (std::sqrt(area) * s / std::sqrt(dot(n, n))) * n;
+        const double size = double(std::sqrt(dot(expected, expected)));
+        const double sine = double(std::sqrt(dot(n, n) / (dot(U, U) * dot(V, V)))); // thin faces turn easily
+        CHECK(distance(cageform::face_handle(rest, pose), expected) <= 16 * double(epsilon<T>) * size / sine);
+        const T power = T(0x1p40);
+        for (auto& corner : pose) corner = power * corner;
+        CHECK(cageform::face_handle(rest, pose) ==
+              power * cageform::face_handle(
+                          rest, {T(1) / power * pose[0], T(1) / power * pose[1], T(1) / power * pose[2]}));
+    }
+}
