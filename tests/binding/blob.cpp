@@ -250,7 +250,7 @@ TEST_CASE("a blob keeps the kinds of handles and their faces", "[blob][handle_ki
         CHECK(refused(corner(place, 0xFFFFFFFFu))); // far from one
         CHECK(refused(corner(place, 1)));           // a vector
     }
-    for (const std::uint8_t kind : {0, 2, 255})
+    for (const auto kind : {std::uint8_t(0), std::uint8_t(2), std::uint8_t(255)})
         CHECK(refused(
             [kind](Aligned& m, const BlobHeader& h) { m.set(std::size_t(h.handle_kinds) + 1, kind); }));
     for (const std::uint64_t x : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{3}, ~std::uint64_t{0}})
