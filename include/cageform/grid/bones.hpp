@@ -6,7 +6,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The bones of a cage, balls and in space capsules. All positions and distances are in units of the lattice.
+/// The bones of a cage, balls and in space capsules. All positions and distances are in units of
+/// the lattice.
 template <std::size_t D>
 class GridBones {
 public:
@@ -81,11 +82,12 @@ public:
         return Hit<D>{position, value_on(bones_[n], p)};
     }
 
-    /// f(lower corner) for the cells of the lattice near bone `n`. O(cells of the lattice in its box).
+    /// f(lower corner) for the cells of the lattice near bone `n`. O(cells of the lattice in its
+    /// box).
     template <class F>
     void for_each_cell(std::size_t n, F&& f) const {
         const PlacedBone<D>& bone = bones_[n];
-        const double reach = bone.radius + 0.51 * std::sqrt(double(D)); // half a diagonal and some slack
+        const double reach = bone.radius + 0.51 * std::sqrt(double(D)); // half a diagonal, and slack
         for_each_node_about(bone, D, [&](const Index& index) {
             auto middle = node_position<D>(index);
             for (std::size_t k = 0; k < D; ++k) middle[k] += 0.5;
@@ -105,13 +107,15 @@ private:
         }
     };
 
-    /// The value at a place on a bone's surface, or in it: where bones overlap, that of all of them.
+    /// The value at a place on a bone's surface, or in it: where bones overlap, that of all of
+    /// them.
     BoundaryValue<D> value_on(const PlacedBone<D>& bone, const Vec<double, D>& p) const noexcept {
         const auto hit = nearest(p, on_boundary_distance);
         return hit ? hit->value : bone_value(bone, p);
     }
 
-    /// The nodes of the lattice in a box about a bone, one of each line along `axis` (all for axis D).
+    /// The nodes of the lattice in a box about a bone, one of each line along `axis` (all for axis
+    /// D).
     template <class F>
     void for_each_node_about(const PlacedBone<D>& bone, std::size_t axis, F&& f) const {
         Index low{}, high{};
@@ -134,8 +138,8 @@ private:
         }
     }
 
-    /// The part of the line through `p` along an axis that lies in a bone. A capsule is convex: it is what spans the parts in
-    /// the balls about the ends and in the cylinder between them.
+    /// The part of the line through `p` along an axis that lies in a bone. A capsule is convex: it
+    /// is what spans the parts in the balls about the ends and in the cylinder between them.
     static Interval chord_of(const PlacedBone<D>& bone, const Vec<double, D>& p, std::size_t axis) noexcept {
         Interval chord;
         for (const auto& end : {bone.a, bone.b}) {
@@ -154,7 +158,8 @@ private:
         if (!(across2 > 1e-12 * e2)) return {}; // along the line: within the balls, up to rounding
         auto m = p - bone.a;
         m[axis] = 0; // positions along the line count from a
-        // At t, the distance from the cylinder's axis: |m + t u|² less its part along e, is r² where a t² + 2 b t + c = 0.
+        // At t, the distance from the cylinder's axis: |m + t u|² less its part along e, is r²
+        // where a t² + 2 b t + c = 0.
         const double me = dot(m, e), a = across2 / e2, b = -me * e[axis] / e2;
         const double c = dot(m, m) - me * me / e2 - bone.radius * bone.radius, root = b * b - a * c;
         if (!(root >= 0)) return {};

@@ -68,8 +68,9 @@ public:
         return true;
     } // where a point lies is asked of the box
 
-    /// The stencil of a point strictly inside: trilinear in the part of its cell that lies in the box. Exact for
-    /// trilinear functions everywhere; a mean, so never beyond the values it is made of.
+    /// The stencil of a point strictly inside: trilinear in the part of its cell that lies in the
+    /// box. Exact for trilinear functions everywhere; a mean, so never beyond the values it is made
+    /// of.
     CutStencil<3> sample(const Vec<double, 3>& p, const NodeRuns<3>& nodes) const noexcept {
         CutStencil<3> stencil;
         for (std::size_t corner = 0; corner < 8; ++corner) {

@@ -1,13 +1,15 @@
-// What a grid cannot resolve: the singular functions at the corners of a polygon, known but for their coefficients.
+// What a grid cannot resolve: the singular functions at the corners of a polygon, known but for
+// their coefficients.
 //
 // Near a corner of interior angle ω, with data linear along its two edges, a harmonic function is
 //
 //     g + α x + c w + Σ a_k s_k,   s_k = (r/R)^(kπ/ω) sin(kπθ/ω)
 //
-// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4), x along the one edge, w harmonic with
-// w = 0 on it and w = r on the other. Differences do badly on the s_k with small exponents, and on w where ω is close to π
-// (r log r). So what the difference equations get wrong about them is given to the equations as a right-hand side, with
-// the a_k fitted to the solution around the corner, and interpolation is corrected likewise.
+// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4), x along the
+// one edge, w harmonic with w = 0 on it and w = r on the other. Differences do badly on the s_k
+// with small exponents, and on w where ω is close to π (r log r). So what the difference equations
+// get wrong about them is given to the equations as a right-hand side, with the a_k fitted to the
+// solution around the corner, and interpolation is corrected likewise.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -24,10 +26,10 @@ namespace cageform::inline CAGEFORM_ABI {
 class Corner {
 public:
     static constexpr std::size_t most = 8;          ///< functions s_k kept
-    static constexpr double smooth_exponent = 2.25; ///< π/ω from which differences do well without help
+    static constexpr double smooth_exponent = 2.25; ///< π/ω from which differences need no help
 
-    /// The corner at `vertex` between the edges to `after` and `before`, counter-clockwise from the one to the other; all
-    /// about it where they are one.
+    /// The corner at `vertex` between the edges to `after` and `before`, counter-clockwise from the
+    /// one to the other; all about it where they are one.
     Corner(const Vec<double, 2>& vertex, const Vec<double, 2>& before, const Vec<double, 2>& after,
            double radius)
         : vertex_(vertex)
@@ -71,7 +73,8 @@ public:
         const double x = dot(d, x_), y = dot(d, y_), r = std::sqrt(dot(d, d)) / radius_;
         if (!(r > 0)) return f;
         double theta = std::atan2(y, x);
-        // The sector's far side may show as a small negative angle, as may its near side by rounding.
+        // The sector's far side may show as a small negative angle, as may its near side by
+        // rounding.
         if (theta < 0 && theta < 0.5 * angle_ - std::numbers::pi) theta += 2 * std::numbers::pi;
         // The s_k are the imaginary parts of the powers of z = (r e^{iθ})^(π/ω).
         const double size = std::pow(r, exponent_);
@@ -117,66 +120,21 @@ public:
 
     CornerFunctions() = default;
 
-    /// Of a Polygon or a CellComplex. Which corners are treated, and within which nodes. Corners without room for a fit
-    /// are left as they are: the grid is too coarse for them anyway.
+    /// Of a Polygon or a CellComplex. Corners without room for a fit are left as they are: the grid
+    /// is too coarse for them anyway.
     template <class Cage>
-    CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem) {
-        vertices_ = lattice.in_cells(whole.vertices());
-        const auto& polygon = boundary_of(whole);
-        const auto& cells = interior_cells(whole);
-        // Edges out of every vertex: first and last those that bound its inside, counter-clockwise; none of a vertex inside.
-        std::vector<std::vector<std::size_t>> edges(vertices_.size());
-        for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
-            const auto& loop = polygon.loops()[n];
-            const bool inside_left = (signed_area(polygon, loop) > 0) == (loop_depth(polygon, n) % 2 == 0);
-            for (std::size_t i = loop.begin; i < loop.end; ++i) {
-                const std::size_t before = i > loop.begin ? i - 1 : loop.end - 1;
-                const std::size_t after = i + 1 < loop.end ? i + 1 : loop.begin;
-                edges[i] = inside_left ? std::vector<std::size_t>{after, before}
-                                       : std::vector<std::size_t>{before, after};
-            }
-        }
-        const auto turn = [&](std::size_t i, std::size_t from,
-                              std::size_t to) { // counter-clockwise, in (0, 2π]
-            const auto a = vertices_[from] - vertices_[i], b = vertices_[to] - vertices_[i];
-            const double angle = std::atan2(cross(a, b), dot(a, b));
-            return from == to || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
-        };
-        const auto add_edge = [&](std::size_t i, std::size_t to) {
-            auto& of_i = edges[i];
-            if (of_i.empty()) { // the end of a chain, so far: from this edge all about to itself
-                of_i = {to, to};
-                return;
-            }
-            const double angle = turn(i, of_i.front(), to);
-            const auto later = std::find_if(of_i.begin() + 1, of_i.end(),
-                                            [&](std::size_t k) { return turn(i, of_i.front(), k) > angle; });
-            of_i.insert(later, to);
-        };
-        for (const auto& facet : cells.facets) {
-            add_edge(facet[0], facet[1]);
-            add_edge(facet[1], facet[0]);
-        }
+    CornerFunctions(const Cage& cage, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem)
+        : vertices_(lattice.in_cells(cage.vertices())) {
+        const auto neighbours = neighbours_of_vertices(cage);
         for (std::size_t i = 0; i < vertices_.size(); ++i) {
-            if (edges[i].empty()) continue;
-            double radius = most_radius;
-            const auto keep_off = [&](std::size_t j, std::size_t k, double margin) {
-                if (j == i || k == i) {
-                    radius = std::min(radius, detail::length(vertices_[j] - vertices_[k]));
-                    return;
-                }
-                const auto d =
-                    detail::nearest_on_segment(vertices_[i], vertices_[j], vertices_[k]) - vertices_[i];
-                radius = std::min(radius, detail::length(d) - margin);
-            };
-            polygon.for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });
-            for (const auto& facet : cells.facets) keep_off(facet[0], facet[1], 0);
-            for (const auto& cell : cells.bones) keep_off(cell.i, cell.j, cell.radius / lattice.spacing);
+            const auto& of_i = neighbours[i];
+            if (of_i.empty()) continue;
+            const double radius = room_about(i, cage, lattice.spacing);
             if (radius < least_radius) continue;
-            for (std::size_t n = 0; n + 1 < edges[i].size(); ++n) {
-                const std::size_t after = edges[i][n], before = edges[i][n + 1];
+            for (std::size_t n = 0; n + 1 < of_i.size(); ++n) {
+                const std::size_t after = of_i[n], before = of_i[n + 1];
                 const Corner corner(vertices_[i], vertices_[before], vertices_[after], radius);
-                if (!corner.is_smooth()) add(corner, i, before, after, problem);
+                if (!corner.is_smooth()) add({corner, {i, before, after}}, problem);
             }
         }
     }
@@ -198,7 +156,8 @@ public:
         }
     }
 
-    /// The known coefficients (of w) of functions first … first + 15; the others zero. Adds what they do to `source`.
+    /// The known coefficients (of w) of functions first … first + 15; the others zero. Adds what
+    /// they do to `source`.
     Coefficients start(std::size_t first, std::span<Row> source) const {
         Coefficients all(corners_.size());
         for (std::size_t n = 0; n < corners_.size(); ++n) {
@@ -251,7 +210,8 @@ public:
         }
         return largest;
     }
-    /// Replaces coefficients by others and changes `source` accordingly; returns by how much at most, per function.
+    /// Replaces coefficients by others and changes `source` accordingly; returns by how much at
+    /// most, per function.
     Row replace(Coefficients& all, const Coefficients& by, std::span<Row> source) const noexcept {
         Row disturbance;
         disturbance.fill(0.0);
@@ -270,8 +230,8 @@ public:
         return disturbance;
     }
 
-    /// What interpolation by `stencil` at `p` (in units of the lattice) misses of each function of the corner whose disc
-    /// the stencil lies in.
+    /// What interpolation by `stencil` at `p` (in units of the lattice) misses of each function of
+    /// the corner whose disc the stencil lies in.
     struct Correction {
         static constexpr std::uint32_t none = ~std::uint32_t{0};
         std::uint32_t corner = none;
@@ -329,13 +289,14 @@ private:
     struct Treated {
         Corner corner;
         std::array<std::size_t, 3> handles; ///< at the corner, before it, after it
-        std::vector<Defect> defects;
-        std::vector<Around> around; ///< nodes of the fit
-        std::vector<double> fit;    ///< of each of them, its share in each coefficient
+        std::vector<Defect> defects{};
+        std::vector<Around> around{}; ///< nodes of the fit
+        std::vector<double> fit{};    ///< of each of them, its share in each coefficient
         std::array<double, Corner::most + 1> largest_defect{};
     };
 
-    /// Slopes of a handle's hat along the edge after the corner and the one before it, away from the corner.
+    /// Slopes of a handle's hat along the edge after the corner and the one before it, away from
+    /// the corner.
     static std::array<double, 2> slopes(const Treated& t, std::size_t handle) noexcept {
         std::array<double, 2> slope{};
         if (handle == t.handles[0]) slope = {-1 / t.corner.length_after(), -1 / t.corner.length_before()};
@@ -351,42 +312,70 @@ private:
         }
     }
 
-    void add(const Corner& corner, std::size_t vertex, std::size_t before, std::size_t after,
-             const EmbeddedProblem<2>& problem) {
-        Treated t{corner, {vertex, before, after}, {}, {}, {}, {}};
-        const auto centre = vertices_[vertex];
-        const double radius = corner.radius();
-        const auto low_y = std::int32_t(std::max(std::ceil(centre[1] - radius), 0.0));
-        const auto high_y =
-            std::int32_t(std::min(std::floor(centre[1] + radius), double(problem.nodes.size()[1]) - 1));
-        for (NodeRuns<2>::Index index{0, low_y}; index[1] <= high_y; ++index[1]) {
-            const auto low = std::int32_t(std::max(std::ceil(centre[0] - radius), 0.0));
-            const auto high =
-                std::int32_t(std::min(std::floor(centre[0] + radius), double(problem.nodes.size()[0]) - 1));
-            for (index[0] = low; index[0] <= high; ++index[0]) {
-                const auto node = problem.nodes.find(index);
-                if (node == NodeRuns<2>::none) continue;
-                const Vec<double, 2> p{double(index[0]), double(index[1])};
-                if (!corner.holds(p)) continue;
-                const double r = corner.distance(p);
-                if (r + 1 < radius) t.defects.push_back(defect_of(corner, node, p, problem));
-                if (r > 0.3 * radius && r < 0.8 * radius)
-                    t.around.push_back({node, corner.along(p), corner.functions(p)[0]});
-            }
+    /// The vertices that edges lead to from every vertex, counter-clockwise: between neighbours
+    /// lies a corner of the inside. None of a vertex without edges.
+    template <class Cage>
+    std::vector<std::vector<std::size_t>> neighbours_of_vertices(const Cage& cage) const {
+        std::vector<std::vector<std::size_t>> all(vertices_.size());
+        const auto& polygon = boundary_of(cage);
+        for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
+            const bool left = inside_is_left(polygon, n);
+            polygon.loops()[n].for_each_edge([&](std::size_t i, std::size_t j) {
+                all[i].insert(left ? all[i].begin() : all[i].end(), j);
+                all[j].insert(left ? all[j].end() : all[j].begin(), i);
+            });
         }
-        if (t.around.size() < 3 * corner.count()) return;
-        Eigen::MatrixXd s(long(t.around.size()), long(corner.count()));
-        std::size_t i = 0;
-        for (const auto& around : t.around) {
-            const auto index = problem.nodes.index(around.node);
-            const auto f = corner.functions({double(index[0]), double(index[1])});
-            for (std::size_t k = 0; k < corner.count(); ++k) s(long(i), long(k)) = f[k + 1];
-            ++i;
+        const auto& cells = interior_cells(cage);
+        for (const auto& [i, j] : cells.facets) {
+            add_neighbour(all[i], i, j);
+            add_neighbour(all[j], j, i);
         }
-        const Eigen::MatrixXd shares = (s.transpose() * s).ldlt().solve(s.transpose());
-        for (std::size_t n = 0; n < t.around.size(); ++n) {
-            for (std::size_t k = 0; k < corner.count(); ++k) t.fit.push_back(shares(long(k), long(n)));
+        return all;
+    }
+    void add_neighbour(std::vector<std::size_t>& of_i, std::size_t i, std::size_t j) const {
+        if (of_i.empty()) { // the end of a chain, so far: from this edge all about to itself
+            of_i = {j, j};
+            return;
         }
+        const auto turn_to = [&](std::size_t k) { // counter-clockwise from the first, in (0, 2π]
+            const auto a = vertices_[of_i.front()] - vertices_[i], b = vertices_[k] - vertices_[i];
+            const double angle = std::atan2(cross(a, b), dot(a, b));
+            return of_i.front() == k || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
+        };
+        of_i.insert(std::find_if(of_i.begin() + 1, of_i.end(),
+                                 [&](std::size_t k) { return turn_to(k) > turn_to(j); }),
+                    j);
+    }
+
+    /// How far the disc about a vertex reaches in which no other part of the boundary lies.
+    template <class Cage>
+    double room_about(std::size_t i, const Cage& cage, double spacing) const {
+        double radius = most_radius;
+        const auto keep_off = [&](std::size_t j, std::size_t k, double margin) {
+            const auto &p = vertices_[i], &a = vertices_[j], &b = vertices_[k];
+            radius = std::min(radius, j == i || k == i ? detail::length(a - b)
+                                                       : detail::distance_to_segment(p, a, b) - margin);
+        };
+        boundary_of(cage).for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });
+        const auto& cells = interior_cells(cage);
+        for (const auto& [j, k] : cells.facets) keep_off(j, k, 0);
+        for (const auto& bone : cells.bones) keep_off(bone.i, bone.j, bone.radius / spacing);
+        return radius;
+    }
+
+    /// Treats a corner, if there are nodes enough for a fit.
+    void add(Treated t, const EmbeddedProblem<2>& problem) {
+        const double radius = t.corner.radius();
+        const auto& nodes = problem.nodes;
+        for_each_node_within(radius, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
+            if (!t.corner.holds(p)) return;
+            const double r = t.corner.distance(p);
+            if (r + 1 < radius) t.defects.push_back(defect_of(t.corner, node, p, problem));
+            if (r > 0.3 * radius && r < 0.8 * radius)
+                t.around.push_back({node, t.corner.along(p), t.corner.functions(p)[0]});
+        });
+        if (t.around.size() < 3 * t.corner.count()) return;
+        fit_to_nodes(t, nodes);
         for (const Defect& defect : t.defects) {
             for (std::size_t k = 0; k < defect.of.size(); ++k)
                 t.largest_defect[k] = std::max(t.largest_defect[k], std::fabs(defect.of[k]));
@@ -394,9 +383,44 @@ private:
         corners_.push_back(std::move(t));
     }
 
+    /// f(node, position) for the nodes of a square about a place.
+    template <class F>
+    static void for_each_node_within(double reach, const Vec<double, 2>& centre, const NodeRuns<2>& nodes,
+                                     F&& f) {
+        NodeRuns<2>::Index low, high;
+        for (std::size_t k = 0; k < 2; ++k) {
+            low[k] = std::int32_t(std::max(std::ceil(centre[k] - reach), 0.0));
+            high[k] = std::int32_t(std::min(std::floor(centre[k] + reach), double(nodes.size()[k]) - 1));
+        }
+        for (auto index = low; index[1] <= high[1]; ++index[1]) {
+            for (index[0] = low[0]; index[0] <= high[0]; ++index[0]) {
+                const auto node = nodes.find(index);
+                if (node != NodeRuns<2>::none) f(node, node_position<2>(index));
+            }
+        }
+    }
+
+    /// Least squares: the share of each node around in every coefficient, (SᵀS)⁻¹ Sᵀ, S the
+    /// functions at the nodes.
+    static void fit_to_nodes(Treated& t, const NodeRuns<2>& nodes) {
+        const auto count = long(t.corner.count());
+        Eigen::MatrixXd s(long(t.around.size()), count);
+        for (long i = 0; i < s.rows(); ++i) {
+            const auto node = t.around[std::size_t(i)].node;
+            const auto f = t.corner.functions(node_position<2>(nodes.index(node)));
+            for (long k = 0; k < count; ++k) s(i, k) = f[std::size_t(k) + 1];
+        }
+        const Eigen::MatrixXd shares = (s.transpose() * s).ldlt().solve(s.transpose());
+        for (long i = 0; i < s.rows(); ++i) {
+            for (long k = 0; k < count; ++k) t.fit.push_back(shares(k, i));
+        }
+    }
+
+    /// What the difference equation of a node makes of the functions, which is zero for those that
+    /// it knows exactly.
     static Defect defect_of(const Corner& corner, std::uint32_t node, const Vec<double, 2>& p,
                             const EmbeddedProblem<2>& problem) {
-        Defect defect{node, {}};
+        Defect defect{node};
         const auto here = corner.functions(p);
         auto cut = std::lower_bound(problem.cuts.begin(), problem.cuts.end(), node,
                                     [](const CutLink& a, std::uint32_t n) { return a.node < n; });

@@ -9,7 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The value at a point as a mean of values at nodes and on the boundary; serves any number of fields.
+/// The value at a point as a mean of values at nodes and on the boundary; serves any number of
+/// fields.
 template <std::size_t D>
 struct CutStencil {
     struct Node {

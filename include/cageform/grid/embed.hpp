@@ -1,5 +1,6 @@
-// A boundary laid into a lattice where it is: its crossings with the lattice lines decide which nodes are inside, and
-// give every link that ends on the boundary its length and its data. Knows no cage and no solver.
+// A boundary laid into a lattice where it is: its crossings with the lattice lines decide which
+// nodes are inside, and give every link that ends on the boundary its length and its data. Knows no
+// cage and no solver.
 #pragma once
 
 #include <cageform/grid/cut_link.hpp>
@@ -141,8 +142,9 @@ private:
         for (; row < nodes_.rows(); ++row) nodes_.end_row();
     }
 
-    /// The links that the boundary crosses get the weights of Shortley and Weller (J. Appl. Phys. 9 (1938), p. 334): 1/θ, θ the
-    /// part of the link up to the boundary. Of several crossings of a link the nearest counts.
+    /// The links that the boundary crosses get the weights of Shortley and Weller (J. Appl. Phys. 9
+    /// (1938), p. 334): 1/θ, θ the part of the link up to the boundary. Of several crossings of a
+    /// link the nearest counts.
     void cut_links_at_crossings() {
         for (std::size_t axis = 0; axis < D; ++axis) {
             for (const auto& crossing : crossings_[axis]) {
@@ -161,8 +163,8 @@ private:
         cuts_.erase(std::unique(cuts_.begin(), cuts_.end(), same_link), cuts_.end());
     }
 
-    /// Links without a crossing to nodes that are no unknowns: fixed ones, or those where the lines of different axes
-    /// disagree by rounding.
+    /// Links without a crossing to nodes that are no unknowns: fixed ones, or those where the lines
+    /// of different axes disagree by rounding.
     void cut_links_to_other_nodes() {
         std::vector<Cut> more;
         nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {

@@ -1,6 +1,8 @@
-// What a boundary has to tell, so that a problem can be laid into a lattice and be sampled between the nodes.
+// What a boundary has to tell, so that a problem can be laid into a lattice and be sampled between
+// the nodes.
 //
-// A boundary of another kind is a class in a file of its own and a specialisation of GridBoundaryOf for its cages.
+// A boundary of another kind is a class in a file of its own and a specialisation of GridBoundaryOf
+// for its cages.
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
@@ -16,10 +18,9 @@ namespace cageform::inline CAGEFORM_ABI {
 /// A lattice line meets the boundary. In units of the lattice: node i of an axis lies at i.
 template <std::size_t D>
 struct Crossing {
-    std::uint32_t
-        line;        ///< number of the line among those along its axis: the other indices, first axis fastest
-    bool turns;      ///< inside and outside change here (not where the line only touches)
-    double position; ///< along the line
+    std::uint32_t line; ///< its number, see CellBox::line
+    bool turns;         ///< inside and outside change here (not where the line only touches)
+    double position;    ///< along the line
     BoundaryValue<D> value;
 };
 
@@ -44,12 +45,13 @@ struct FixedNode {
     BoundaryValue<D> value;
 };
 
-/// A boundary that `embed` can lay into a lattice. All positions and distances are in units of the lattice.
+/// A boundary that `embed` can lay into a lattice. All positions and distances are in units of the
+/// lattice.
 ///
-///   lattice()        the lattice; its cells are the nodes along each axis, the first at its origin
-///   crossings()      with the lattice lines, sorted; along every line the turning ones are even in number
+///   lattice()        its cells are the nodes along each axis, the first at its origin
+///   crossings()      with the lattice lines, sorted; along every line an even number of them turns
 ///   nearest(node)    the data of the boundary place nearest to a node
-///   fixed_nodes()    nodes of the lattice, wherever they lie, that are no unknowns: each at most once, in any order
+///   fixed_nodes()    nodes that are no unknowns, wherever they lie, each at most once, in any order
 ///   too_thin_bone()  a handle that the lattice is too coarse for, whatever its crossings say
 template <class B>
 concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns<B::dimension>::Index& node) {
@@ -60,13 +62,13 @@ concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns
     { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
 };
 
-/// A boundary between whose nodes values can be read, right up to it. All positions and distances are in units of the lattice.
+/// A boundary up to which values between the nodes can be read. In units of the lattice.
 ///
-///   index_cells(slack)                   prepares the others; places as near to the boundary as `slack` count as on it
-///   is_cut(low)                          whether the boundary may pass the cell with this lower corner
-///   sample(p, nodes)                     the stencil of a place strictly inside: a mean of nodes and boundary places that
-///                                        is exact for linear functions
-///   free_distance(p, axis, up, limit)    from `p` along an axis, up or down, to the boundary; at most `limit`
+///   index_cells(slack)  prepares the others; what comes as near to the boundary as `slack` is cut
+///   is_cut(low)         whether the boundary may pass the cell with this lower corner
+///   sample(p, nodes)    the stencil of a place strictly inside, exact for linear functions
+///   free_distance(p, axis, up, limit)
+///                       from `p` along an axis, up or down, to the boundary; at most `limit`
 template <class B>
 concept SampledBoundary = requires(B& prepared, const B& boundary,
                                    const typename NodeRuns<B::dimension>::Index& low,
@@ -82,7 +84,8 @@ concept SampledBoundary = requires(B& prepared, const B& boundary,
 template <class B>
 concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
 
-/// `type` is what a kind of cage is on a lattice, made from the cage and the lattice; left out for other types.
+/// `type` is what a kind of cage is on a lattice, made from the cage and the lattice; left out for
+/// other types.
 template <class Cage>
 struct GridBoundaryOf;
 

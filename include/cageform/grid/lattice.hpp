@@ -55,7 +55,8 @@ struct CellBox {
         for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(cells[k]);
         return counts;
     }
-    /// The number of the line along an axis through a place, which is that of the place on the face across the axis.
+    /// The number of the line along an axis through a place, which is that of the place on the face
+    /// across the axis.
     std::uint32_t line(std::size_t axis, const SignedIndex& index) const noexcept {
         std::uint32_t n = 0;
         for (std::size_t k = D; k-- > 0;) {
@@ -111,8 +112,8 @@ struct Lattice : CellBox<D> {
 /// Empty cells left around a cage on every side, so that the exterior is connected.
 inline constexpr std::size_t lattice_margin = 2;
 
-/// The papers' grid: `resolution` cells a side about the cage's longest extent, margin included; along the
-/// shorter axes only as many as the cage needs (the cells left out would be exterior).
+/// The papers' grid: `resolution` cells a side about the cage's longest extent, margin included;
+/// along the shorter axes only as many as the cage needs (the cells left out would be exterior).
 template <Scalar T, std::size_t D>
 Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
     CAGEFORM_ASSERT(resolution > 2 * lattice_margin, "room for the cage between the margins");

@@ -26,7 +26,8 @@ struct SampleStencil {
     }
 };
 
-/// The stencil at a finite point. Where exterior cells are left out the other shares are scaled to sum to 1.
+/// The stencil at a finite point. Where exterior cells are left out the other shares are scaled to
+/// sum to 1.
 template <Scalar T, std::size_t D>
 SampleStencil<T, D> sample_stencil(const Lattice<T, D>& lattice, std::span<const CellTag> tags,
                                    const Vec<T, D>& p, Interpolation interpolation) noexcept {

@@ -1,5 +1,5 @@
-// A polygon or a closed mesh, and the cells inside it, as the boundary of a problem on a lattice: crossings with the
-// lattice lines, and values between the nodes that are right up to it.
+// A polygon or a closed mesh, and the cells inside it, as the boundary of a problem on a lattice:
+// crossings with the lattice lines, and values between the nodes that are right up to it.
 #pragma once
 
 #include <cageform/grid/bones.hpp>
@@ -48,8 +48,9 @@ private:
 
 } // namespace detail
 
-/// The edges of a polygon or the triangles of a mesh, and the cells inside, on a lattice of at most 1024 cells a side (in the
-/// plane 16384). A part of it is a facet or, numbered after the facets, a bone.
+/// The edges of a polygon or the triangles of a mesh, and the cells inside, on a lattice of at most
+/// 1024 cells a side (in the plane 16384). A part of it is a facet or, numbered after the facets, a
+/// bone.
 template <std::size_t D>
 class SimplexBoundary {
 public:
@@ -121,8 +122,8 @@ public:
     }
     bool is_cut(const Index& low) const noexcept { return !parts_.find(low).empty(); }
 
-    /// Multilinear; where the boundary passes the cell, the mean over D orders of the axes. A mean, so never beyond the values it
-    /// is made of.
+    /// Multilinear; where the boundary passes the cell, the mean over D orders of the axes. A mean,
+    /// so never beyond the values it is made of.
     CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
         CutStencil<D> stencil;
         Cell cell{nodes, {}, {}, {}, stencil};
@@ -138,11 +139,12 @@ public:
 
 private:
     using Facet = detail::PlacedFacet<D>;
+    using Pass = typename detail::PartsByCell<D>::Pass;
     struct Cell {
         const NodeRuns<D>& nodes;
         Index low;
-        std::span<const typename detail::PartsByCell<D>::Pass> parts; ///< that pass it
-        std::array<std::size_t, D> axes;                              ///< in the order they are taken
+        std::span<const Pass> parts;     ///< that pass it
+        std::array<std::size_t, D> axes; ///< in the order they are taken
         CutStencil<D>& stencil;
     };
 
@@ -161,8 +163,9 @@ private:
         return first;
     }
 
-    /// Adds a share of the value at `p` to the cell's stencil: linear along one axis after the other, of which `done` are done.
-    /// Where the boundary lies before an end of the cell, its value there takes the place of what lies beyond.
+    /// Adds a share of the value at `p` to the cell's stencil: linear along one axis after the
+    /// other, of which `done` are done. Where the boundary lies before an end of the cell, its
+    /// value there takes the place of what lies beyond.
     void gather(Cell& cell, const Vec<double, D>& p, double share, std::size_t done = 0) const noexcept {
         if (done == D) {
             Index index;

@@ -1,7 +1,7 @@
 // Facets of a boundary, edges in the plane and triangles in space, laid into a lattice.
 //
-// Each dimension has its rule of which lattice lines cross a facet, such that every line crosses a closed boundary an even
-// number of times: half-open edges in the plane, whole numbers in space.
+// Each dimension has its rule of which lattice lines cross a facet, such that every line crosses a
+// closed boundary an even number of times: half-open edges in the plane, whole numbers in space.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -49,7 +49,8 @@ struct PlacedFacet : Facet<D> {
     }
 };
 
-/// Where a ray may meet an edge, its length left aside: on an edge along the ray, the end that it meets first.
+/// Where a ray may meet an edge, its length left aside: on an edge along the ray, the end that it
+/// meets first.
 inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>& edge,
                                                             const AxisRay<2>& ray) noexcept {
     const auto& [a, b] = edge.corner;
@@ -66,8 +67,8 @@ inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>
     return std::array<double, 2>{1 - s, s};
 }
 
-/// Where the line along `axis` through the place (x, y) of the plane across it meets a face's plane: the weights of the
-/// corners, negative beyond an edge. None where the face is seen edge-on.
+/// Where the line along `axis` through the place (x, y) of the plane across it meets a face's
+/// plane: the weights of the corners, negative beyond an edge. None where the face is seen edge-on.
 inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& face, std::size_t axis, double x,
                                                        double y) noexcept {
     const auto [u, v] = other_axes[axis];
@@ -107,8 +108,9 @@ std::optional<Hit<D>> hit(const PlacedFacet<D>& facet, const AxisRay<D>& ray) no
     return Hit<D>{position, facet.value(*weights)};
 }
 
-/// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its upper one, so that a line
-/// through a common end of two edges crosses both, one, or none, as it changes sides.
+/// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its
+/// upper one, so that a line through a common end of two edges crosses both, one, or none, as it
+/// changes sides.
 inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
                           std::vector<Crossing<2>>& out) {
     const std::size_t across = 1 - axis;
@@ -136,8 +138,9 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
     }
 }
 
-/// A face seen along an axis, its corners rounded to 2⁻²⁰ of a cell: which lattice lines cross it is decided in whole numbers.
-/// A line through an edge or a vertex counts as if all lines lay a little aside, the same for all faces.
+/// A face seen along an axis, its corners rounded to 2⁻²⁰ of a cell: which lattice lines cross it
+/// is decided in whole numbers. A line through an edge or a vertex counts as if all lines lay a
+/// little aside, the same for all faces.
 class FaceAcross {
 public:
     FaceAcross(const PlacedFacet<3>& face, std::size_t axis) noexcept
@@ -156,7 +159,8 @@ public:
         const bool left = area_ > 0;
         return is_left(0, 1, p) == left && is_left(1, 2, p) == left && is_left(2, 0, p) == left;
     }
-    /// The lines [first, last] along one of the axes across, of `count`, between which all that cross the face lie.
+    /// The lines [first, last] along one of the axes across, of `count`, between which all that
+    /// cross the face lie.
     std::pair<std::int64_t, std::int64_t> lines(std::size_t k, std::size_t count) const noexcept {
         const auto [low, high] = std::minmax({corners_[0][k], corners_[1][k], corners_[2][k]});
         return {std::max<std::int64_t>((low + one - 1) >> fraction, 0),
@@ -172,14 +176,16 @@ private:
     static std::int64_t side(const Whole& a, const Whole& b, const Whole& p) noexcept {
         return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     }
-    /// On which side of the edge from corner k to corner l a line lies; both faces of the edge ask in the same way.
+    /// On which side of the edge from corner k to corner l a line lies; both faces of the edge ask
+    /// in the same way.
     bool is_left(std::size_t k, std::size_t l, const Whole& p) const noexcept {
         const bool turned = face_.vertex[k] > face_.vertex[l];
         const auto &a = corners_[turned ? l : k], &b = corners_[turned ? k : l];
         std::int64_t s = side(a, b, p);
-        if (s == 0 && !face_.turns) return area_ > 0; // the rim of a facet inside belongs to it, on all sides
-        if (s == 0)
-            s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0]; // the line aside, along u far more than along v
+        // A facet inside has its rim, on all sides.
+        if (s == 0 && !face_.turns) return area_ > 0;
+        // On the edge: as for a line aside, along u far more than along v.
+        if (s == 0) s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0];
         return (s > 0) != turned;
     }
 
