@@ -1,4 +1,5 @@
-// The multigrid on random domains (holes, thin parts, walls between nodes) in one, two and three dimensions.
+// The multigrid on random domains (holes, thin parts, links cut between two unknowns) in one, two and three
+// dimensions.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/oracle.hpp"
@@ -37,10 +38,10 @@ std::array<double, D> place_of(const Index<D>& index, const CutLink& cut) {
     return p;
 }
 
-/// A union of balls less some others; with `walls`, every thirtieth link is cut from both sides. `theta` draws the
-/// lengths of cut links.
+/// A union of balls less some others. With `cut_inside`, every thirtieth link between unknowns is cut from both
+/// sides. `theta` draws the lengths of cut links.
 template <std::size_t D, class Theta>
-Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool walls, const Theta& theta) {
+Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool cut_inside, const Theta& theta) {
     Random random(seed);
     struct Ball {
         std::array<double, D> centre;
@@ -87,7 +88,7 @@ Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool walls, const
             const auto other = domain.nodes.find(there);
             if (other == NodeRuns<D>::none) {
                 domain.cuts.push_back({node, std::uint8_t(direction), 1 / theta(random)});
-            } else if (walls && (direction & 1) != 0 && random.below(30) == 0) {
+            } else if (cut_inside && (direction & 1) != 0 && random.below(30) == 0) {
                 domain.cuts.push_back({node, std::uint8_t(direction), 1 / theta(random)});
                 domain.cuts.push_back({other, std::uint8_t(direction - 1), 1 / theta(random)});
             }
@@ -155,7 +156,7 @@ void check_linear(int seed) {
     set_data(multigrid, domain, block,
              [&](std::size_t c, std::size_t k) { return value(domain.places[c], k); });
     const int cycles = solve(multigrid, block, 1e-11);
-    // A factor of 0.2 a cycle, whether links are cut at random lengths or by scattered walls no coarse grid resolves.
+    // A factor of 0.2 a cycle, whether links are cut at random lengths or in scattered places that no coarse grid resolves.
     CHECK(cycles <= 16);
     double error = 0;
     for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
@@ -219,7 +220,7 @@ void check_estimate_and_bound(int seed) {
             // In float the bound leaves out what that rounds.
             const double rounding = block.is_refined() ? 1e-12 : 1e-5;
             CHECK(true_error <= error.bound[k] + rounding);
-            // An estimate is no bound: in 1000 such domains, full of walls, it was at worst a seventh too small.
+            // An estimate is no bound: in 1000 such domains, full of cut links, it was at worst a seventh too small.
             CHECK(true_error <= 1.2 * error.estimate[k] + rounding);
         }
         error = multigrid.cycle(block);
@@ -230,7 +231,71 @@ void check_estimate_and_bound(int seed) {
     }
 }
 
+/// The equations of a level as a matrix.
+template <std::size_t D>
+Eigen::SparseMatrix<double> matrix_of(const cageform::detail::Equations<D>& e) {
+    using P = cageform::detail::Places<D>;
+    std::vector<Eigen::Triplet<double>> entries;
+    e.nodes.for_each([&](const Index<D>& index, std::uint32_t node) {
+        for (std::size_t p = 0; p < P::count; ++p) {
+            if (e.stencil(node)[p] == 0) continue;
+            const auto neighbour = e.nodes.find(cageform::detail::shifted<D>(index, P::offset(p)));
+            REQUIRE(neighbour != NodeRuns<D>::none);
+            entries.emplace_back(int(node), int(neighbour), e.stencil(node)[p]);
+        }
+    });
+    Eigen::SparseMatrix<double> a(Eigen::Index(e.nodes.count()), Eigen::Index(e.nodes.count()));
+    a.setFromTriplets(entries.begin(), entries.end());
+    return a;
+}
+
+/// Interpolation from the coarse nodes as a matrix.
+template <std::size_t D>
+Eigen::SparseMatrix<double> matrix_of(const cageform::detail::Coarsening<D>& coarsening,
+                                      const NodeRuns<D>& fine) {
+    std::vector<Eigen::Triplet<double>> entries;
+    fine.for_each([&](const Index<D>& index, std::uint32_t node) {
+        const auto& weights = coarsening.of(node, index);
+        for (std::size_t corner = 0; corner < weights.size(); ++corner) {
+            if (weights[corner] == 0) continue;
+            const auto to = coarsening.coarse.nodes.find(coarsening.corner_index(index, corner));
+            REQUIRE(to != NodeRuns<D>::none);
+            entries.emplace_back(int(node), int(to), weights[corner]);
+        }
+    });
+    Eigen::SparseMatrix<double> p(Eigen::Index(fine.count()), Eigen::Index(coarsening.coarse.nodes.count()));
+    p.setFromTriplets(entries.begin(), entries.end());
+    return p;
+}
+
+template <std::size_t D>
+void check_galerkin(int seed) {
+    const auto domain = random_domain<D>(std::uint64_t(seed), D == 2 ? 60 : 14, true,
+                                         [](Random& r) { return r.uniform(0.01, 1); });
+    auto equations = cageform::detail::shortley_weller_equations<D>(domain.nodes, domain.cuts);
+    for (int level = 0; equations.nodes.count() > 0; ++level) {
+        CAPTURE(seed, D, level, equations.nodes.count());
+        auto coarsening = cageform::detail::Coarsener<D>(equations).take();
+        if (coarsening.coarse.nodes.count() == 0) break;
+        const auto a = matrix_of(equations);
+        const auto p = matrix_of(coarsening, equations.nodes);
+        const Eigen::SparseMatrix<double> galerkin = p.transpose() * a * p;
+        const Eigen::SparseMatrix<double> difference = matrix_of(coarsening.coarse) - galerkin;
+        // Cut links have weights up to 100.
+        CHECK(difference.coeffs().abs().maxCoeff() <= 1e-11);
+        CHECK((a - Eigen::SparseMatrix<double>(a.transpose())).norm() <= 1e-11);
+        if (level == 7) break; // a single node stays one
+        equations = std::move(coarsening.coarse);
+    }
+}
+
 } // namespace
+
+TEST_CASE("coarse equations are Galerkin's on every level", "[grid][multigrid][property]") {
+    const int seed = GENERATE(seeds(10));
+    check_galerkin<2>(seed);
+    check_galerkin<3>(seed);
+}
 
 TEST_CASE("the multigrid is exact for linear data, whatever the domain", "[grid][multigrid][property]") {
     const int seed = GENERATE(seeds(25));

@@ -55,10 +55,7 @@ public:
 
     private:
         friend class Multigrid;
-        struct Fields {
-            std::vector<Row> u, b; ///< A u = b
-        };
-        std::vector<Fields> fields_;         ///< of each level
+        std::vector<detail::Fields> fields_; ///< of each level
         std::vector<Row> irregular_b_;       ///< b at the irregular nodes of the finest level
         detail::HighLow refined_part_;       ///< the solution is this + u of the finest level
         std::vector<Values> refined_source_; ///< A · refined_part_, parallel to `source`
@@ -266,13 +263,9 @@ private:
                                  : detail::FinestLevel<D, false>{fields(block, 0)}.residual();
     }
     detail::LevelFields<D> fields(Block& block, std::size_t l) const noexcept {
+        auto& [u, b] = block.fields_[l];
         auto* const coarser = l < coarsest() ? &block.fields_[l + 1] : nullptr;
-        return {levels_[l],
-                block.fields_[l].u.data(),
-                block.fields_[l].b.data(),
-                block.irregular_b_.data(),
-                coarser != nullptr ? &coarser->b : nullptr,
-                coarser != nullptr ? coarser->u.data() : nullptr};
+        return {levels_[l], u.data(), b.data(), block.irregular_b_.data(), coarser};
     }
     /// Whether regular nodes of the finest level have a right-hand side.
     bool has_source(const Block& block) const noexcept {

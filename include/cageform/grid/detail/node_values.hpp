@@ -13,6 +13,11 @@ using NodeRow = Lanes<float>; ///< as the cycles work on them: a cache line
 inline constexpr std::size_t functions_together = lane_count<float>;
 using NodeValues = std::array<double, functions_together>; ///< as the caller gives and reads them
 
+/// Of one level: A u = b.
+struct Fields {
+    std::vector<NodeRow> u, b;
+};
+
 inline void set_zero(std::vector<NodeRow>& rows) noexcept {
     std::memset(static_cast<void*>(rows.data()), 0, rows.size() * sizeof(NodeRow));
 }

@@ -30,7 +30,7 @@ struct FinestLevel {
     void restrict_residual(std::size_t slab, Residual& largest) const noexcept {
         for (const auto& run : fields.level.runs_of(slab)) {
             const std::uint32_t begin = run.first_of(0);
-            RunRestriction<D> restriction(run, run.x + std::int32_t(begin), fields.coarser->data());
+            RunRestriction<D> restriction(run, run.x + std::int32_t(begin), fields.coarser->b.data());
             for_each_second(run, begin, [&](const NodeRow& u, const Vector& sum) {
                 const Vector residual = sum - Vector(diagonal) * Vector::load(u);
                 largest.add(residual);
@@ -103,7 +103,7 @@ struct CoarseLevel {
     void restrict_residual(std::size_t slab, Residual& largest) const noexcept {
         const Vector diagonal(fields.level.diagonal);
         for (const auto& run : fields.level.runs_of(slab)) {
-            RunRestriction<D> restriction(run, run.x, fields.coarser->data());
+            RunRestriction<D> restriction(run, run.x, fields.coarser->b.data());
             for_each_node(run, 1.0f, [&](const NodeRow&, const Vector& sum, const Vector& before) {
                 const Vector residual = sum - diagonal * before;
                 largest.add(residual);
@@ -216,7 +216,7 @@ Residual run(const AnyLevel& level, const Pass& pass) noexcept {
     const std::size_t first_sweep = pass.prolong == Pass::Prolong::none ? 0 : 1;
     const std::size_t relaxations = AnyLevel::colours * pass.sweeps;
     Residual largest;
-    if (pass.restrict_residual) set_zero(*level.fields.coarser);
+    if (pass.restrict_residual) set_zero(level.fields.coarser->b);
     for (std::size_t step = 0; step < first_sweep + relaxations + slabs; ++step) {
         if (step < slabs && pass.prolong == Pass::Prolong::add) prolong<false>(level.fields, step);
         if (step < slabs && pass.prolong == Pass::Prolong::set) prolong<true>(level.fields, step);

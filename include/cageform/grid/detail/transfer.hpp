@@ -12,15 +12,13 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <std::size_t D>
 struct LevelFields {
     const Level<D>& level;
-    NodeRow* u;                    ///< A u = b
-    NodeRow* b;                    ///< on the finest level not read at irregular nodes
-    const NodeRow* irregular_b;    ///< but this, parallel to `level.irregular`
-    std::vector<NodeRow>* coarser; ///< right-hand side of the next level; null on the coarsest
-    const NodeRow* correction;     ///< solution of the next level
+    NodeRow *u, *b;             ///< A u = b; b is not read at irregular nodes of the finest level,
+    const NodeRow* irregular_b; ///< but this, parallel to `level.irregular`
+    Fields* coarser;            ///< the next level's correction u and restricted residual b
 
     /// b of the next level += Pᵀ of irregular node j.
     void restrict_irregular(std::size_t j, const Simd<float>& r) const noexcept {
-        NodeRow* const coarse = coarser->data();
+        NodeRow* const coarse = coarser->b.data();
         for (const auto& entry : level.interpolation_of(j)) {
             NodeRow& row = coarse[entry.node];
             (Simd<float>::load(row) + Simd<float>(entry.weight) * r).store(row);
@@ -102,7 +100,7 @@ void prolong(const LevelFields<D>& fields, std::size_t slab) noexcept {
         }
     };
     NodeRow* const u = fields.u;
-    const NodeRow* const coarse = fields.correction;
+    const NodeRow* const coarse = fields.coarser->u.data();
     for (const auto& run : fields.level.runs_of(slab)) {
         const std::uint32_t rows = run.coarse_rows;
         const auto from = run.coarse;
