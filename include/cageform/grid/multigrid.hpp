@@ -1,5 +1,5 @@
-// The Laplace equation on the nodes of a lattice, for sixteen right-hand sides at once: Dendy's black
-// box multigrid (J. Comput. Phys. 48 (1982)), one code for two and three dimensions.
+// The Laplace equation on the nodes of a lattice, for sixteen right-hand sides at once: Dendy's
+// black box multigrid (J. Comput. Phys. 48 (1982)), one code for two and three dimensions.
 //
 //   finest level   Shortley–Weller equations at cut links               detail/equations.hpp
 //   coarse levels  interpolation from the equations, Galerkin operator  detail/coarsen.hpp
@@ -10,9 +10,9 @@
 //   one dimension  no levels but elimination                            detail/tridiagonal.hpp
 //
 // Cycles work in float, a row of sixteen functions a cache line. Every second cycle begins with
-// iterative refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): the solution
-// is added to a sum of high and low part, and its residual, computed in double, becomes the right-hand
-// side. The sum is right to the digits of double.
+// iterative refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): the
+// solution is added to a sum of high and low part, and its residual, computed in double, becomes
+// the right-hand side. The sum is right to the digits of double.
 #pragma once
 
 #include <cageform/grid/detail/dense_solver.hpp>
@@ -26,12 +26,13 @@ namespace cageform::inline CAGEFORM_ABI {
 template <std::size_t D>
 class Multigrid {
 public:
-    static constexpr std::size_t width = detail::functions_together; ///< right-hand sides solved together
+    static constexpr std::size_t width = detail::functions_together; ///< right-hand sides at once
     using Values = detail::NodeValues;                               ///< one number for each of them
     using Error = detail::SolveError;
     using Row = detail::NodeRow;
 
-    /// What one block of right-hand sides needs. `source` is the caller's to write, between cycles too.
+    /// What one block of right-hand sides needs. `source` is the caller's to write, between cycles
+    /// too.
     struct Block {
         /// The solution at a node.
         Values value(std::uint32_t node) const noexcept {
@@ -43,8 +44,8 @@ public:
         }
         bool empty() const noexcept { return fields_.empty() && exact_.empty(); }
 
-        /// Whether residuals have been computed in double. Until then, the second cycle, the bound leaves
-        /// out what float rounds.
+        /// Whether residuals have been computed in double. Until then, the second cycle, the bound
+        /// leaves out what float rounds.
         bool is_refined() const noexcept { return refined_; }
         std::size_t bytes() const noexcept {
             std::size_t rows = irregular_b_.capacity();
@@ -64,7 +65,7 @@ public:
         std::size_t cycles_ = 0;
 
     public:
-        std::vector<Values> source; ///< right-hand sides of the nodes that may have one (`source_node`)
+        std::vector<Values> source; ///< of the nodes that may have one (`source_node`)
 
     private:
         bool refined_ = false;  ///< b of the finest level is set at every node
@@ -75,8 +76,8 @@ public:
     /// sources  further nodes that take a right-hand side of their own
     Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts, std::span<const std::uint32_t> sources)
         : unknowns_(nodes.count()) {
-        // −∇²(R² − |x|²)/2D = 1: over a ball of radius R about the nodes, an error is at most R²/2D times
-        // the largest residual.
+        // −∇²(R² − |x|²)/2D = 1: over a ball of radius R about the nodes, an error is at most R²/2D
+        // times the largest residual.
         double squares = 0;
         for (const auto n : nodes.size()) squares += 0.25 * (double(n) + 1) * (double(n) + 1);
         reach_ = squares / (2.0 * double(D));
@@ -95,11 +96,12 @@ public:
 
     std::uint32_t unknowns() const noexcept { return unknowns_; }
 
-    /// Nodes that may have a right-hand side, those with cut links first; `Block::source` is parallel to them.
+    /// Nodes that may have a right-hand side, those with cut links first: parallel to
+    /// `Block::source`.
     std::size_t source_count() const noexcept { return source_nodes_.size(); }
     std::uint32_t source_node(std::size_t slot) const noexcept { return source_nodes_[slot]; }
 
-    /// The other way round: the slot in `Block::source` of every node that may have a right-hand side, else 0.
+    /// The slot in `Block::source` of every node; 0 where a node may have no right-hand side.
     std::vector<std::uint32_t> source_slots() const {
         std::vector<std::uint32_t> slots(unknowns_);
         for (std::size_t s = 0; s < source_count(); ++s) slots[source_nodes_[s]] = std::uint32_t(s);
@@ -134,8 +136,8 @@ public:
         return finish(block);
     }
 
-    /// One cycle more. The pass over the finest level that ends a cycle has restricted the residual, so
-    /// that this one begins on the next level.
+    /// One cycle more. The pass over the finest level that ends a cycle has restricted the
+    /// residual, so that this one begins on the next level.
     Error cycle(Block& block) const {
         if constexpr (D == 1) return solve_in_one_dimension(block);
         set_right_hand_side(block);
@@ -144,7 +146,8 @@ public:
         return finish(block);
     }
 
-    /// To be told when `source` has been changed between cycles: by how much at most, per right-hand side.
+    /// To be told when `source` has been changed between cycles: by how much at most, per
+    /// right-hand side.
     static void disturb(Block& block, const Values& change) noexcept { block.error_.disturb(change); }
 
     /// Bytes of the hierarchy, and of every block beside it.
@@ -167,7 +170,7 @@ private:
     using Prolong = detail::Pass::Prolong;
     using Nearest = std::array<std::uint32_t, 2 * D>;
 
-    // ---- the hierarchy ----------------------------------------------------------------------------
+    // ---- the hierarchy --------------------------------------------------------------------------
 
     void make_levels(detail::Equations<D> equations) {
         while (equations.nodes.count() > dense_unknowns) {
@@ -200,10 +203,11 @@ private:
     }
     std::size_t coarsest() const noexcept { return levels_.size() - 1; }
 
-    // ---- cycles -----------------------------------------------------------------------------------
+    // ---- cycles ---------------------------------------------------------------------------------
 
-    /// A W-cycle for the equations of a coarse level, from zero. A W-cycle, as these levels are small and
-    /// thin parts of the domain need them solved well.
+    /// A W-cycle for the equations of a coarse level, from zero: twice pre-relax, residual, restrict,
+    /// recurse, prolong, post-relax. A V-cycle would do less, but these levels are small, and thin
+    /// parts of the domain need them solved well.
     void w_cycle(Block& block, std::size_t l) const noexcept {
         if (l == coarsest()) return solve_coarsest(block);
         pre_relax_and_restrict(block, l);
@@ -216,6 +220,7 @@ private:
         prolong_and_post_relax(block, l);
     }
 
+    // Each of these is one pass over the level, which fuses the steps (detail/relax.hpp).
     void pre_relax_and_restrict(Block& block, std::size_t l) const noexcept {
         detail::set_zero(block.fields_[l].u);
         pass(block, l, {.sweeps = 1, .restrict_residual = true});
@@ -232,7 +237,8 @@ private:
         const std::size_t l = coarsest();
         auto& [u, b] = block.fields_[l];
         if (coarsest_solver_.empty()) {
-            // Large, but too thin for a coarser level. So data is near everywhere and relaxation is quick.
+            // Large, but too thin for a coarser level. So data is near everywhere and relaxation is
+            // quick.
             detail::set_zero(u);
             pass(block, l, {.sweeps = 8});
             return;
@@ -272,7 +278,7 @@ private:
         return block.refined_ || !inner_neighbours_.empty();
     }
 
-    // ---- right-hand sides -------------------------------------------------------------------------
+    // ---- right-hand sides -----------------------------------------------------------------------
 
     void reset(Block& block) const {
         block.error_.reset();
@@ -284,7 +290,8 @@ private:
         if (coarsest() == 0 || !inner_neighbours_.empty()) detail::set_zero(block.fields_[0].b);
         set_right_hand_side(block);
     }
-    /// The residual of u = 0 on the finest level; relaxed first, where not only irregular nodes have one.
+    /// The residual of u = 0 on the finest level; relaxed first, where not only irregular nodes
+    /// have one.
     void restrict_source(Block& block) const noexcept {
         if (coarsest() == 0) return;
         if (!inner_neighbours_.empty()) {
@@ -338,9 +345,9 @@ private:
         return {Values{}, Values{}};
     }
 
-    static constexpr std::uint32_t dense_unknowns = 160; ///< at most, on a level that is solved at once
+    static constexpr std::uint32_t dense_unknowns = 160; ///< at most, to solve a level at once
     static constexpr std::size_t finest_sweeps = 7;
-    static constexpr std::size_t refine_every = 2; ///< cycles, from the second on: what float can do at once
+    static constexpr std::size_t refine_every = 2; ///< cycles, from the second on: float's digits
 
     std::uint32_t unknowns_;
     double reach_ = 1;                      ///< error of an interior node per residual at most

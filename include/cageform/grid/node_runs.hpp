@@ -67,7 +67,8 @@ public:
     const Run* row_runs(std::size_t row) const noexcept { return runs_.data() + row_begin_[row]; }
     const Run* row_runs_end(std::size_t row) const noexcept { return runs_.data() + row_begin_[row + 1]; }
 
-    /// The number of the node at `index`, which may lie outside the lattice; `none` where there is none.
+    /// The number of the node at `index`, which may lie outside the lattice; `none` where there is
+    /// none.
     std::uint32_t find(const Index& index) const noexcept {
         for (std::size_t k = 0; k < D; ++k) {
             if (index[k] < 0 || index[k] >= size_[k]) return none;

@@ -1,7 +1,7 @@
 // From the equations of one level to those of the next coarser one, by Dendy's black box multigrid
-// (J. Comput. Phys. 48 (1982)). Coarse nodes are every second node. The interpolation P is made from
-// the equations, and the coarse operator is Galerkin's, Pᵀ A P. Parts of the domain that are one node
-// wide stay what they are on every level.
+// (J. Comput. Phys. 48 (1982)). Coarse nodes are every second node. The interpolation P is made
+// from the equations, and the coarse operator is Galerkin's, Pᵀ A P. Parts of the domain that are
+// one node wide stay what they are on every level.
 #pragma once
 
 #include <cageform/grid/detail/equations.hpp>
@@ -106,7 +106,7 @@ private:
         out_.coarse.nodes = std::move(coarse);
     }
 
-    // ---- interpolation ----------------------------------------------------------------------------
+    // ---- interpolation --------------------------------------------------------------------------
 
     static std::size_t odd_axes(const Index& index) noexcept {
         std::size_t n = 0;
@@ -144,8 +144,8 @@ private:
         });
         return near;
     }
-    /// Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes along which
-    /// it lies between coarse nodes, and solved for the node.
+    /// Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes along
+    /// which it lies between coarse nodes, and solved for the node.
     Interpolation<D> interpolate(std::uint32_t node, const Index& index,
                                  Neighbours<D>& around) const noexcept {
         const auto collapsed = collapsed_equation(node, index);
@@ -183,7 +183,7 @@ private:
         return collapsed;
     }
 
-    // ---- the coarse operator ----------------------------------------------------------------------
+    // ---- the coarse operator --------------------------------------------------------------------
 
     /// Pᵀ A P, worked out only for coarse nodes near something irregular.
     void make_galerkin_operator() {
@@ -280,7 +280,8 @@ private:
                 if (P::offset(p)[k] < 0) down += std::fabs(a[p]);
                 if (P::offset(p)[k] > 0) up += std::fabs(a[p]);
             }
-            // Regular neighbours of one side have at least a sixth of the diagonal; rounding has 1e-15.
+            // Regular neighbours of one side have at least a sixth of the diagonal; rounding has
+            // 1e-15.
             misses[k] = std::fmin(down, up) < 1e-3 * a[P::centre];
             count += misses[k] ? 1 : 0;
         }

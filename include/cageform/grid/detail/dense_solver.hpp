@@ -59,7 +59,7 @@ public:
     std::size_t bytes() const noexcept { return factor_.size() * sizeof(float); }
 
 private:
-    std::vector<float> factor_; ///< the rows of L, then its columns from the last, as `solve` reads them
+    std::vector<float> factor_; ///< rows of L, then its columns from the last, as `solve` reads them
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -16,7 +16,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 template <std::size_t D>
 struct Equations {
-    using Stencil = std::array<double, Places<D>::count>; ///< a row of A, the diagonal at the centre
+    using Stencil = std::array<double, Places<D>::count>; ///< a row of A
     struct Irregular {
         Stencil a{};
         std::array<double, D> row_sum{}; ///< of A, shared out among the axes; zero at regular nodes

@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The largest residuals |b − A u| of a level. Nodes beside data have a positive row sum (at least 1,
-/// as θ is at most 1); theirs are divided by it.
+/// The largest residuals |b − A u| of a level. Nodes beside data have a positive row sum (at least
+/// 1, as θ is at most 1); theirs are divided by it.
 struct Residual {
     Simd<float> interior{0.0f}, beside_data{0.0f};
 
@@ -25,17 +25,18 @@ struct Residual {
 
 /// What is known of the error of a solution, per function.
 struct SolveError {
-    /// From the residual, by what the corrections were for the residuals before them, twofold. Not a
-    /// bound, but most often above the error.
+    /// From the residual, by what the corrections were for the residuals before them, twofold. Not
+    /// a bound, but most often above the error.
     NodeValues estimate;
-    /// From the residual alone, by the maximum principle: never less than the error, up to rounding.
+    /// From the residual alone, by the maximum principle: never less than the error, up to
+    /// rounding.
     NodeValues bound;
 };
 
 /// Learns how much error a residual means from one cycle to the next.
 ///
-/// The correction that a cycle finds on the coarse grid is the error before it, up to what relaxation
-/// takes away. Correction over residual is called the gain.
+/// The correction that a cycle finds on the coarse grid is the error before it, up to what
+/// relaxation takes away. Correction over residual is called the gain.
 ///     estimate = caution · max(gain, 1) · residual
 class ErrorEstimator {
 public:
@@ -52,8 +53,9 @@ public:
         const Vector now =
             select<float>(Vector(0.0f) < residual, largest / max<float>(residual, tiny), Vector(0.0f));
         const Vector gain = max<float>(last, now);
-        // Residuals get smoother from cycle to cycle and tell of more error. As the gain has grown it may
-        // grow again, though hardly more than twofold; after the first cycle nothing is known of it.
+        // Residuals get smoother from cycle to cycle and tell of more error. As the gain has grown
+        // it may grow again, though hardly more than twofold; after the first cycle nothing is
+        // known of it.
         const Vector growth = min<float>(gain / max<float>(last, tiny), Vector(2.0f));
         const Vector expected = select<float>(Vector(0.0f) < last, growth, Vector(2.0f));
         (Vector(margin) * expected).store(caution_);
@@ -65,7 +67,8 @@ public:
     SolveError judge(const Residual& residual, double reach) noexcept {
         const Vector largest = max<float>(residual.interior, residual.beside_data);
         largest.store(residual_);
-        // A gain below 1 would trust relaxation; before the first cycle, 4 is a guess on the high side.
+        // A gain below 1 would trust relaxation; before the first cycle, 4 is a guess on the high
+        // side.
         const Vector known = Vector::load(gain_);
         const Vector gain =
             select<float>(Vector(0.0f) < known, max<float>(Vector(1.0f), known), Vector(4.0f));
@@ -79,10 +82,10 @@ public:
 
 private:
     using Vector = Simd<float>;
-    /// What an estimate is more than the error that the gain tells of. A seventh is missing at worst in
-    /// 1000 random domains (tests/grid/multigrid.cpp).
+    /// What an estimate is more than the error that the gain tells of. A seventh is missing at
+    /// worst in 1000 random domains (tests/grid/multigrid.cpp).
     static constexpr float margin = 2;
-    static constexpr float smallest = std::numeric_limits<float>::min(); ///< divides where all is zero
+    static constexpr float smallest = std::numeric_limits<float>::min(); ///< divides zeros
 
     static NodeValues widened(const Vector& v) noexcept {
         NodeRow row;

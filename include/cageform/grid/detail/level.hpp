@@ -1,5 +1,5 @@
-// One level of the hierarchy as the cycles walk it: regular nodes in runs, irregular ones in a list,
-// both slab by slab.
+// One level of the hierarchy as the cycles walk it: regular nodes in runs, irregular ones in a
+// list, both slab by slab.
 #pragma once
 
 #include <cageform/grid/detail/coarsen.hpp>
@@ -15,8 +15,8 @@ struct RegularRun {
     std::uint32_t first = 0;                             ///< its first node
     std::uint32_t count = 0;                             ///< of nodes
     std::int32_t x = 0;                                  ///< index of the first node along axis 0
-    std::uint32_t first_colour = 0;                      ///< parity of the sum of that node's indices
-    std::array<std::int32_t, power(3, D - 1)> row{};     ///< from a node to the same x of a neighbouring row
+    std::uint32_t first_colour = 0;                      ///< parity of its indices' sum
+    std::array<std::int32_t, power(3, D - 1)> row{};     ///< to the same x of neighbouring rows
     std::array<std::uint32_t, power(2, D - 1)> coarse{}; ///< number of coarse node X = coarse + X
     std::uint32_t coarse_rows = 0;
 
@@ -58,7 +58,7 @@ struct Level {
 
     std::uint32_t count = 0;                ///< of nodes
     float diagonal = 1;                     ///< of the regular stencil
-    std::array<float, D + 1> by_distance{}; ///< minus its other entries, by the number of axes off centre
+    std::array<float, D + 1> by_distance{}; ///< minus its other entries, by `Places::distance`
     std::vector<Slab> slabs;
     std::vector<RegularRun<D>> runs;
     std::vector<Irregular> irregular;
@@ -109,6 +109,10 @@ public:
                 level_.slabs.push_back(
                     {std::uint32_t(level_.runs.size()), std::uint32_t(level_.irregular.size())});
         }
+        level_.runs.shrink_to_fit();
+        level_.irregular.shrink_to_fit();
+        level_.entries.shrink_to_fit();
+        level_.from_coarse.shrink_to_fit();
     }
     Level<D> take() { return std::move(level_); }
 
@@ -171,7 +175,8 @@ private:
                                     std::uint32_t(level_.from_coarse.size()), diagonal, float(1 / diagonal),
                                     float(row_sum)});
     }
-    /// Filled up with entries of no weight: to 2·D on the finest level, to an even number on others.
+    /// Filled up with entries of no weight: to 2·D on the finest level, to an even number on
+    /// others.
     double add_entries(const Index& index, std::uint32_t node) {
         auto& entries = level_.entries;
         const std::size_t begin = entries.size();

@@ -1,8 +1,8 @@
 // The work on one slab of a level: relaxation, and the residual restricted to the next level.
 //
-// The finest level is relaxed by Gauss–Seidel in red-black order. Its regular stencil couples a node
-// with those of the other colour only. Coarser levels have all 3^D neighbours and are relaxed by
-// Gauss–Seidel along the rows. Irregular nodes of a slab come before its regular ones.
+// The finest level is relaxed by Gauss–Seidel in red-black order. Its regular stencil couples a
+// node with those of the other colour only. Coarser levels have all 3^D neighbours and are relaxed
+// by Gauss–Seidel along the rows. Irregular nodes of a slab come before its regular ones.
 #pragma once
 
 #include <cageform/grid/detail/error_estimate.hpp>
@@ -120,7 +120,7 @@ struct CoarseLevel {
         const NodeRow* const u = fields.u;
         const auto entries = fields.level.entries_of(j);
         Vector sum = Vector::load(fields.b[fields.level.irregular[j].node]), other(0.0f);
-        for (std::size_t n = 0; n < entries.size(); n += 2) { // two sums hide the time an addition takes
+        for (std::size_t n = 0; n < entries.size(); n += 2) { // two sums: see DenseSolver
             sum = sum + Vector(entries[n].weight) * Vector::load(u[entries[n].node]);
             other = other + Vector(entries[n + 1].weight) * Vector::load(u[entries[n + 1].node]);
         }
@@ -146,8 +146,8 @@ private:
         }
         return sum;
     }
-    /// body(u, sum, before) for every node of a run. sum is factor · (b minus the off-diagonal part of
-    /// A u), before the node's value. It returns the value that the next node's sum is to take.
+    /// body(u, sum, before) for every node of a run. sum is factor · (b minus the off-diagonal part
+    /// of A u), before the node's value. It returns the value that the next node's sum is to take.
     template <class Body>
     void for_each_node(const RegularRun<D>& run, float factor, Body body) const noexcept {
         std::array<std::ptrdiff_t, row_count> to{};
@@ -167,7 +167,7 @@ private:
             Vector sum = one * Vector::load(b[n]);
             for (std::size_t d = 1; d < D; ++d)
                 sum = sum + (weight[d] * here[d - 1] + weight[d + 1] * (before[d - 1] + ahead[d - 1]));
-            sum = (sum + weight[1] * right) + weight[1] * left; // what the last step made comes in last
+            sum = (sum + weight[1] * right) + weight[1] * left; // the newest value last
             left = body(*at, sum, middle);
             middle = right;
             before = here;
@@ -208,8 +208,8 @@ struct Pass {
     bool restrict_residual = false;  ///< to the next level, whose right-hand side it becomes
 };
 
-/// All steps in a single pass over memory: each works on the slab that the one before has just left.
-/// Returns the residual where it is restricted.
+/// All steps in a single pass over memory: each works on the slab that the one before has just
+/// left. Returns the residual where it is restricted.
 template <class AnyLevel>
 Residual run(const AnyLevel& level, const Pass& pass) noexcept {
     const std::size_t slabs = level.fields.level.slabs.size();

@@ -41,7 +41,8 @@ private:
     }();
 };
 
-/// A corner of the cell above a node, as an offset; bit k of its number: the upper end along axis k.
+/// A corner of the cell above a node, as an offset; bit k of its number: the upper end along axis
+/// k.
 template <std::size_t D>
 constexpr std::array<std::int32_t, D> corner_offset(std::size_t corner) noexcept {
     std::array<std::int32_t, D> o{};
