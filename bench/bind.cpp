@@ -64,24 +64,29 @@ void bind_mean_value_again(benchmark::State& state) {
              points_inside(cage, std::size_t(state.range(0))), true);
 }
 
-/// The weights alone: no checks of points, no report, no restored precision; as one would call it in a batch.
-/// Weights alone, into memory that is there.
+enum class Wanted { weights, gradients };
+
+/// Weights or gradients alone, into memory that is there: no checks of points, no report, no restored precision.
 template <class C, class Points>
-void run_evaluate(benchmark::State& state, const C& coordinates, const Points& points) {
+void run_evaluate(benchmark::State& state, const C& coordinates, const Points& points,
+                  Wanted wanted = Wanted::weights) {
     using T = typename C::scalar;
     constexpr std::size_t D = C::dimension;
     const std::size_t handles = coordinates.handles().size();
+    const std::size_t rows = wanted == Wanted::weights ? handles : D * handles;
     const std::size_t blocks = cageform::block_count<T>(points.size());
-    std::vector<cageform::Lanes<T>> rest(blocks * D), weights(blocks * handles);
+    std::vector<cageform::Lanes<T>> rest(blocks * D), results(blocks * rows);
     const cageform::BlockView<T> rest_view{rest.data(), D, points.size()};
-    const cageform::BlockView<T> weight_view{weights.data(), handles, points.size()};
+    const cageform::BlockView<T> result_view{results.data(), rows, points.size()};
     for (std::size_t i = 0; i < blocks * cageform::lane_count<T>; ++i) {
         for (std::size_t k = 0; k < D; ++k) rest_view(i, k) = T(points[std::min(i, points.size() - 1)][k]);
     }
     std::vector<cageform::PointState> states(points.size());
-    for (auto& lanes : weights) lanes[0] = T(0); // the system hands out memory when it is first written
+    for (auto& lanes : results) lanes[0] = T(0); // the system hands out memory when it is first written
     for (auto _ : state) {
-        const auto evaluation = coordinates.evaluate(rest_view, weight_view, states);
+        const auto evaluation = wanted == Wanted::weights
+                                    ? coordinates.evaluate(rest_view, result_view, states)
+                                    : coordinates.evaluate_gradients(rest_view, result_view, states);
         if (evaluation.status != cageform::Status::ok) state.SkipWithError(to_string(evaluation.status));
         benchmark::ClobberMemory();
     }
@@ -93,6 +98,13 @@ void evaluate_mean_value(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
     run_evaluate(state, cageform::MeanValueCoordinates<T, 2>(cage),
                  points_inside(cage, std::size_t(state.range(0))));
+}
+
+template <class T>
+void gradients_of_mean_value(benchmark::State& state) {
+    const auto cage = star(std::size_t(state.range(1)));
+    run_evaluate(state, cageform::MeanValueCoordinates<T, 2>(cage),
+                 points_inside(cage, std::size_t(state.range(0))), Wanted::gradients);
 }
 
 void plain_mean_value(benchmark::State& state) {
@@ -132,6 +144,12 @@ void bind_mean_value_mesh(benchmark::State& state) {
 template <class T>
 void evaluate_mean_value_mesh(benchmark::State& state) {
     run_evaluate(state, cageform::MeanValueCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112());
+}
+
+template <class T>
+void gradients_of_mean_value_mesh(benchmark::State& state) {
+    run_evaluate(state, cageform::MeanValueCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112(),
+                 Wanted::gradients);
 }
 
 /// Ju, Schaefer & Warren 2005, sec. 3, one point and one face after the other. With u the unit vectors to a
@@ -324,11 +342,15 @@ BENCHMARK_TEMPLATE(bind_mean_value_again, double)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(bind_mean_value_again, float)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(evaluate_mean_value, double)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(evaluate_mean_value, float)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(gradients_of_mean_value, double)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(gradients_of_mean_value, float)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(gradients_of_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(gradients_of_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK(plain_mean_value_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);

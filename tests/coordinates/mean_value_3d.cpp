@@ -152,3 +152,16 @@ TEST_CASE("mean value weights in space do not depend on which way shells turn",
             CHECK(difference(weights.rows[i], expected.rows[i]) <= 1e-12);
     }
 }
+
+TEST_CASE("mean value coordinates in space are made from vertices and faces too",
+          "[coordinates][meanvalue][space]") {
+    const auto data = random_mesh(3);
+    const auto points = points_about(data, 50, 3);
+    const Mean<double> coordinates(data.vertices, data.faces);
+    REQUIRE(coordinates.cage().size() == data.vertices.size());
+    const auto weights = evaluate_all(coordinates, points);
+    const auto expected = evaluate_all(Mean<double>(data.mesh<double>()), points);
+    CHECK(weights.status() == Status::ok);
+    CHECK(weights.rows == expected.rows);
+    CHECK(weights.states == expected.states);
+}

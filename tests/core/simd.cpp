@@ -1,7 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/core/detail/simd_sqrt.hpp>
+#include <cageform/core/detail/number.hpp>
 
 #include <bit>
 #include <cmath>
@@ -100,6 +100,49 @@ TEMPLATE_TEST_CASE("register comparisons select lane by lane", "[core][simd][pro
     check_lanes<T>(select<T>((x < y) | (zero < x), yes, no),
                    [&](std::size_t i) { return choice(a[i] < b[i] || 0 < a[i]); });
     check_lanes<T>(select<T>(x < y, x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
+}
+
+TEMPLATE_TEST_CASE("formulas find the same functions for registers and for scalars", "[core][simd][property]",
+                   float, double) {
+    using T = TestType;
+    namespace number = cageform::detail;
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const auto a = random_lanes<T>(random);
+    const auto b = random_lanes<T>(random);
+    const auto x = Simd<T>::load(a);
+    const auto y = Simd<T>::load(b);
+    const auto zero = Simd<T>(T(0));
+    check_lanes<T>(sqrt(x), [&](std::size_t i) { return number::sqrt(a[i]); });
+    check_lanes<T>(max(x, y), [&](std::size_t i) { return (number::max)(a[i], b[i]); });
+    check_lanes<T>(min(x, y), [&](std::size_t i) { return (number::min)(a[i], b[i]); });
+    check_lanes<T>(select(number::both(x < y, zero < x), x, y), [&](std::size_t i) {
+        return number::select(number::both(a[i] < b[i], T(0) < a[i]), a[i], b[i]);
+    });
+    bool some = false;
+    for (std::size_t i = 0; i < lane_count<T>; ++i) some = some || a[i] < b[i];
+    CHECK(number::any(x < y) == some);
+    Lanes<T> angles;
+    Lanes<T> sine, cosine;
+    for (std::size_t i = 0; i < lane_count<T>; ++i) {
+        sine[i] = T(random.uniform(0, 1));
+        cosine[i] = T(random.uniform(-1, 1));
+    }
+    number::angle(Simd<T>::load(sine), Simd<T>::load(cosine)).store(angles);
+    for (std::size_t i = 0; i < lane_count<T>; ++i)
+        CHECK(std::fabs(angles[i] - number::angle(sine[i], cosine[i])) <= 4 * cageform::epsilon<T>);
+}
+
+TEMPLATE_TEST_CASE("a comparison that holds in one lane alone holds in any", "[core][simd]", float, double) {
+    using T = TestType;
+    for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
+        Lanes<T> numbers;
+        for (T& x : numbers.v) x = T(1);
+        CHECK(!cageform::detail::any(Simd<T>::load(numbers) < Simd<T>(T(1))));
+        numbers[lane] = T(0);
+        CHECK(cageform::detail::any(Simd<T>::load(numbers) < Simd<T>(T(1))));
+    }
 }
 
 TEMPLATE_TEST_CASE("a register of one number holds it in every lane", "[core][simd]", float, double) {

@@ -1,14 +1,13 @@
 // Forward differentiation: a number together with its gradient, through any formula.
 #pragma once
 
+#include <cageform/core/detail/number.hpp>
 #include <cageform/core/vec.hpp>
-
-#include <cmath>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The value of an expression in `D` variables, and its derivatives with respect to them. Formulas that are templates of
-/// their scalar are differentiated by calling them with it; they have to find `sqrt` and the like by their arguments.
+/// The value of an expression in `D` variables, and its derivatives with respect to them. `U` is a scalar or a register.
+/// A formula that is a template of its number is differentiated by calling it with this type.
 template <class U, std::size_t D>
 struct Dual {
     U value{};
@@ -33,30 +32,76 @@ struct Dual {
     }
     friend constexpr Dual operator*(U a, const Dual& b) noexcept { return {a * b.value, a * b.gradient}; }
     friend constexpr Dual operator/(const Dual& a, const Dual& b) noexcept {
-        const U inverse = 1 / b.value, quotient = a.value * inverse;
+        const U inverse = U(1) / b.value, quotient = a.value * inverse;
         return {quotient, inverse * (a.gradient - quotient * b.gradient)};
     }
-    friend constexpr Dual operator/(const Dual& a, U b) noexcept { return (1 / b) * a; }
+    friend constexpr Dual operator/(U a, const Dual& b) noexcept {
+        const U inverse = U(1) / b.value, quotient = a * inverse;
+        return {quotient, (-(quotient * inverse)) * b.gradient};
+    }
     Dual& operator+=(const Dual& b) noexcept { return *this = *this + b; }
 
-    friend constexpr bool operator<(const Dual& a, const Dual& b) noexcept { return a.value < b.value; }
-    friend constexpr bool operator>(const Dual& a, const Dual& b) noexcept { return a.value > b.value; }
-    friend constexpr bool operator==(const Dual& a, const Dual& b) noexcept { return a.value == b.value; }
+    friend constexpr auto operator<(const Dual& a, const Dual& b) noexcept { return a.value < b.value; }
 
+    template <class Mask>
+    friend constexpr Dual select(const Mask& first, Dual a, const Dual& b) noexcept {
+        a.value = detail::select(first, a.value, b.value);
+        for (std::size_t k = 0; k < D; ++k)
+            a.gradient[k] = detail::select(first, a.gradient[k], b.gradient[k]);
+        return a;
+    }
+    friend Dual abs(const Dual& a) noexcept { return select(a.value < U(0), -a, a); }
     /// Not at zero.
     friend Dual sqrt(const Dual& a) noexcept {
-        const U root = std::sqrt(a.value);
+        const U root = detail::sqrt(a.value);
         return {root, (U(0.5) / root) * a.gradient};
     }
-    friend Dual fabs(const Dual& a) noexcept { return a.value < 0 ? -a : a; }
     friend Dual atan(const Dual& a) noexcept {
         return {std::atan(a.value), (1 / (1 + a.value * a.value)) * a.gradient};
     }
-    /// Not at (0, 0).
-    friend Dual atan2(const Dual& y, const Dual& x) noexcept {
-        const U inverse = 1 / (x.value * x.value + y.value * y.value);
-        return {std::atan2(y.value, x.value), inverse * (x.value * y.gradient - y.value * x.gradient)};
+    /// For y ≥ 0; not at (0, 0).
+    friend Dual angle(const Dual& y, const Dual& x) noexcept {
+        const U inverse = U(1) / (x.value * x.value + y.value * y.value);
+        return {detail::angle(y.value, x.value), inverse * (x.value * y.gradient - y.value * x.gradient)};
     }
 };
+
+/// What a formula needs to know of its number N: the type of its value, whether it carries a gradient, and of what it is
+/// made: the value is part 0, the derivatives are the parts after it.
+template <class N>
+struct NumberTraits {
+    using Value = N;
+    static constexpr std::size_t derivatives = 0;
+    static const Value& part(const N& n, std::size_t) noexcept { return n; }
+    static Value& part(N& n, std::size_t) noexcept { return n; }
+};
+template <class U, std::size_t D>
+struct NumberTraits<Dual<U, D>> {
+    using Value = U;
+    static constexpr std::size_t derivatives = D;
+    static const U& part(const Dual<U, D>& n, std::size_t k) noexcept {
+        return k == 0 ? n.value : n.gradient[k - 1];
+    }
+    static U& part(Dual<U, D>& n, std::size_t k) noexcept { return k == 0 ? n.value : n.gradient[k - 1]; }
+};
+
+template <class N>
+using ValueOf = typename NumberTraits<N>::Value;
+template <class N>
+inline constexpr bool has_gradient = NumberTraits<N>::derivatives > 0;
+
+template <class N>
+const ValueOf<N>& value_of(const N& n) noexcept {
+    return NumberTraits<N>::part(n, 0);
+}
+
+/// A value whose gradient is known; of numbers that carry none it is left out.
+template <class N, std::size_t D>
+N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, D>& gradient) noexcept {
+    if constexpr (has_gradient<N>)
+        return {value, gradient};
+    else
+        return value;
+}
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -7,8 +7,12 @@
 
 #if defined(__GNUC__)
 #define CAGEFORM_DETAIL_INLINE __attribute__((always_inline))
+#define CAGEFORM_DETAIL_FLATTEN __attribute__((flatten))
+#define CAGEFORM_DETAIL_NO_INLINE __attribute__((noinline))
 #else
 #define CAGEFORM_DETAIL_INLINE
+#define CAGEFORM_DETAIL_FLATTEN
+#define CAGEFORM_DETAIL_NO_INLINE
 #endif
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -115,6 +119,10 @@ struct Simd {
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] / b.r[k];
         return a;
     }
+    friend Simd operator-(const Simd& a) noexcept { return Simd(T(0)) - a; }
+    Simd& operator+=(const Simd& b) noexcept { return *this = *this + b; }
+    Simd& operator-=(const Simd& b) noexcept { return *this = *this - b; }
+    Simd& operator*=(const Simd& b) noexcept { return *this = *this * b; }
     friend Mask operator<(const Simd& a, const Simd& b) noexcept {
         Mask m;
         for (std::size_t k = 0; k < count; ++k) m.m[k] = a.r[k] < b.r[k];
@@ -126,6 +134,15 @@ struct Simd {
         return m;
     }
 };
+
+/// Whether a comparison holds in any lane.
+template <class M>
+bool any(const M& mask) noexcept {
+    std::uint64_t words[sizeof(M) / 8], all = 0;
+    std::memcpy(words, &mask, sizeof(words));
+    for (const std::uint64_t word : words) all |= word;
+    return all != 0;
+}
 
 template <Scalar T>
 Simd<T> select(const typename Simd<T>::Mask& m, Simd<T> a, const Simd<T>& b) noexcept {

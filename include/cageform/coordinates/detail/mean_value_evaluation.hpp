@@ -1,0 +1,248 @@
+// The evaluation of mean value coordinates in the plane and in space: everything about the formula but the formula.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/mean_value_frame.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// What MeanValueCoordinates are in both dimensions. Points are evaluated a register at a time, gradients in double whatever
+/// the scalar. Points next to the boundary and far away, where the formula loses digits, follow one by one in a wider
+/// scalar, in lengths relative to their distance from the boundary, so that nothing overflows.
+template <class Cage>
+class MeanValueEvaluation {
+public:
+    using scalar = typename Cage::scalar;
+    static constexpr std::size_t dimension = Cage::dimension;
+    static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
+
+    const Cage& cage() const noexcept { return cage_; }
+    std::span<const Vec<scalar, dimension>> handles() const noexcept { return cage_.vertices(); }
+    const CageReport& cage_report() const noexcept { return report_; }
+
+    /// As CageCoordinates says.
+    Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
+                        std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_numbers<Simd<T>>({points, weights, states}, running);
+    }
+    /// As GradientCoordinates says. For a point on the boundary, where there are derivatives from one side only, those of a
+    /// place 1e-6 diagonals inside.
+    Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
+    }
+    Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p,
+                                            std::span<scalar> row) const noexcept {
+        return nearest_boundary_weights(cage_, p, row);
+    }
+
+protected:
+    explicit MeanValueEvaluation(Cage cage)
+        : cage_(std::move(cage))
+        , report_(check(cage_)) {
+        if (report_.status != Status::ok) return;
+        const auto bounds = bounds_of(cage_.vertices());
+        tolerance_ = double(coincidence_tolerance(bounds));
+        scale_ = double(unit_scale(bounds)); // products of three lengths stay in range
+        if constexpr (D == 3) origin_ = cage_[0];
+        topology_ = MeanValueTopology<D>(cage_);
+        frame_ = frame_about<T>(vec_cast<double>(origin_), scale_);
+        gradient_frame_ = frame_about<double>(vec_cast<double>(origin_), scale_);
+    }
+
+    Cage cage_;
+    CageReport report_;
+
+private:
+    using T = scalar;
+    static constexpr std::size_t D = dimension;
+    using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
+
+    /// The cage seen from `origin`, in lengths of 1/scale.
+    template <class S>
+    MeanValueFrame<S, D> frame_about(const Vec<Precise<S>, D>& origin, Precise<S> scale) const {
+        std::vector<Vec<Precise<S>, D>> at;
+        at.reserve(cage_.size());
+        for (const auto& v : cage_.vertices()) at.push_back(scale * (vec_cast<Precise<S>>(v) - origin));
+        return {topology_, at};
+    }
+
+    /// In diagonals or half diagonals, for registers. Far away the weights grow like the distance and cancel: `far` keeps
+    /// them to some ten roundings, gradients to a hundred. Gradients of double next to the boundary lose what the distance is
+    /// smaller than one; those that are rounded to float do not mind.
+    template <class N>
+    MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
+        using S = ScalarOf<ValueOf<N>>;
+        const double near = scale_ * tolerance_;
+        if constexpr (has_gradient<N>) {
+            return {std::max(near, sizeof(T) == 8 ? 1e-5 : 0.0), 2, 2e-3};
+        } else {
+            return {S(near), D == 2 ? S(64) : S(16), sizeof(T) == 8 ? S(5e-4) : S(1e-3)};
+        }
+    }
+
+    template <class N>
+    Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
+        const std::size_t rows = has_gradient<N> ? D * cage_.size() : cage_.size();
+        return evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
+            WeightRows<N> memory(topology_, cage_.size());
+            for (std::size_t b = begin; b < end; ++b) {
+                for (std::size_t first = 0; first < lane_count<T>; first += lane_count<ScalarOf<ValueOf<N>>>)
+                    evaluate_lanes(batch, b, first, memory);
+            }
+        });
+    }
+
+    /// The lanes of block `b` from `first` on, as many as N has.
+    template <class N>
+    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first,
+                        WeightRows<N>& memory) const {
+        using X = ValueOf<N>;
+        using S = ScalarOf<X>;
+        Lanes<T>* const rows = batch.rows.block(b);
+        Vec<X, D> p;
+        for (std::size_t k = 0; k < D; ++k)
+            p[k] = X(S(scale_)) * (load<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
+        const WeightSum<N> result = weigh_registers(p, memory);
+        const N inverse = X(S(1)) / result.sum;
+        for_results(memory.weights, inverse, S(scale_),
+                    [&](std::size_t row, const X& x) { store(x, rows[row], first); });
+
+        Lanes<S> sums, specials;
+        value_of(result.sum).store(sums);
+        result.special.store(specials);
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
+            const std::size_t i = b * lane_count<T> + first + lane;
+            if (i >= batch.points.points || batch.states[i] == PointState::not_finite) continue;
+            if (specials[lane] != S(0) || !is_finite(sums[lane]) || sums[lane] == S(0)) {
+                using One = std::conditional_t<has_gradient<N>, Dual<Wide, D>, Wide>;
+                batch.states[i] = evaluate_point<One>(block_point<D>(batch.points, i), rows, first + lane);
+            } else {
+                batch.states[i] = sums[lane] > S(0) ? PointState::inside : PointState::outside;
+            }
+        }
+    }
+
+    /// As one piece of code, which keeps numbers in registers.
+    template <class N>
+    CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Vec<ValueOf<N>, D>& p,
+                                                         WeightRows<N>& memory) const noexcept {
+        if constexpr (has_gradient<N>)
+            return weigh(gradient_frame_, limits<N>(), p, memory);
+        else
+            return weigh(frame_, limits<N>(), p, memory);
+    }
+
+    /// set(row, value) for the weights, or for their gradients times `scale`, normalised.
+    template <class N, class S, class Set>
+    static void for_results(const std::vector<N>& weights, const N& inverse_sum, [[maybe_unused]] S scale,
+                            const Set& set) {
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            const N weight = weights[i] * inverse_sum;
+            if constexpr (has_gradient<N>) {
+                for (std::size_t k = 0; k < D; ++k)
+                    set(k * weights.size() + i, ValueOf<N>(scale) * weight.gradient[k]);
+            } else {
+                set(i, weight);
+            }
+        }
+    }
+
+    /// Lanes [first, first + lane_count<S>) of a row.
+    template <class S>
+    static Simd<S> load(const Lanes<T>& row, std::size_t first) noexcept {
+        if constexpr (std::is_same_v<S, T>) {
+            return Simd<S>::load(row);
+        } else {
+            Lanes<S> part;
+            for (std::size_t lane = 0; lane < lane_count<S>; ++lane) part[lane] = S(row[first + lane]);
+            return Simd<S>::load(part);
+        }
+    }
+    template <class S>
+    static void store(const Simd<S>& x, Lanes<T>& row, std::size_t first) noexcept {
+        if constexpr (std::is_same_v<S, T>) {
+            x.store(row);
+        } else {
+            Lanes<S> part;
+            x.store(part);
+            for (std::size_t lane = 0; lane < lane_count<S>; ++lane) row[first + lane] = T(part[lane]);
+        }
+    }
+
+    /// One point, in a wider scalar; on the boundary the limit.
+    template <class N>
+    PointState evaluate_point(const Vec<T, D>& p, Lanes<T>* rows, std::size_t lane) const {
+        Vec<T, D> place;
+        const auto value = nearest_boundary_value(cage_, p, place);
+        const double distance = length(scale_ * (vec_cast<double>(place) - vec_cast<double>(p)));
+        const bool on_boundary = distance <= scale_ * tolerance_;
+        if constexpr (!has_gradient<N>) {
+            if (on_boundary) {
+                for (std::size_t i = 0; i < cage_.size(); ++i) rows[i][lane] = T(0);
+                for (std::size_t k = 0; k < value.handle.size(); ++k)
+                    rows[value.handle[k]][lane] += static_cast<T>(value.weight[k]);
+                return PointState::on_boundary;
+            }
+        }
+        WeightRows<N> memory(topology_, cage_.size());
+        const Wide unit = Wide(on_boundary ? step_inside : distance) / Wide(scale_);
+        const N sum = on_boundary ? weigh_inside(vec_cast<double>(p), unit, memory)
+                                  : weigh_about(vec_cast<Wide>(p), unit, memory);
+        if (value_of(sum) == 0) return PointState::unreached;
+        bool finite = true;
+        for_results(memory.weights, Wide(1) / sum, 1 / unit, [&](std::size_t row, Wide x) {
+            rows[row][lane] = static_cast<T>(x);
+            finite = finite && is_finite(rows[row][lane]);
+        });
+        if (!finite) return PointState::unreached;
+        if (on_boundary) return PointState::on_boundary;
+        // Farther than the diagonal is outside, though rounding may turn the sum's sign (from 1e15 diagonals on).
+        return value_of(sum) > 0 && distance < 1 ? PointState::inside : PointState::outside;
+    }
+
+    /// Where derivatives are taken for places on the boundary: so far inside, in diagonals.
+    static constexpr double step_inside = 0x1p-20;
+
+    /// The weights before normalising, with p as origin and lengths in `unit`s; their sum.
+    template <class N>
+    N weigh_about(const Vec<Wide, D>& p, Wide unit, WeightRows<N>& memory) const {
+        // Of the limits only the last is of use here. In these units a place beside a face is 1 or more from it.
+        const MeanValueLimits<Wide> limits{0, std::numeric_limits<float>::max(), Wide(0.1)};
+        return weigh(frame_about<Wide>(p, 1 / unit), limits, Vec<Wide, D>{}, memory).sum;
+    }
+
+    /// The same at a place `step` inside from p on the boundary: against the mean normal of the facets that meet there, or,
+    /// at corners so bent that this leads outside, from one of them.
+    template <class N>
+    N weigh_inside(const Vec<double, D>& p, Wide step, WeightRows<N>& memory) const {
+        std::vector<Vec<double, D>> directions(1);
+        for (const auto& facet : topology_.facets) {
+            const auto corner = Facet<D>(facet, cage_.vertices()).corner;
+            if (distance_to_facet(p, corner) > 2 * tolerance_) continue;
+            const auto normal = outward_normal(corner);
+            Vec<double, D> to_middle = -1.0 * p;
+            for (const auto& c : corner) to_middle = to_middle + (1.0 / D) * c;
+            directions[0] = directions[0] - normal;
+            directions.push_back(to_middle - 0.25 * length(to_middle) * normal);
+        }
+        N sum(Wide(0));
+        for (const auto& direction : directions) {
+            const Wide size = Wide(length(direction));
+            if (!(size > 0)) continue;
+            const auto q = vec_cast<Wide>(p) + (step / size) * vec_cast<Wide>(direction);
+            sum = weigh_about(q, step, memory);
+            if (value_of(sum) > 0) break;
+        }
+        return sum;
+    }
+
+    MeanValueTopology<D> topology_;
+    MeanValueFrame<T, D> frame_;
+    MeanValueFrame<double, D> gradient_frame_;
+    double tolerance_ = 0, scale_ = 1;
+    Vec<T, D> origin_{};
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

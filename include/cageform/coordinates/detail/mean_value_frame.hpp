@@ -1,0 +1,62 @@
+// What the formulas of mean value weights in the plane and in space are given, and what they return.
+#pragma once
+
+#include <cageform/cage/primitives.hpp>
+#include <cageform/coordinates/detail/dual.hpp>
+
+#include <array>
+#include <type_traits>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// How a cage hangs together: its facets (edges in the plane, faces in space), turned alike.
+template <std::size_t D>
+struct MeanValueTopology;
+
+/// A cage in the numbers that the formula takes, its vertices moved and scaled.
+template <class S, std::size_t D>
+struct MeanValueFrame;
+
+/// Frames are worked out in double at least.
+template <class S>
+using Precise = std::common_type_t<S, double>;
+
+/// Of a facet turned as in a topology; of unit length.
+inline Vec<double, 2> outward_normal(const Corners<2>& facet) noexcept {
+    const auto e = facet[1] - facet[0];
+    return (1 / length(e)) * Vec<double, 2>{e[1], -e[0]};
+}
+inline Vec<double, 3> outward_normal(const Corners<3>& facet) noexcept {
+    const auto n = cross(facet[1] - facet[0], facet[2] - facet[0]);
+    return (1 / length(n)) * n;
+}
+
+/// Where the formula is not to be used, and where it changes; lengths of the frame.
+template <class S>
+struct MeanValueLimits {
+    S near;   ///< points nearer to the boundary than this are flagged
+    S far;    ///< and so are points farther than this from the cage
+    S beside; ///< in space: points nearer to a face's plane, but not over the face, have a formula of their own
+};
+
+/// Memory for the formula: a number for each handle, and in space for each edge.
+template <class N>
+struct WeightRows {
+    std::vector<N> weights, edges;
+
+    template <std::size_t D>
+    explicit WeightRows(const MeanValueTopology<D>& topology, std::size_t handles)
+        : weights(handles)
+        , edges(topology.edge_count()) {}
+};
+
+/// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1 and 4.2), and one in the
+/// lanes that the limits flag, zero in the others.
+template <class N>
+struct WeightSum {
+    N sum;
+    ValueOf<N> special;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,126 @@
+// The formula of mean value weights in the plane, for any kind of number.
+#pragma once
+
+#include <cageform/cage/polygon.hpp>
+#include <cageform/coordinates/detail/mean_value_frame.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <>
+struct MeanValueTopology<2> {
+    struct Loop {
+        std::size_t begin, end;
+    };
+    std::vector<Loop> loops;
+    std::vector<std::array<std::uint32_t, 2>>
+        facets; ///< the edge that starts at each vertex, the inside to its left
+
+    static std::size_t edge_count() noexcept { return 0; } ///< nothing is kept for each edge
+
+    MeanValueTopology() = default;
+    template <Scalar T>
+    explicit MeanValueTopology(const Polygon<T>& cage) {
+        for (std::size_t k = 0; k < cage.loops().size(); ++k) {
+            const auto& loop = cage.loops()[k];
+            const bool left = inside_is_left(cage, k);
+            loops.push_back({loop.begin, loop.end});
+            loop.for_each_edge([&](std::size_t i, std::size_t j) {
+                const auto from = std::uint32_t(left ? i : j), to = std::uint32_t(left ? j : i);
+                facets.push_back({from, to});
+            });
+        }
+    }
+};
+
+template <class S>
+struct MeanValueFrame<S, 2> {
+    struct Corner {
+        Vec<S, 2> position;
+        Vec<S, 2> edge; ///< the edge that starts here, the inside to its left
+        S extent;       ///< |edge_x| + |edge_y|
+    };
+    std::vector<MeanValueTopology<2>::Loop> loops;
+    std::vector<Corner> corners;
+
+    MeanValueFrame() = default;
+    MeanValueFrame(const MeanValueTopology<2>& topology, const std::vector<Vec<Precise<S>, 2>>& at)
+        : loops(topology.loops) {
+        corners.reserve(at.size());
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            const auto [from, to] = topology.facets[i];
+            const auto edge = vec_cast<S>(at[to] - at[from]);
+            corners.push_back({vec_cast<S>(at[i]), edge, std::fabs(edge[0]) + std::fabs(edge[1])});
+        }
+    }
+};
+
+/// The vector u from the point to a vertex, its squared length, and its length as a number.
+template <class N>
+struct Spoke {
+    using X = ValueOf<N>;
+    Vec<X, 2> u;
+    X rr;
+    N r;
+
+    template <class S>
+    Spoke(const Vec<S, 2>& vertex, const Vec<X, 2>& p) noexcept
+        : u{X(vertex[0]) - p[0], X(vertex[1]) - p[1]}
+        , rr(u[0] * u[0] + u[1] * u[1]) {
+        const X root = sqrt(rr);
+        r = with_gradient<N>(root, (X(-1) / root) * u);
+    }
+};
+
+/// Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1), before normalising:
+///
+///   w_i = (t_{i−1} + t_i) / r_i,   t_i = tan(α_i/2),   α_i the signed angle C_i p C_{i+1}
+///
+/// With u = C_i − p, v = C_{i+1} − p and e the edge: the sine times |u||v| is c = u × e, the cosine times it d = u·v. The cross
+/// product is taken with the edge: with v it would cancel far away. Then tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever
+/// does not cancel. One division by the tangent's denominator times |v| serves the tangent and 1/|v|.
+template <class N, class S>
+WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
+                   const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
+    using X = ValueOf<N>;
+    const X zero(S(0)), one(S(1)), on_vertex(limits.near * limits.near), far(limits.far * limits.far);
+    X special = zero;
+    N sum = zero;
+    const auto set = [&](std::size_t i, const N& w) {
+        rows.weights[i] = w;
+        sum = sum + w;
+    };
+    for (const auto& loop : cage.loops) {
+        const Spoke<N> first(cage.corners[loop.begin].position, p);
+        special = select(far < first.rr, one, special);
+        Spoke<N> from = first;
+        N t_before = zero, t_first = zero, inverse_r = zero;
+        for (std::size_t i = loop.begin; i < loop.end; ++i) {
+            const auto& corner = cage.corners[i];
+            const Spoke<N> to = i + 1 < loop.end ? Spoke<N>(cage.corners[i + 1].position, p) : first;
+            special = select(to.rr <= on_vertex, one, special);
+            const auto &u = from.u, &v = to.u;
+            const X ex(corner.edge[0]), ey(corner.edge[1]);
+            const N c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
+            const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
+            const auto acute = zero < value_of(d);
+            const auto on_line = abs(value_of(c)) <= X(limits.near * corner.extent);
+            special = select(both(on_line, value_of(d) <= zero), one, special);
+            const N s = from.r * to.r + abs(d);
+            const N numerator = select(acute, c, s), denominator = select(acute, s, c);
+            const N inverse = one / (denominator * to.r);
+            const N t = numerator * to.r * inverse;
+            if (i == loop.begin) {
+                t_first = t;
+            } else {
+                set(i, (t_before + t) * inverse_r);
+            }
+            t_before = t;
+            inverse_r = denominator * inverse;
+            from = to;
+        }
+        set(loop.begin, (t_before + t_first) * inverse_r);
+    }
+    return {sum, special};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

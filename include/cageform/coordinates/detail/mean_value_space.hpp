@@ -1,0 +1,300 @@
+// The formula of mean value weights in space, for any kind of number.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/coordinates/detail/mean_value_frame.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <>
+struct MeanValueTopology<3> {
+    std::vector<std::array<std::uint32_t, 3>> facets;         ///< counter-clockwise seen from outside
+    std::vector<std::array<std::uint32_t, 3>> edges_of_facet; ///< edge k is opposite to corner k
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+
+    std::size_t edge_count() const noexcept { return edges.size(); }
+
+    MeanValueTopology() = default;
+    template <Scalar T>
+    explicit MeanValueTopology(const TriangleMesh<T>& mesh)
+        : facets(outward_faces(mesh)) {
+        using Edge = std::pair<std::uint32_t, std::uint32_t>;
+        const auto opposite = [](const auto& facet, std::size_t k) -> Edge {
+            return std::minmax(facet[(k + 1) % 3], facet[(k + 2) % 3]);
+        };
+        for (const auto& facet : facets) {
+            for (std::size_t k = 0; k < 3; ++k) edges.push_back(opposite(facet, k));
+        }
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        for (const auto& facet : facets) {
+            auto& numbers = edges_of_facet.emplace_back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto edge = std::lower_bound(edges.begin(), edges.end(), opposite(facet, k));
+                numbers[k] = std::uint32_t(edge - edges.begin());
+            }
+        }
+    }
+};
+
+template <class S>
+struct MeanValueFrame<S, 3> {
+    struct Edge {
+        Vec<S, 3> origin, direction; ///< the direction is of unit length
+        S length;
+    };
+    struct Face {
+        std::array<std::uint32_t, 3> corner, edge; ///< edge k is opposite to corner k
+        Vec<S, 3> normal;                          ///< n, outward, of unit length
+        S offset;                                  ///< n·corner
+        std::array<Vec<S, 3>, 3> across;           ///< ν_k: outward normal of edge k in the plane
+        std::array<S, 3> across_offset;            ///< ν_k·(a point of edge k)
+        std::array<S, 3> inverse_altitude;         ///< 1/h_k
+        std::array<S, 3> cosine;                   ///< ν_l·ν_m, l and m the edges other than k
+    };
+    std::vector<Edge> edges;
+    std::vector<Face> faces;
+
+    MeanValueFrame() = default;
+    MeanValueFrame(const MeanValueTopology<3>& topology, const std::vector<Vec<Precise<S>, 3>>& at) {
+        edges.reserve(topology.edges.size());
+        for (const auto& [i, j] : topology.edges) {
+            const auto along = at[j] - at[i];
+            edges.push_back({vec_cast<S>(at[i]), vec_cast<S>(unit(along)), S(std::sqrt(dot(along, along)))});
+        }
+        faces.reserve(topology.facets.size());
+        for (std::size_t f = 0; f < topology.facets.size(); ++f) {
+            Face& face = faces.emplace_back();
+            face.corner = topology.facets[f];
+            face.edge = topology.edges_of_facet[f];
+            measure(face, {at[face.corner[0]], at[face.corner[1]], at[face.corner[2]]});
+        }
+    }
+
+private:
+    using Place = Vec<Precise<S>, 3>;
+
+    static Place unit(const Place& v) noexcept { return (1 / std::sqrt(dot(v, v))) * v; }
+
+    static void measure(Face& face, const std::array<Place, 3>& c) noexcept {
+        const auto normal = unit(cross(c[1] - c[0], c[2] - c[0]));
+        face.normal = vec_cast<S>(normal);
+        face.offset = static_cast<S>(dot(normal, c[0]));
+        std::array<Place, 3> across;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            across[k] = unit(cross(c[m] - c[l], normal));
+            face.across[k] = vec_cast<S>(across[k]);
+            face.across_offset[k] = static_cast<S>(dot(across[k], c[l]));
+            face.inverse_altitude[k] = static_cast<S>(1 / dot(across[k], c[l] - c[k]));
+        }
+        for (std::size_t k = 0; k < 3; ++k)
+            face.cosine[k] = static_cast<S>(dot(across[(k + 1) % 3], across[(k + 2) % 3]));
+    }
+};
+
+template <class X, class S>
+X inner(const Vec<S, 3>& a, const Vec<X, 3>& b) noexcept {
+    return X(a[0]) * b[0] + (X(a[1]) * b[1] + X(a[2]) * b[2]);
+}
+
+/// What divisors are kept above, so that quotients stay finite.
+template <class S>
+inline constexpr S least_divisor = std::numeric_limits<S>::min() * S(1e6);
+
+/// Whether both ends of an edge lie far to one side of a place's foot on its line, r² the squared distance to the line: the
+/// series of arctangents in r/begin and r/end then gain two digits a term.
+template <class U>
+bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
+    using K = ValueOf<U>;
+    return U(K(0)) < begin * end && K(100) * rr < begin * begin && K(100) * rr < end * end;
+}
+
+/// G of `seen_edge`, −2 dg/d(R²), by the series of g = Σ_k (−1)^k/(2k + 1) R^2k (begin^−(2k+1) − end^−(2k+1)).
+template <class X>
+X radial_beyond_ends(X rr, X begin, X end) noexcept {
+    constexpr int terms = sizeof(X) > 8 ? 10 : 8;
+    X b_power = 1 / begin, e_power = 1 / end, power = 2, sum = 0;
+    for (int k = 1; k <= terms + 1; ++k) {
+        b_power /= begin * begin;
+        e_power /= end * end;
+        sum += X(k % 2 == 0 ? -k : k) / X(2 * k + 1) * (power * (b_power - e_power));
+        power *= rr;
+    }
+    return sum;
+}
+
+/// g = θ/R of an edge, θ the angle it is seen under, R the distance of p to its line: the integral of one over the squared
+/// distance along it. From begin to end along the line, τ its direction, R⃗ the vector to the line, r and q the
+/// distances to the ends:
+///
+///   ∇g = τ (1/r² − 1/q²) + R⃗ G,   G = (g + end/q² − begin/r²)/R²
+template <class N, class S>
+N seen_edge(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<ValueOf<N>, 3>& p) noexcept {
+    using X = ValueOf<N>;
+    Vec<X, 3> u, t;
+    for (std::size_t k = 0; k < 3; ++k) {
+        u[k] = X(edge.origin[k]) - p[k];
+        t[k] = X(edge.direction[k]);
+    }
+    const X length(edge.length), begin = inner(u, t), end = begin + length;
+    const auto c = cross(u, t);
+    const X rr = (max)(inner(c, c), X(least_divisor<S>)), r = sqrt(rr);
+    const X g = angle(r * length, rr + begin * end) / r;
+    if constexpr (has_gradient<N>) {
+        const X ends = length / ((rr + begin * begin) * (rr + end * end));
+        const X axial = (begin + end) * ends;
+        X radial = (g + (rr - begin * end) * ends) / rr;
+        if constexpr (std::is_floating_point_v<X>) {
+            if (is_beyond_ends(rr, begin, end)) radial = radial_beyond_ends(rr, begin, end);
+        }
+        Vec<X, 3> slope;
+        for (std::size_t k = 0; k < 3; ++k) slope[k] = t[k] * axial + (u[k] - begin * t[k]) * radial;
+        return {g, slope};
+    } else {
+        return g;
+    }
+}
+
+/// A linear function: offset − normal·p.
+template <class N, class S>
+N linear(S offset, const Vec<S, 3>& normal, const Vec<ValueOf<N>, 3>& p) noexcept {
+    using X = ValueOf<N>;
+    return with_gradient<N, 3>(X(offset) - inner(normal, p), {X(-normal[0]), X(-normal[1]), X(-normal[2])});
+}
+
+/// (g ρ − φ)/H² of an edge of a face, φ the signed angle it is seen under from the foot point of p in the plane, `begin` and
+/// `end` where it lies along its line, from there.
+template <class U>
+U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end) noexcept {
+    using std::atan;
+    using K = ValueOf<U>;
+    const U zero(K(0)), one(K(1)), rr = rho * rho, far2 = rr + height * height;
+    if (is_beyond_ends(far2, begin, end)) { // both as series, of which the H² is taken out
+        const U b = one / begin, e = one / end;
+        U b_power = b, e_power = e, powers = one, rho_power = one, sum = zero;
+        constexpr int terms = sizeof(K) == 8 ? 8 : 10;
+        for (int i = 1; i <= terms; ++i) {
+            b_power = b_power * (b * b);
+            e_power = e_power * (e * e);
+            sum += (K(i % 2 == 0 ? 1 : -1) / K(2 * i + 1)) * (powers * (b_power - e_power));
+            rho_power = rho_power * rr;
+            powers = far2 * powers + rho_power;
+        }
+        return rho * sum;
+    }
+    const U r = abs(rho), far = sqrt(far2);
+    const auto part = [&](const U& t) { // (atan(t/R) − atan(t/r))/H²
+        const U d = r * far + t * t;
+        if (!(zero < d)) return zero;
+        const U x = t * height * height / ((r + far) * d);
+        // Below 1e-3 the next term of the series of atan(x)/x, x⁶/7, is below rounding.
+        const U slope =
+            K(1e-3) < abs(value_of(x)) ? atan(x) / x : one - x * x * (U(K(1) / K(3)) - K(0.2) * (x * x));
+        return -(t * slope / ((r + far) * d));
+    };
+    const U seen = angle(r * (end - begin), rr + begin * end); // from the foot point
+    const U sign(rho < zero ? K(-1) : K(1));
+    return (rho / far) * (part(end) - part(begin)) - sign * (seen / (far * (r + far)));
+}
+
+/// S of a face that p is not over. There Σ φ_k = 0, so that S = ½ H Σ (g_k ρ_k − φ_k)/H², which holds next to the plane,
+/// where Σ g_k ρ_k is a difference of nearly equal numbers.
+template <class U, class S>
+CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>::Face& face,
+                                            const Vec<ValueOf<U>, 3>& p) noexcept {
+    using K = ValueOf<U>;
+    const U height = linear<U>(face.offset, face.normal, p);
+    std::array<U, 3> rho;
+    for (std::size_t k = 0; k < 3; ++k) rho[k] = linear<U>(face.across_offset[k], face.across[k], p);
+    U sum(K(0));
+    for (std::size_t k = 0; k < 3; ++k) {
+        // Where the corner that edges k and `other` share lies along edge k: by the distances to both.
+        const auto along = [&](std::size_t other, K cosine) {
+            const K sine = std::sqrt((max)(K(0), (1 - cosine) * (1 + cosine)));
+            return (1 / sine) * (rho[other] - cosine * rho[k]);
+        };
+        const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
+        const U begin = -along(n, K(face.cosine[l])), end = along(l, K(face.cosine[n]));
+        sum += height * angle_beside_face(height, rho[k], begin, end);
+    }
+    return K(0.5) * sum;
+}
+
+/// The same in the lanes where `beside` holds, point by point; `s` in the others.
+template <class N, class S>
+CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mask& beside,
+                                               const typename MeanValueFrame<S, 3>::Face& face,
+                                               const Vec<ValueOf<N>, 3>& p) noexcept {
+    using One = std::conditional_t<has_gradient<N>, Dual<double, 3>, double>;
+    constexpr std::size_t parts = 1 + NumberTraits<N>::derivatives;
+    Lanes<S> flags, place[3], lanes[parts];
+    select(beside, Simd<S>(S(1)), Simd<S>(S(0))).store(flags);
+    for (std::size_t k = 0; k < 3; ++k) p[k].store(place[k]);
+    for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k).store(lanes[k]);
+    for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
+        if (flags[lane] == S(0)) continue;
+        const Vec<double, 3> q{double(place[0][lane]), double(place[1][lane]), double(place[2][lane])};
+        const One sum = sum_beside_face<One, S>(face, q);
+        for (std::size_t k = 0; k < parts; ++k)
+            lanes[k][lane] = static_cast<S>(NumberTraits<One>::part(sum, k));
+    }
+    for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k) = Simd<S>::load(lanes[k]);
+}
+
+/// What a face adds to the weights of its corners. Lanes next to the face are flagged in `special`.
+template <class N, class S>
+std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, const std::array<N, 3>& g,
+                              const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
+                              ValueOf<N>& special) noexcept {
+    using X = ValueOf<N>;
+    const X zero(S(0)), one(S(1)), half(S(0.5)), least(least_divisor<S>);
+    const N height = linear<N>(face.offset, face.normal, p);
+    std::array<N, 3> rho, w;
+    N m = zero;
+    for (std::size_t k = 0; k < 3; ++k) {
+        rho[k] = linear<N>(face.across_offset[k], face.across[k], p);
+        m = m + g[k] * rho[k];
+    }
+    m = half * m;
+    const X distance = abs(value_of(height));
+    const X inmost = (min)(value_of(rho[0]), (min)(value_of(rho[1]), value_of(rho[2])));
+    special = select(both(distance <= X(limits.near), X(-limits.near) <= inmost), one, special);
+    const X near_plane = X(limits.beside) * (max)(one, -inmost);
+    const auto beside = both(distance < near_plane, both(inmost < zero, value_of(m) < half));
+    N s = m / select(distance <= least, N(least), height);
+    if constexpr (std::is_floating_point_v<X>) {
+        if (beside) s = sum_beside_face<N, S>(face, p);
+    } else if (any(beside)) {
+        set_beside_face<N, S>(s, beside, face, p);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
+        const N bent = g[k] + (X(face.cosine[n]) * g[l] + X(face.cosine[l]) * g[n]);
+        w[k] = X(face.inverse_altitude[k]) * (s * rho[k] + half * (height * bent));
+    }
+    return w;
+}
+
+/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec. 3, before normalising:
+/// the formula of MeanValueCoordinates<T, 3>.
+template <class N, class S>
+WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
+                   const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
+    using X = ValueOf<N>;
+    const X zero(S(0)), one(S(1));
+    for (std::size_t e = 0; e < cage.edges.size(); ++e) rows.edges[e] = seen_edge<N, S>(cage.edges[e], p);
+    for (N& w : rows.weights) w = zero;
+    X special = select(X(limits.far * limits.far) < inner(p, p), one, zero);
+    for (const auto& face : cage.faces) {
+        const std::array<N, 3> g{rows.edges[face.edge[0]], rows.edges[face.edge[1]],
+                                 rows.edges[face.edge[2]]};
+        const auto w = face_weights<N, S>(face, g, limits, p, special);
+        for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
+    }
+    N sum = zero;
+    for (const N& w : rows.weights) sum += w;
+    return {sum, special};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
