@@ -1,4 +1,5 @@
-// What the library's curves are compared with: other evaluators of Bézier curves, and the source's search for a knot.
+// What the library's curves are compared with: other evaluators of Bézier curves, and the source's
+// search for a knot.
 #pragma once
 
 #include <cageform/animate/knots.hpp>
@@ -7,8 +8,8 @@ namespace cageform_bench {
 
 using namespace cageform;
 
-/// Newton's method as OpenGEX has it (from where a straight line would be, without bounds), to a tolerance on the
-/// curve's parameter: fast on tame curves, wrong next to vertical tangents.
+/// Newton's method as OpenGEX has it (from where a straight line would be, without bounds), to a
+/// tolerance on the curve's parameter: fast on tame curves, wrong next to vertical tangents.
 class NewtonFunction {
 public:
     explicit NewtonFunction(const BezierCurve& curve, double tolerance = 1e-6) noexcept
@@ -32,9 +33,9 @@ private:
     double tolerance_;
 };
 
-/// The inverse of time in closed form, one of six families: linear, square root, cube root, sinh, cosh and cos. Which
-/// of the last two holds may change along a curve. Loses digits where the cubic term of time is small (1e-4 is met),
-/// so it is no reference.
+/// The inverse of time in closed form, one of six families: linear, square root, cube root, sinh,
+/// cosh and cos. Which of the last two holds may change along a curve. Loses digits where the cubic
+/// term of time is small (1e-4 is met), so it is no reference.
 class ClosedFormFunction {
 public:
     explicit ClosedFormFunction(const BezierCurve& curve) noexcept
@@ -91,8 +92,9 @@ private:
     double centre_ = 0, q_ = 0, amplitude_ = 0, scale_ = 0, turns_ = 0;
 };
 
-/// The source's heuristic for two pieces (Algorithm 4): the best of `steps` equal steps of time, then of as many between
-/// its neighbours, and so on, until the weighted error is accepted or `rounds` are done.
+/// The source's heuristic for two pieces (Algorithm 4): the best of `steps` equal steps of time,
+/// then of as many between its neighbours, and so on, until the weighted error is accepted or
+/// `rounds` are done.
 inline KnotSearch refine_knot(const BezierCurve& curve, std::size_t steps, const FitOptions& options = {},
                               double accepted_error = 0, std::size_t rounds = 8) {
     const SobolevFitter fitter(curve, options);

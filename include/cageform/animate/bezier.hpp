@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Keys at `points[0]` and `points[3]`, their handles between; axis 0 is time, axis 1 the value. A function of
-/// time where time never turns back along the curve, which is what `check` is for.
+/// Keys at `points[0]` and `points[3]`, their handles between; axis 0 is time, axis 1 the value. A
+/// function of time where time never turns back along the curve, which is what `check` is for.
 struct BezierCurve {
     std::array<Vec<double, 2>, 4> points;
 
@@ -54,8 +54,9 @@ inline PowerForm power_form(const BezierCurve& curve, std::size_t axis, double s
 
 } // namespace detail
 
-/// Whether time never turns back. With u1 and u2 the handles' times in parts of the interval: u1 ≥ 0, u2 ≤ 1, and
-/// u1 ≤ u2 or (u1 − u2)² ≤ u1 (1 − u2). There the derivative of time, a quadratic, has no sign change in (0, 1).
+/// Whether time never turns back. With u1 and u2 the handles' times in parts of the interval:
+/// u1 ≥ 0, u2 ≤ 1, and u1 ≤ u2 or (u1 − u2)² ≤ u1 (1 − u2). There the derivative of time, a
+/// quadratic, has no sign change in (0, 1).
 inline BezierCheck check(const BezierCurve& curve) noexcept {
     BezierCheck result;
     for (const auto& p : curve.points) {
@@ -78,8 +79,8 @@ inline BezierCheck check(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// A sound curve as a function of time: Newton's method held between bounds by bisection, so that vertical
-/// tangents do no harm. The reference for everything else here.
+/// A sound curve as a function of time: Newton's method held between bounds by bisection, so that
+/// vertical tangents do no harm. The reference for everything else here.
 ///
 ///   accuracy  of time a rounding of the interval's length, of the value what that makes
 ///   cost      some tens of nanoseconds

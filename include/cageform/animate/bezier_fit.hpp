@@ -17,8 +17,8 @@ struct BezierFit {
     ///   weights_not_positive      value_weight is not positive or slope_weight negative
     ///   norm_not_supported        the sup norm with conditions that tie pieces together
     ///   knots_not_ascending       knots do not ascend from 0 to 1, or two are one by rounding
-    ///   slope_unbounded           a condition asks for a derivative that the curve does not have there
-    ///   too_many_conditions       more independent conditions than coefficients, or repeated conditions
+    ///   slope_unbounded           a condition asks for a derivative where there is none
+    ///   too_many_conditions       more conditions than coefficients, or repeated ones
     ///   tolerance_not_positive    of `fit`
     ///   tolerance_not_met         of `fit`, with as many pieces as it may take
     ///   cancelled                 of `fit`
@@ -30,9 +30,9 @@ struct BezierFit {
     std::vector<double> bernstein;
     std::size_t free_coefficients = 0; ///< less the conditions
     double l2_error = 0;               ///< (∫ (C − f)² dx)^½, in the units of the curve
-    double slope_error = 0; ///< (∫ (C' − f')² dx)^½; infinite where the curve has a vertical tangent
-    double sup_error = 0;   ///< max |C − f|, exact to rounding
-    double sup_at = 0;      ///< a time where it occurs
+    double slope_error = 0;            ///< (∫ (C' − f')² dx)^½; infinite at a vertical tangent
+    double sup_error = 0;              ///< max |C − f|, exact to rounding
+    double sup_at = 0;                 ///< a time where it occurs
 
     std::size_t pieces() const noexcept { return knots.empty() ? 0 : knots.size() - 1; }
     double w12_error() const noexcept { return std::hypot(l2_error, slope_error); }

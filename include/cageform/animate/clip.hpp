@@ -1,4 +1,4 @@
-// A cage that moves: the pose of all its vertices at a time, without allocating. Run time, as piecewise_cubic.hpp.
+// A cage that moves: the pose of all its vertices at a time. Run time, as piecewise_cubic.hpp.
 #pragma once
 
 #include <cageform/animate/curve_bank.hpp>
@@ -6,8 +6,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The motion of a cage: a curve for every coordinate of every vertex, and perhaps a rigid motion on top. Made
-/// once, of key frames by `compile_clip` (animate/compile_clip.hpp); `sample` allocates nothing.
+/// The motion of a cage: a curve for every coordinate of every vertex, and perhaps a rigid motion
+/// on top. Made once, of key frames by `compile_clip` (animate/compile_clip.hpp); `sample`
+/// allocates nothing.
 template <Scalar T, std::size_t D>
 class CageClip {
     static_assert(D == 2 || D == 3);
@@ -18,8 +19,8 @@ public:
 
     CageClip() = default;
 
-    /// `curves`: #vertices · D, the coordinates of a vertex side by side, each with pieces. The clip lasts from
-    /// the first begin of a curve to the last end. It is extrapolated as a whole.
+    /// `curves`: #vertices · D, the coordinates of a vertex side by side, each with pieces. The
+    /// clip lasts from the first begin of a curve to the last end. It is extrapolated as a whole.
     CageClip(std::span<const PiecewiseCubic<T>> curves, Extrapolation before = Extrapolation::constant,
              Extrapolation after = Extrapolation::constant)
         : bank_(curves)

@@ -19,8 +19,8 @@ struct CompiledClip {
 ///
 ///   keys     #vertices · D, of each coordinate; the coordinates of a vertex side by side
 ///   options  the extrapolation is that of the clip as a whole
-///   fails    input_malformed where the number of curves is no multiple of D; as `compile_track`, of the first
-///            curve that is refused
+///   fails    input_malformed where the number of curves is no multiple of D; as `compile_track`,
+///            of the first curve that is refused
 template <Scalar T, std::size_t D>
 CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const TrackOptions& options = {},
                                 const Running& running = {}) {

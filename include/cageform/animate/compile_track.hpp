@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A piece of degree 3 of a fit as it is at run time; from times as T rounds them, so that it still meets the
-/// next. Not finite where T does not tell its ends apart.
+/// A piece of degree 3 of a fit as it is at run time; from times as T rounds them, so that it still
+/// meets the next. Not finite where T does not tell its ends apart.
 template <Scalar T>
 CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
     const auto b = fitted.coefficients(piece);
@@ -30,7 +30,7 @@ struct TrackOptions {
 
 template <Scalar T>
 struct CompiledTrack {
-    /// ok; keys_missing; value_not_finite; keys_not_ascending; cancelled; out_of_memory; and as `fit`.
+    /// keys_missing; value_not_finite; keys_not_ascending; cancelled; out_of_memory; as `fit`.
     Status status = Status::ok;
     std::size_t culprit = 0; ///< the key that is refused, or the first of the interval
     Track<T> track;          ///< without pieces where the status is not ok
@@ -112,11 +112,11 @@ private:
 
 } // namespace detail
 
-/// Compiles keys, which ascend by time, to a track. A single key is a constant. The progress is told every
-/// thousand keys.
+/// Compiles keys, which ascend by time, to a track. A single key is a constant. The progress is
+/// told every thousand keys.
 ///
-///   cost   a piece for every interval that is a cubic of time (all kinds but bezier with handles elsewhere
-///          than at thirds); of others as `fit`
+///   cost   a piece for every interval that is a cubic of time (all kinds but bezier with handles
+///          elsewhere than at thirds); of others as `fit`
 template <Scalar T>
 CompiledTrack<T> compile_track(std::span<const Key> keys, const TrackOptions& options = {},
                                const Running& running = {}) {

@@ -10,14 +10,15 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Many curves at one time: all coordinates of all vertices of a cage, say. They need no common knots.
+/// Many curves at one time, as the coordinates of a cage's vertices. They need no common knots.
 ///
-/// A cursor holds the current piece of every curve in rows of a cache line. The beginnings of all pieces in
-/// the order of time tell which curves enter another piece between two times, forwards and backwards.
+/// A cursor holds the current piece of every curve in rows of a cache line. The beginnings of all
+/// pieces in the order of time tell which curves enter another piece between two times, forwards
+/// and backwards.
 ///
-///   cost    of play, a few operations and five loads a value, whole vector registers at a time, and a few
-///           nanoseconds for each curve that enters another piece; of a jump, a search among the pieces of
-///           each curve
+///   cost    of play, a few operations and five loads a value, whole vector registers at a time,
+///           and a few nanoseconds for each curve that enters another piece; of a jump, a search
+///           among the pieces of each curve
 ///   memory  five scalars, two indices and a time a piece; a cursor, five scalars a curve
 template <Scalar T>
 class CurveBank {
@@ -36,7 +37,7 @@ public:
                 entries_.push_back({piece.begin, std::uint32_t(pieces_.size()), of});
                 pieces_.push_back(piece);
             }
-            // At the end itself still in the last piece, for its slope, unless the value jumps there.
+            // At the end itself still in the last piece, for its slope, unless the value jumps.
             const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
             ends_.push_back(jumps ? curve.end()
                                   : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
@@ -58,8 +59,8 @@ public:
                first_.size() * (sizeof(std::uint32_t) + sizeof(T));
     }
 
-    /// The pieces of all curves at the time last asked for. One for every place that plays a bank; made once,
-    /// used every frame.
+    /// The pieces of all curves at the time last asked for. One for every place that plays a bank;
+    /// made once, used every frame.
     class Cursor {
     public:
         Cursor() = default;
@@ -94,8 +95,9 @@ public:
         return cursor;
     }
 
-    /// The values of all curves at a finite time, into `out` (#curves), and their derivatives by time where
-    /// `slopes` is not empty. Outside a curve its nearest value is held. O(#curves), wherever the cursor was.
+    /// The values of all curves at a finite time, into `out` (#curves), and their derivatives by
+    /// time where `slopes` is not empty. Outside a curve its nearest value is held. O(#curves),
+    /// wherever the cursor was.
     void sample(T x, Cursor& cursor, std::span<T> out, std::span<T> slopes = {}) const noexcept {
         CAGEFORM_ASSERT(out.size() >= size() && (slopes.empty() || slopes.size() >= size()),
                         "a place for every curve");

@@ -24,8 +24,8 @@ struct FoldedTime {
     T turns = 0;  ///< of cycle_with_offset: how often the curve has been played before
     T beyond = 0; ///< of linear: how far beyond the range, negative before it
 
-    /// The extrapolated value: from that at `time`, the slope at the end that is next, and the rise of the
-    /// curve from its begin to its end.
+    /// The extrapolated value: from that at `time`, the slope at the end that is next, and the rise
+    /// of the curve from its begin to its end.
     T extend(T value, T slope, T rise) const noexcept {
         return detail::multiply_add(beyond, slope, detail::multiply_add(turns, rise, value));
     }

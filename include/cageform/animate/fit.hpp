@@ -111,7 +111,7 @@ private:
         return {good.solved ? Status::ok : Status::tolerance_not_met, good};
     }
 
-    /// By which a piece of this error is to become longer. Errors are of the order degree + 1 in the length.
+    /// How much longer a piece of this error may be: errors are of order degree + 1 in the length.
     double length_factor(double error) const noexcept {
         const double order = double(options_.degree + 1);
         return std::clamp(std::pow(0.985 * tolerance_ / std::max(error, 1e-300), 1 / order), 0.1, 8.0);
@@ -133,13 +133,14 @@ private:
 
 /// The fewest pieces whose largest error, measured exactly, is not above a tolerance.
 ///
-/// Pieces that are determined by their own interval (as by default) are each as long as they can be; otherwise
-/// there is one piece more until they suffice, at the best knots for their number.
+/// Pieces that are determined by their own interval (as by default) are each as long as they can
+/// be; otherwise there is one piece more until they suffice, at the best knots for their number.
 ///
 ///   tolerance   of |C − f|, in the units of the curve's values
-///   max_pieces  tolerance_not_met where they do not suffice; the result is then the best of that many
-///   cost        some microseconds a piece where it is determined by its own interval; otherwise milliseconds,
-///               and seconds for many
+///   max_pieces  tolerance_not_met where they do not suffice; the result is then the best of that
+///               many
+///   cost        some microseconds a piece where it is determined by its own interval; otherwise
+///               milliseconds, and seconds for many
 inline BezierFit fit(const BezierCurve& curve, double tolerance, const FitOptions& options = {},
                      std::size_t max_pieces = 64, const Running& running = {}) {
     return detail::FewestPieces(curve, tolerance, options, max_pieces).find(running);

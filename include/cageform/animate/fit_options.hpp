@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What the pieces f_i are held to besides being near to the curve C (the columns of the source's Table 6.1).
-/// Values are flags: `FitCondition::end_value | FitCondition::knot_c0`.
+/// What the pieces f_i are held to besides being near to the curve C (the columns of the source's
+/// Table 6.1). Values are flags: `FitCondition::end_value | FitCondition::knot_c0`.
 enum class FitCondition : std::uint16_t {
     none = 0,
     end_value = 1,  ///< f = C at both keys
@@ -64,8 +64,8 @@ constexpr std::size_t condition_count(FitCondition set, std::size_t pieces) noex
 /// What a fit makes small.
 enum class FitNorm : std::uint8_t {
     sobolev, ///< value_weight ∫ (C − f)² + slope_weight ∫ (C' − f')²
-    /// max |C − f|, from the Sobolev fit on; for pieces that are determined by their own interval. Knots are
-    /// searched as for sobolev.
+    /// max |C − f|, from the Sobolev fit on; for pieces that are determined by their own interval.
+    /// Knots are searched as for sobolev.
     sup,
 };
 
@@ -75,8 +75,8 @@ struct FitOptions {
     FitCondition conditions = FitCondition::end_value | FitCondition::knot_value;
     double value_weight = 1; ///< of ∫ (C − f)²
     double slope_weight = 1; ///< of ∫ (C' − f')²; 0 is the L² norm
-    /// Weights count where the interval is one unit of time long, so that the unit does not matter; or in the
-    /// curve's units.
+    /// Weights count where the interval is one unit of time long, so that the unit does not matter;
+    /// or in the curve's units.
     bool scale_free = true;
 };
 

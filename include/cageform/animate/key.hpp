@@ -8,7 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What the curve is from a key to the next. Where it arrives there, the next key's own handle or slope counts.
+/// What the curve is from a key to the next. Where it arrives there, the next key's own handle or
+/// slope counts.
 enum class KeyKind : std::uint8_t {
     hold,      ///< the value stays until the next key
     linear,    ///< a straight line
@@ -21,18 +22,18 @@ enum class KeyKind : std::uint8_t {
 struct Key {
     double time = 0, value = 0;
     KeyKind kind = KeyKind::automatic;
-    Vec<double, 2> in_handle{}, out_handle{};     ///< of bezier: time and value, not relative to the key
+    Vec<double, 2> in_handle{}, out_handle{};     ///< of bezier: time and value of the handle itself
     double in_slope = 0, out_slope = 0;           ///< of hermite
-    double tension = 0, continuity = 0, bias = 0; ///< of tcb, in [-1, 1]; all zero is Catmull & Rom's
+    double tension = 0, continuity = 0, bias = 0; ///< of tcb, in [-1, 1]; 0 is Catmull & Rom's
 };
 
 namespace detail {
 
-/// The slope at a key that has no handles, per unit of time: where the curve leaves it (`out`), or arrives. Of
-/// two keys at least.
+/// The slope at a key that has no handles, per unit of time: where the curve leaves it (`out`), or
+/// arrives. Of two keys at least.
 inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noexcept {
     const Key& key = keys[i];
-    const auto length = [&](std::size_t k) { return keys[k + 1].time - keys[k].time; }; // to the next key
+    const auto length = [&](std::size_t k) { return keys[k + 1].time - keys[k].time; };
     const auto chord = [&](std::size_t k) { return (keys[k + 1].value - keys[k].value) / length(k); };
     const bool first = i == 0, last = i + 1 == keys.size();
     const double before = chord(first ? 0 : i - 1), after = chord(last ? i - 1 : i);
@@ -56,7 +57,8 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
     return before * after / (part * after + (1 - part) * before);
 }
 
-/// A key's own handle where it has such, otherwise that on its slope at `third` of an interval from the key.
+/// A key's own handle where it has such, otherwise that on its slope at `third` of an interval from
+/// the key.
 inline Vec<double, 2> key_handle(std::span<const Key> keys, std::size_t i, double third) noexcept {
     const Key& key = keys[i];
     const bool out = third > 0;
@@ -66,8 +68,8 @@ inline Vec<double, 2> key_handle(std::span<const Key> keys, std::size_t i, doubl
 
 } // namespace detail
 
-/// The Bézier curve from key `i` to the next, of kinds other than hold. A handle that a key does not have itself
-/// lies at a third of the interval; where both do, the curve is a cubic of time.
+/// The Bézier curve from key `i` to the next, of kinds other than hold. A handle that a key does
+/// not have itself lies at a third of the interval; where both do, the curve is a cubic of time.
 inline BezierCurve key_interval(std::span<const Key> keys, std::size_t i) noexcept {
     const Key &a = keys[i], &b = keys[i + 1];
     const Vec<double, 2> begin{a.time, a.value}, end{b.time, b.value};

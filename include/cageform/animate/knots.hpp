@@ -24,14 +24,15 @@ inline std::vector<double> uniform_in_parameter(std::size_t pieces) {
 
 struct KnotOptions {
     FitOptions fit{};
-    std::size_t max_trials = 1000000; ///< of search_knots: choices, after which it ends with too_many_trials
-    std::size_t steps = 40; ///< of optimal_knots: of the grid in the parameter, two a piece at least
-    int rounds = 100; ///< of optimal_knots: in which each knot is moved once; 0 leaves those of the grid
+    std::size_t max_trials = 1000000; ///< of search_knots: then it fails with too_many_trials
+    std::size_t steps = 40;           ///< of optimal_knots' grid in the parameter; two a piece at least
+    int rounds = 100;                 ///< of optimal_knots: in each, every knot is moved once
 };
 
 /// Knots and what they cost.
 struct KnotSearch {
-    /// As of a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces; cancelled.
+    /// As of a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces;
+    /// cancelled.
     Status status = Status::ok;
     std::vector<double> parameters;   ///< #pieces + 1, from 0 to 1
     std::vector<std::size_t> indices; ///< of them among the candidates, where they are from a grid
@@ -41,8 +42,8 @@ struct KnotSearch {
 
 namespace detail {
 
-/// The knots of least cost among candidates when pieces are determined by their own interval, by dynamic
-/// programming: least(n, k) = min_j least(n − 1, j) + cost(j, k).
+/// The knots of least cost among candidates when pieces are determined by their own interval, by
+/// dynamic programming: least(n, k) = min_j least(n − 1, j) + cost(j, k).
 inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const double> candidates,
                                 std::size_t pieces, const Running& running) {
     const std::size_t last = candidates.size() - 1;
@@ -85,7 +86,8 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
     return search;
 }
 
-/// The next choice of ascending indices from 0 to `last`, the last but one fastest; false after all.
+/// The next choice of ascending indices from 0 to `last`, the last but one fastest; false after
+/// all.
 inline bool next_choice(std::vector<std::size_t>& indices) noexcept {
     const std::size_t pieces = indices.size() - 1, last = indices[pieces];
     std::size_t i = pieces - 1;
@@ -127,9 +129,9 @@ inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> c
     return search;
 }
 
-/// Options whose pieces are determined by their own interval and have practically the same best knots: values
-/// taken at knots in place of neighbours that agree. The same options where there are none, and where slopes
-/// hardly count, which makes a difference.
+/// Options whose pieces are determined by their own interval and have practically the same best
+/// knots: values taken at knots in place of neighbours that agree. The same options where there are
+/// none, and where slopes hardly count, which makes a difference.
 inline FitOptions apart(FitOptions options) noexcept {
     using enum FitCondition;
     if (options.conditions == (end_value | knot_c0) && options.slope_weight >= 1e-3 * options.value_weight)
@@ -163,9 +165,9 @@ inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
 
 } // namespace detail
 
-/// The best of all choices of inner knots among candidates, which ascend from 0 to 1. Where pieces are
-/// determined by their own interval it is found without trying all; so with `end_value | knot_c0`, by the knots
-/// of `end_value | knot_value`.
+/// The best of all choices of inner knots among candidates, which ascend from 0 to 1. Where pieces
+/// are determined by their own interval it is found without trying all; so with `end_value |
+/// knot_c0`, by the knots of `end_value | knot_value`.
 inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double> candidates,
                                std::size_t pieces, const KnotOptions& options = {},
                                const Running& running = {}) {
@@ -181,8 +183,9 @@ inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double>
                               : detail::try_all(fitter, candidates, pieces, options.max_trials, running);
 }
 
-/// The best knots: those on a grid of equal steps of the parameter, then polished, one knot after the other,
-/// until none moves. O(steps² + pieces · rounds) fits of a piece, of all pieces where they are tied.
+/// The best knots: those on a grid of equal steps of the parameter, then polished, one knot after
+/// the other, until none moves. O(steps² + pieces · rounds) fits of a piece, of all pieces where
+/// they are tied.
 inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, const KnotOptions& options = {},
                                 const Running& running = {}) {
     const SobolevFitter fitter(curve, detail::apart(options.fit));

@@ -1,5 +1,5 @@
-// A function of time made of cubics: what an animation curve is at run time. No Eigen, no exceptions, nothing
-// but the standard library; evaluation allocates nothing.
+// A function of time made of cubics: what an animation curve is at run time. No Eigen, no
+// exceptions, nothing but the standard library; evaluation allocates nothing.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -27,8 +27,8 @@ struct CubicPiece {
 
 namespace detail {
 
-/// The last of `count` ascending times begin(0), begin(1), … that is not later than `x`; 0 where all are
-/// later. Without branches on x.
+/// The last of `count` ascending times begin(0), begin(1), … that is not later than `x`; 0 where
+/// all are later. Without branches on x.
 template <Scalar T, class Begin>
 std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
     std::size_t first = 0;
@@ -44,15 +44,16 @@ std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
 
 } // namespace detail
 
-/// Cubic pieces one after the other, in the units of their keys. Six scalars a piece. Outside of them the
-/// nearest value is held; `Track` (animate/track.hpp) extrapolates.
+/// Cubic pieces one after the other, in the units of their keys. Six scalars a piece. Outside of
+/// them the nearest value is held; `Track` (animate/track.hpp) extrapolates.
 template <Scalar T>
 class PiecewiseCubic {
 public:
     using scalar = T;
 
     PiecewiseCubic() = default;
-    /// Pieces ascend by `begin`; `end` is that of the last, not before its begin. From there on the value is held.
+    /// Pieces ascend by `begin`; `end` is that of the last, not before its begin. From there on the
+    /// value is held.
     PiecewiseCubic(std::vector<CubicPiece<T>> pieces, T end)
         : PiecewiseCubic(std::move(pieces), end, T(0)) {
         if (!pieces_.empty()) end_value_ = pieces_.back()(end_);
@@ -77,7 +78,8 @@ public:
     T end() const noexcept { return end_; }
     T end_value() const noexcept { return end_value_; } ///< from there on
 
-    /// The piece at a time, for a curve that is not empty: the last that begins not later. O(log #pieces).
+    /// The piece at a time, for a curve that is not empty: the last that begins not later. O(log
+    /// #pieces).
     std::size_t locate(T x) const noexcept {
         return detail::last_up_to(x, pieces_.size(),
                                   [begin = begins_.data()](std::size_t i) { return begin[i]; });

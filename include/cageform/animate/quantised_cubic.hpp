@@ -8,10 +8,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A curve in 16 bits a coefficient: the Bernstein coefficients of every piece, as steps from the least to the
-/// largest of all. At most half the size of float pieces.
+/// A curve in 16 bits a coefficient: the Bernstein coefficients of every piece, as steps from the
+/// least to the largest of all. At most half the size of float pieces.
 ///
-///   error   at most half a step more than that of the curve, `error_bound()`: the range over 131070
+///   error   at most half a step more than that of the curve, `error_bound()`: the range over
+///           131070
 template <Scalar T>
 class QuantisedCubic {
 public:

@@ -12,7 +12,8 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 using Quaternion = std::array<T, 4>;
 
-/// From one rotation to another along the shorter arc at constant speed; `part` in [0, 1] (Shoemake 1985).
+/// From one rotation to another along the shorter arc at constant speed; `part` in [0, 1] (Shoemake
+/// 1985).
 template <Scalar T>
 Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
     T cosine = 0;
@@ -22,7 +23,8 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
         cosine = -cosine;
     }
     T of_a = 1 - part, of_b = part;
-    // Nearer than that a straight line does as well, made of unit length below; the sine is not near zero.
+    // Nearer than that a straight line does as well, made of unit length below; the sine is not
+    // near zero.
     constexpr T near = T(0.9995);
     if (cosine < near) {
         const T angle = std::acos(cosine), sine = std::sin(angle);
@@ -39,8 +41,8 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
     return q;
 }
 
-/// Turns and moves a cage as a whole, on top of what its vertices do: interpolating the vertices between two
-/// turned poses would shrink the cage in between. Tracks without pieces do nothing.
+/// Turns and moves a cage as a whole, on top of what its vertices do: interpolating the vertices
+/// between two turned poses would shrink the cage in between. Tracks without pieces do nothing.
 template <Scalar T, std::size_t D>
 struct RigidMotion {
     Vec<T, D> pivot{};                    ///< the point about which the cage turns

@@ -1,8 +1,10 @@
-// A Bézier key interval replaced by a few polynomials in time: the best ones in a Sobolev norm, under conditions.
+// A Bézier key interval replaced by a few polynomials in time: the best ones in a Sobolev norm,
+// under conditions.
 //
-// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD thesis, Warsaw
-// University of Technology (2019), ch. 4. Misprints are corrected, integrals exact. Bind time: allocates, uses
-// Eigen. The normal equations are in detail/normal_equations.hpp, conditions in detail/tied_pieces.hpp.
+// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD
+// thesis, Warsaw University of Technology (2019), ch. 4. Misprints are corrected, integrals exact.
+// Bind time: allocates, uses Eigen. The normal equations are in detail/normal_equations.hpp,
+// conditions in detail/tied_pieces.hpp.
 #pragma once
 
 #include <cageform/animate/bezier_fit.hpp>
@@ -14,8 +16,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Fits pieces to one curve; the search for knots asks it many times. Time runs from 0 to 1 inside, values from
-/// the first key's on.
+/// Fits pieces to one curve; the search for knots asks it many times. Time runs from 0 to 1 inside,
+/// values from the first key's on.
 class SobolevFitter {
 public:
     using Piece = detail::FitPiece;
@@ -30,8 +32,8 @@ public:
     /// Whether every piece is determined by its own interval.
     bool decoupled() const noexcept { return detail::decoupled(problem_.options.conditions); }
 
-    /// The best piece between two parameters that has the values (and slopes) of the curve at its ends. Not
-    /// solved where there are more conditions than coefficients, or a slope is unbounded.
+    /// The best piece between two parameters that has the values (and slopes) of the curve at its
+    /// ends. Not solved where there are more conditions than coefficients, or a slope is unbounded.
     Piece fit_piece(double begin, double end) const {
         Piece piece = problem_.interval(begin, end);
         if (!(piece.length() > 0)) return piece;
@@ -49,8 +51,8 @@ public:
         return piece;
     }
 
-    /// What knots are searched by: the weighted squares of a piece's errors. Where the curve's slope is
-    /// unbounded, less a constant that is infinite but the same for all knots.
+    /// What knots are searched by: the weighted squares of a piece's errors. Where the curve's
+    /// slope is unbounded, less a constant that is infinite but the same for all knots.
     double cost(const Piece& piece) const {
         const auto& [function, options, vertical] = problem_;
         if (!vertical || options.slope_weight == 0) {
@@ -71,7 +73,8 @@ public:
         return sum;
     }
 
-    /// The largest |C − f| on a piece; exact, since the difference is a polynomial of the curve's parameter.
+    /// The largest |C − f| on a piece; exact, since the difference is a polynomial of the curve's
+    /// parameter.
     double largest_error(const Piece& piece) const { return detail::largest_error(problem_, piece); }
     /// What samples find of it: never more, seldom less by more than a twentieth. Much faster.
     double sampled_error(const Piece& piece) const noexcept { return detail::sampled_error(problem_, piece); }
@@ -141,8 +144,8 @@ private:
         return Status::ok;
     }
 
-    /// Sets the first or the last `count` coefficients of a piece from the curve; false where a derivative is
-    /// unbounded.
+    /// Sets the first or the last `count` coefficients of a piece from the curve; false where a
+    /// derivative is unbounded.
     bool prescribe(Piece& piece, std::size_t count, bool at_end) const noexcept {
         std::array<double, 3> c{};
         if (!problem_.derivatives(at_end ? piece.end : piece.begin, count, c)) return false;
@@ -180,8 +183,8 @@ private:
     detail::FitProblem problem_;
 };
 
-/// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals, one linear
-/// system.
+/// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals,
+/// one linear system.
 inline BezierFit fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
                             const FitOptions& options = {}) {
     return SobolevFitter(curve, options).fit(parameters);

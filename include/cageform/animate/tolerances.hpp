@@ -8,9 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// @name Tolerances
-/// Errors that cannot be seen (Izdebski 2019, sec. 5.2), in the units of the values animated. Angles are in
-/// radians.
+/// @name Tolerances Errors that cannot be seen (Izdebski 2019, sec. 5.2), in the units of the
+/// values animated. Angles are in radians.
 /// @{
 
 /// One step of a colour channel of `bits` bits, of a range of 1.
@@ -21,8 +20,8 @@ inline double colour_tolerance(unsigned bits) noexcept {
 inline double orthographic_tolerance(double width, double pixels) noexcept {
     return width / pixels;
 }
-/// One pixel at distance `depth` under a perspective camera whose field of view is `angle` across `pixels`
-/// pixels.
+/// One pixel at distance `depth` under a perspective camera whose field of view is `angle` across
+/// `pixels` pixels.
 inline double perspective_tolerance(double angle, double depth, double pixels) noexcept {
     return 2 * std::tan(0.5 * angle) * depth / pixels;
 }
@@ -34,7 +33,8 @@ inline double rotation_tolerance(double distance, double radius) noexcept {
 inline double eye_tolerance(double distance) noexcept {
     return 2 * std::tan(std::numbers::pi / 180 / 120) * distance;
 }
-/// The pitch of a screen's pixels, in millimetres, from its size in pixels and its diagonal in inches.
+/// The pitch of a screen's pixels, in millimetres, from its size in pixels and its diagonal in
+/// inches.
 inline double pixel_pitch(double width, double height, double diagonal) noexcept {
     return 25.4 * diagonal / std::hypot(width, height);
 }

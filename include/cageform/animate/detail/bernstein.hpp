@@ -21,7 +21,7 @@ inline constexpr auto binomials = [] {
     return table;
 }();
 
-/// Σ c_i B_i of a degree of at most 15: what composing polynomials of degree 5 with cubics comes to.
+/// Σ c_i B_i of a degree of at most 15: that of polynomials of degree 5 composed with cubics.
 struct Bernstein {
     static constexpr std::size_t most = 15;
     std::size_t degree = 0;
@@ -85,8 +85,8 @@ inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
     return p;
 }
 
-/// The largest |p| on [0, 1] and where it is. Exact to rounding: derivatives are split until their coefficients change sign
-/// once at most, which is where a single extreme lies.
+/// The largest |p| on [0, 1] and where it is. Exact to rounding: derivatives are split until their
+/// coefficients change sign once at most, which is where a single extreme lies.
 struct LargestValue {
     double value = 0, at = 0;
 };

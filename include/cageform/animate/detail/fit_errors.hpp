@@ -18,7 +18,7 @@ inline Bernstein restricted(const PowerForm& p, double a, double b) noexcept {
     return {3, {polar(a, a, a), polar(a, a, b), polar(a, b, b), polar(b, b, b)}};
 }
 
-/// C − f on a piece: a polynomial in the curve's parameter, of which 0 and 1 are the ends of the piece.
+/// C − f on a piece: a polynomial in the curve's parameter, 0 and 1 at the ends of the piece.
 inline Bernstein residual(const FitProblem& problem, const FitPiece& piece) noexcept {
     Bernstein u = restricted(problem.function.time(), piece.begin, piece.end), rest{3, {}};
     for (std::size_t k = 1; k < 3; ++k) u.c[k] = (u.c[k] - piece.x_begin) / piece.length();
@@ -40,8 +40,8 @@ inline double largest_error(const FitProblem& problem, const FitPiece& piece) no
     return largest_absolute(residual(problem, piece)).value;
 }
 
-/// The largest |C − f| at a few parameters of a piece: never more than the exact one, seldom less by more than
-/// a twentieth, and much faster.
+/// The largest |C − f| at a few parameters of a piece: never more than the exact one, seldom less
+/// by more than a twentieth, and much faster.
 inline double sampled_error(const FitProblem& problem, const FitPiece& piece) noexcept {
     const double h = piece.length();
     double largest = 0;
@@ -96,8 +96,8 @@ bool slope_is_unbounded(const FitProblem& problem, const FitPiece& piece, const 
     return false;
 }
 
-/// ∫ (E'/x')² dx = ∫ E'²/x' dt of the residual E. The integrand is singular at the roots of x', so that panels
-/// are kept small beside their distance from them.
+/// ∫ (E'/x')² dx = ∫ E'²/x' dt of the residual E. The integrand is singular at the roots of x', so
+/// that panels are kept small beside their distance from them.
 inline double slope_square(const FitProblem& problem, const FitPiece& piece, const Bernstein& error) {
     const auto& time = problem.function.time();
     const auto slope = error.derivative();

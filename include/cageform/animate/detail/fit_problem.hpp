@@ -43,13 +43,14 @@ struct FitProblem {
         return {begin, end, begin == 0 ? 0 : time(begin), end == 1 ? 1 : time(end), {}, false};
     }
 
-    /// Value, slope and curvature: how many of them a piece takes from the curve, at a key or an inner knot.
+    /// Value, slope and curvature: how many of them a piece takes from the curve, at a key or an
+    /// inner knot.
     std::size_t prescribed(bool at_key) const noexcept {
         const auto& conditions = at_key ? at_keys : at_knots;
         return 1 + std::size_t(has(conditions[1])) + std::size_t(has(conditions[2]));
     }
 
-    /// The first `count` of C, C' and C'' by time at a parameter; false where one of them is unbounded.
+    /// The first `count` of C, C' and C'' by time at a parameter; false where one is unbounded.
     bool derivatives(double t, std::size_t count, std::array<double, 3>& c) const noexcept {
         const double length = function.length();
         c = {t == 1 ? function.curve().points[3][1] - function.curve().points[0][1] : function.value()(t), 0,

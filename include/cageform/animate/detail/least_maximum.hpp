@@ -6,8 +6,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Moves `count` coefficients of a piece, from `first` on, towards the least largest error: least squares again
-/// and again, each sample weighted by the errors it has had (Lawson 1961). Keeps the best piece met.
+/// Moves `count` coefficients of a piece, from `first` on, towards the least largest error: least
+/// squares again and again, each sample weighted by the errors it has had (Lawson 1961). Keeps the
+/// best piece met.
 class LeastMaximum {
 public:
     LeastMaximum(const FitProblem& problem, const FitPiece& piece, std::size_t first, std::size_t count)
@@ -45,7 +46,7 @@ public:
     }
 
 private:
-    /// The free basis polynomials at a part of the piece's parameter range, and the curve less the given ones.
+    /// The free basis polynomials at a part of the piece, and the curve less the given ones.
     void sample(const FitPiece& piece, double part, std::size_t k) {
         const std::size_t d = problem_.options.degree;
         const double t = piece.begin + part * (piece.end - piece.begin);

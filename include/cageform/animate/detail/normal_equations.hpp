@@ -1,5 +1,5 @@
-// The normal equations of a fitted piece: G b = l in its Bernstein coefficients b, with the Gram matrix G of the
-// basis and the load l of the curve.
+// The normal equations of a fitted piece: G b = l in its Bernstein coefficients b, with the Gram
+// matrix G of the basis and the load l of the curve.
 #pragma once
 
 #include <cageform/animate/detail/fit_problem.hpp>
@@ -25,7 +25,7 @@ inline GramMatrix gram_matrix(const FitProblem& problem, double h) noexcept {
     GramMatrix gram{};
     for (std::size_t i = 0; i <= d; ++i) {
         for (std::size_t j = 0; j <= d; ++j) {
-            // B_i' = d (B_(i−1) − B_i) of one degree less. Index −1 wraps round to one out of range.
+            // B_i' = d (B_(i−1) − B_i) of one degree less. Index −1 wraps to one out of range.
             const double slopes = bernstein_product(d - 1, i - 1, j - 1) -
                                   bernstein_product(d - 1, i - 1, j) - bernstein_product(d - 1, i, j - 1) +
                                   bernstein_product(d - 1, i, j);
@@ -54,7 +54,7 @@ private:
     }
 };
 
-/// l_j = w0 ∫ C B_j dx + w1 ∫ C' B_j' dx. Substituting the curve's parameter makes the integrands polynomials.
+/// l_j = w0 ∫ C B_j dx + w1 ∫ C' B_j' dx: polynomials, with the curve's parameter substituted.
 template <std::size_t Nodes>
 Coefficients load_by_rule(const FitProblem& problem, const FitPiece& piece) {
     const auto& rule = Gauss<Nodes>::rule();
@@ -85,7 +85,7 @@ using SmallMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, int(most_coefficients), int(most_coefficients)>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, int(most_coefficients), 1>;
 
-/// Solves for `count` coefficients of a piece, from `first` on; the others are given and go to the right side.
+/// Solves for `count` coefficients of a piece, from `first` on. The others are given.
 inline void solve_normal_equations(const FitProblem& problem, FitPiece& piece, std::size_t first,
                                    std::size_t count) {
     const GramMatrix gram = gram_matrix(problem, piece.length());

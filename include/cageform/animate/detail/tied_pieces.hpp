@@ -11,8 +11,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The Lagrange system [G Aᵀ; A 0] of the source's (4.59): the normal equations G of all pieces, and a row of A
-/// for each condition. Unknowns are the pieces' Bernstein coefficients and the multipliers.
+/// The Lagrange system [G Aᵀ; A 0] of the source's (4.59): the normal equations G of all pieces,
+/// and a row of A for each condition. Unknowns are the pieces' Bernstein coefficients and the
+/// multipliers.
 class TiedPieces {
 public:
     TiedPieces(const FitProblem& problem, std::span<FitPiece> pieces)
@@ -91,8 +92,9 @@ private:
         ++row_;
     }
 
-    /// Adds `sign` times a derivative of a piece at its begin or end to the current row. Derivatives are taken
-    /// over their size on the unit interval, so that all rows are of one magnitude.
+    /// Adds `sign` times a derivative of a piece at its begin or end to the current row.
+    /// Derivatives are taken over their size on the unit interval, so that all rows are of one
+    /// magnitude.
     void add_derivative(std::size_t order, std::size_t piece, bool at_end, double sign) {
         static constexpr std::array<std::array<double, 3>, 3> differences{
             {{1, 0, 0}, {-1, 1, 0}, {1, -2, 1}}};
@@ -125,7 +127,7 @@ private:
 
     const FitProblem& problem_;
     std::span<FitPiece> pieces_;
-    std::size_t coefficients_, unknowns_, conditions_; ///< coefficients of a piece, of all; rows of A
+    std::size_t coefficients_, unknowns_, conditions_; ///< of a piece, of all; rows of A
     Eigen::MatrixXd system_, rows_;                    ///< rows_: A
     Eigen::VectorXd right_;
     std::size_t row_ = 0; ///< of the next condition

@@ -5,8 +5,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A bpy.types.Keyframe: places (frame, value), which Blender stores in single precision. `interpolation`
-/// says how the next keyframe is reached; CONSTANT is hold.
+/// A bpy.types.Keyframe: places (frame, value), which Blender stores in single precision.
+/// `interpolation` says how the next keyframe is reached; CONSTANT is hold.
 struct BlenderKey {
     Vec<double, 2> co{}, handle_left{}, handle_right{};
     KeyKind interpolation = KeyKind::bezier;
@@ -14,17 +14,18 @@ struct BlenderKey {
 
 /// What Blender does to long handles when it evaluates a curve; the stored ones stay as they are.
 enum class BlenderLimit : std::uint8_t {
-    /// A handle that spans more time than the interval is shortened, in its direction, to the interval's
-    /// length; the other stays. Blender 3.4.1, where it was measured.
+    /// A handle that spans more time than the interval is shortened, in its direction, to the
+    /// interval's length; the other stays. Blender 3.4.1, where it was measured.
     each_handle,
-    /// Two handles that together span more time than the interval are both scaled by the interval's length
-    /// over their sum. Blender before that.
+    /// Two handles that together span more time than the interval are both scaled by the interval's
+    /// length over their sum. Blender before that.
     both_together,
 };
 
 namespace detail {
 
-/// A handle's way from its key, `factor` times; none, where the factor is 1, without rounding.
+/// A handle at `factor` times its distance from its key; the same where the factor is 1, without
+/// rounding.
 inline Vec<double, 2> shortened(const Vec<double, 2>& key, const Vec<double, 2>& handle,
                                 double factor) noexcept {
     return factor == 1 ? handle : key + factor * (handle - key);
@@ -45,9 +46,10 @@ inline BezierCurve limited_by_blender(const BezierCurve& curve, BlenderLimit lim
 
 /// The curve from a keyframe to the next, as Blender evaluates it: long handles are shortened.
 ///
-///   fails  value_not_finite; interval_empty; curve_turns_back where a handle points away from the interval
-/// The easing interpolations (SINE, BOUNCE, …) are no Bézier curves. Blender manual, Graph Editor, F-Curves,
-/// "Handles" and "Interpolation"; the limits from what fcurve.evaluate() gives.
+///   fails  value_not_finite; interval_empty; curve_turns_back where a handle points away from the
+///          interval
+/// The easing interpolations (SINE, BOUNCE, …) are no Bézier curves. Blender manual, Graph Editor,
+/// F-Curves, "Handles" and "Interpolation"; the limits from what fcurve.evaluate() gives.
 inline ImportedCurve from_blender(const BlenderKey& first, const BlenderKey& second,
                                   BlenderLimit limit = BlenderLimit::each_handle) noexcept {
     if (first.interpolation == KeyKind::hold) return detail::held(first.co, second.co[0]);
@@ -55,18 +57,19 @@ inline ImportedCurve from_blender(const BlenderKey& first, const BlenderKey& sec
         return detail::imported(KeyKind::linear, detail::straight(first.co, second.co));
     const BezierCurve stored{{first.co, first.handle_right, second.handle_left, second.co}};
     for (const auto& p : stored.points) {
-        if (!is_finite(p)) return {Status::value_not_finite, KeyKind::bezier, {}};
+        if (!is_finite(p)) return detail::refused(Status::value_not_finite);
     }
-    if (!(second.co[0] > first.co[0])) return {Status::interval_empty, KeyKind::bezier, {}};
+    if (!(second.co[0] > first.co[0])) return detail::refused(Status::interval_empty);
     return detail::imported(KeyKind::bezier, detail::limited_by_blender(stored, limit));
 }
 
-/// Writes what a curve says of two keyframes: places, the handles between them, how the second is reached.
-/// The outer handles are the neighbours'. Both handle types must be FREE (or ALIGNED), or Blender places the
-/// handles anew.
+/// Writes what a curve says of two keyframes: places, the handles between them, how the second is
+/// reached. The outer handles are the neighbours'. Both handle types must be FREE (or ALIGNED), or
+/// Blender places the handles anew.
 ///
 ///   hold   the second key's value is left alone
-///   fails  as `check`; handle_not_allowed where Blender would shorten a handle; nothing is written then
+///   fails  as `check`; handle_not_allowed where Blender would shorten a handle; nothing is written
+///          then
 inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey& second,
                          KeyKind kind = KeyKind::bezier,
                          BlenderLimit limit = BlenderLimit::each_handle) noexcept {

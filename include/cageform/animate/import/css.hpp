@@ -15,8 +15,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   input_malformed      the text is no easing function of those below
 ///   handle_not_allowed   x1 or x2 lies outside [0, 1]
 ///   value_not_finite     y1 or y2 is too large for a double
-/// `curve` is then all zeros, and `error_at` where in the text the fault lies, in bytes; its size where it
-/// ends too early.
+/// `curve` is then all zeros, and `error_at` where in the text the fault lies, in bytes; its size
+/// where it ends too early.
 struct CssEasing {
     Status status = Status::ok;
     BezierCurve curve{};
@@ -63,9 +63,9 @@ public:
         return text_.substr(begin, at_ - begin);
     }
 
-    /// A number-token (sec. 4.3.12): no unit or percent sign behind it, digits behind a point. Infinite where
-    /// it is too large for a double, zero where too small; on failure, false, and `at` is where it went
-    /// wrong.
+    /// A number-token (sec. 4.3.12): no unit or percent sign behind it, digits behind a point.
+    /// Infinite where it is too large for a double, zero where too small; on failure, false, and
+    /// `at` is where it went wrong.
     bool number(double& value) noexcept {
         const bool negative = peek(at_) == '-';
         if (negative || peek(at_) == '+') ++at_;
@@ -96,8 +96,8 @@ private:
         return at;
     }
 
-    /// Of a number that is no double: whether it is too large, not too small, by the power of ten of its
-    /// first digit.
+    /// Of a number that is no double: whether it is too large, not too small, by the power of ten
+    /// of its first digit.
     static bool is_large(std::string_view token) noexcept {
         constexpr std::int64_t most = std::int64_t{1} << 56; // longer than any text
         const std::size_t e = std::min(token.find_first_of("eE"), token.size());
@@ -128,11 +128,12 @@ inline BezierCurve unit_curve(double x1, double y1, double x2, double y2) noexce
 
 } // namespace detail
 
-/// Reads `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and `ease-in-out`.
+/// Reads `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
+/// `ease-in-out`.
 ///
-///   text    one easing function: in any case, with whitespace and comments where CSS has them; the decimal
-///           point is a point in every locale. Not understood: steps(), linear(), calc(), escapes in names, a
-///           missing last bracket.
+///   text    one easing function: in any case, with whitespace and comments where CSS has them; the
+///           decimal point is a point in every locale. Not understood: steps(), linear(), calc(),
+///           escapes in names, a missing last bracket.
 ///   curve   `linear` has its handles on its keys, as cubic-bezier(0, 0, 1, 1)
 ///   cost    one pass, no allocation
 /// CSS Easing Functions Level 1, sec. 2.1 and 2.2; CSS Syntax Module Level 3, sec. 4.3.
@@ -187,20 +188,22 @@ struct CssText {
     std::string text;
 };
 
-/// `cubic-bezier(x1, y1, x2, y2)` of the curve moved and scaled to keys at (0, 0) and (1, 1). The digits are
-/// the fewest that are read as the same numbers, so that of a curve with such keys the text gives back every
-/// bit.
+/// `cubic-bezier(x1, y1, x2, y2)` of the curve moved and scaled to keys at (0, 0) and (1, 1). The
+/// digits are the fewest that are read as the same numbers, so that of a curve with such keys the
+/// text gives back every bit.
 ///
-///   level   a curve of one value is what any easing between equal values is; its y1 and y2 become 0 and 1
-///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval, which CSS forbids, or
-///           where the keys have one value and a handle another; value_not_finite; out_of_memory
+///   level   a curve of one value is what any easing between equal values is; its y1 and y2 become
+///           0 and 1
+///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval, which CSS
+///           forbids, or where the keys have one value and a handle another; value_not_finite;
+///           out_of_memory
 /// CSS Easing Functions Level 1, sec. 2.2.
 inline CssText to_css(const BezierCurve& curve) noexcept {
     CssText result;
     const auto unit = detail::unit_handles(curve);
     result.status = unit.status;
     if (result.status != Status::ok) return result;
-    std::array<char, 160> buffer{}; // of which 4 numbers of 24 characters and 21 more are used at most
+    std::array<char, 160> buffer{}; // at most 4 numbers of 24 characters and 21 more are used
     char* end = buffer.data();
     const auto append = [&](std::string_view s) { end = std::copy(s.begin(), s.end(), end); };
     std::string_view before = "cubic-bezier(";

@@ -1,22 +1,21 @@
 // What the importers and exporters of keyframe curves have in common.
 #pragma once
 
-#include <cageform/animate/bezier.hpp>
+#include <cageform/animate/key.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 
 #include <bit>
-#include <cstdint>
 #include <limits>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Which handles of a key have a length of their own. The numbers are those of Unity's WeightedMode and of
-/// Unreal's ERichCurveTangentWeightMode, where `in` is called arrive and `out` leave.
+/// Which handles of a key have a length of their own. The numbers are those of Unity's WeightedMode
+/// and of Unreal's ERichCurveTangentWeightMode, where `in` is called arrive and `out` leave.
 enum class WeightedHandles : std::uint8_t { none = 0, in = 1, out = 2, both = 3 };
 
-/// The interval between two keys of another program. `curve` is a sound one (`check` says ok) where `status`
-/// is ok, else all zeros. Of a held key it is level, at the first key's value; the second key's value begins
-/// the next interval.
+/// The interval between two keys of another program. `curve` is a sound one (`check` says ok) where
+/// `status` is ok, else all zeros. Of a held key it is level, at the first key's value; the second
+/// key's value begins the next interval.
 struct ImportedCurve {
     Status status = Status::ok;
     KeyKind kind = KeyKind::bezier;
@@ -25,8 +24,8 @@ struct ImportedCurve {
 
 namespace detail {
 
-/// As `check`, and no handle farther from its key than two intervals. Time turns back there in any case, and
-/// what `check` compares may be too large to tell.
+/// As `check`, and no handle farther from its key than two intervals. Time turns back there in any
+/// case, and what `check` compares may be too large to tell.
 inline Status sound(const BezierCurve& curve) noexcept {
     const Status status = check(curve).status;
     if (status != Status::ok) return status;
@@ -36,9 +35,19 @@ inline Status sound(const BezierCurve& curve) noexcept {
     return near ? status : Status::curve_turns_back;
 }
 
+inline ImportedCurve refused(Status status, KeyKind kind = KeyKind::bezier) noexcept {
+    return {status, kind, {}};
+}
+
 inline ImportedCurve imported(KeyKind kind, const BezierCurve& curve) noexcept {
     const Status status = sound(curve);
-    return {status, kind, status == Status::ok ? curve : BezierCurve{}};
+    return status == Status::ok ? ImportedCurve{status, kind, curve} : refused(status, kind);
+}
+
+/// Of a number that is to be a part of an interval.
+inline Status check_part(double part) noexcept {
+    if (!is_finite(part)) return Status::value_not_finite;
+    return part >= 0 && part <= 1 ? Status::ok : Status::handle_not_allowed;
 }
 
 /// The straight line between two keys, its handles at thirds, so that time is linear in the curve's
@@ -70,8 +79,8 @@ inline bool is_infinite(double x) noexcept {
     return !is_finite(x) && (std::bit_cast<std::uint64_t>(x) << 12) == 0;
 }
 
-/// Whether a number has a place in single precision, which is what engines and glTF store: larger ones become
-/// infinite.
+/// Whether a number has a place in single precision, which is what engines and glTF store: larger
+/// ones become infinite.
 inline bool fits_float(double x) noexcept {
     return is_finite(x) && std::fabs(x) <= double(std::numeric_limits<float>::max());
 }
@@ -81,8 +90,8 @@ inline bool is_third(double part) noexcept {
     return std::fabs(part) < 1 && static_cast<float>(part) == 1.0f / 3;
 }
 
-/// The slope of a handle; 0 where it lies on its key. slope_unbounded where it is vertical, or too steep for
-/// single precision: an infinite slope would be taken for a held key.
+/// The slope of a handle; 0 where it lies on its key. slope_unbounded where it is vertical, or too
+/// steep for single precision: an infinite slope would be taken for a held key.
 inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     slope = 0;
     if (handle[0] == 0 && handle[1] == 0) return Status::ok;
@@ -93,15 +102,16 @@ inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     return Status::ok;
 }
 
-/// The handles in parts of the interval and of the rise between the keys, as CSS and Lottie have them.
+/// The handles in parts of the interval and of the rise between the keys, as CSS and Lottie have
+/// them.
 struct UnitHandles {
     Status status = Status::ok;
     Vec<double, 2> first{0, 0}, second{1, 1};
 };
 
-/// Fails as `check`; with handle_not_allowed where a handle's time leaves the interval, or where the keys
-/// have one value and a handle another, which no part of no rise is; with value_not_finite where a part is
-/// too large for a number.
+/// Fails as `check`; with handle_not_allowed where a handle's time leaves the interval, or where
+/// the keys have one value and a handle another; with value_not_finite where a part is too large
+/// for a number.
 inline UnitHandles unit_handles(const BezierCurve& curve) noexcept {
     UnitHandles result;
     result.status = sound(curve);
@@ -119,9 +129,9 @@ inline UnitHandles unit_handles(const BezierCurve& curve) noexcept {
     } else if (p[1][1] != p[0][1] || p[2][1] != p[0][1]) {
         result.status = Status::handle_not_allowed;
     }
-    for (double* part : {&result.first[0], &result.first[1], &result.second[0], &result.second[1]}) {
-        if (*part == 0)
-            *part = 0; // of a falling curve it may be -0, which is the same but looks odd in a text
+    for (auto* handle : {&result.first, &result.second}) {
+        // Of a falling curve a part may be −0, which a text is not to show.
+        for (std::size_t k = 0; k < 2; ++k) (*handle)[k] += 0.0;
     }
     if (!is_finite(result.first[1]) || !is_finite(result.second[1])) result.status = Status::value_not_finite;
     return result;

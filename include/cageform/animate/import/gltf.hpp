@@ -5,156 +5,155 @@
 
 #include <algorithm>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The curves of a track, `curves[interval * components + component]`. Where `status` is not ok there are
-/// none, and `culprit` is the index of the key it was found at.
+/// The curves of a track, `curves[interval * components + component]`. Where `status` is not ok
+/// there are none, and `culprit` is the index of the key it was found at.
 struct GltfCurves {
     Status status = Status::ok;
     std::size_t culprit = 0;
     std::vector<BezierCurve> curves;
 };
 
-/// The arrays of a sampler. Where `status` is not ok they are empty, and `culprit` is the index of the curve
-/// it was found at.
+/// The arrays of a sampler. Where `status` is not ok they are empty, and `culprit` is the index of
+/// the curve it was found at.
 struct GltfTrack {
     Status status = Status::ok;
     std::size_t culprit = 0;
     std::vector<float> times;  ///< the sampler's input, in seconds
-    std::vector<float> values; ///< its output: of each key all in-tangents, all values, all out-tangents
+    std::vector<float> values; ///< its output: of each key in-tangents, values, out-tangents
 };
 
-/// A Bézier curve for every interval and component: handles at thirds of the interval, on the tangents, which
-/// are in units by second. Nothing is lost; a rotation's four components are still to be normalised where
-/// they are evaluated.
+/// A Bézier curve for every interval and component: handles at thirds of the interval, on the
+/// tangents, which are in units by second. Nothing is lost; a rotation's four components are still
+/// to be normalised where they are evaluated.
 ///
 ///   times       #K, in seconds, ascending
 ///   values      3 · #K · components: of each key in-tangents, values and out-tangents
 ///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
-///   fails       input_malformed where the sizes do not match, for fewer than two keys and for no components;
-///               value_not_finite, also of the first in- and the last out-tangent, which mean nothing;
-///               keys_not_ascending where times do not ascend; out_of_memory
+///   fails       input_malformed where the sizes do not match, for fewer than two keys and for no
+///               components; value_not_finite, also of the first in- and the last out-tangent,
+///               which mean nothing; keys_not_ascending where times do not ascend; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
                                         std::size_t components) noexcept {
-    GltfCurves result;
-    const auto failed = [&](Status status, std::size_t key) {
-        result.status = status;
-        result.culprit = key;
-        result.curves.clear();
-        return std::move(result);
-    };
     const std::size_t keys = times.size();
     if (keys < 2 || components == 0 || values.size() % (3 * keys) != 0 ||
         values.size() / (3 * keys) != components)
-        return failed(Status::input_malformed, 0);
+        return {Status::input_malformed, 0, {}};
     for (std::size_t k = 0; k < keys; ++k) {
         const auto of_key = values.subspan(3 * components * k, 3 * components);
         if (!is_finite(times[k]) || !std::all_of(of_key.begin(), of_key.end(), is_finite<float>))
-            return failed(Status::value_not_finite, k);
-        if (k > 0 && !(times[k] > times[k - 1])) return failed(Status::keys_not_ascending, k);
+            return {Status::value_not_finite, k, {}};
+        if (k > 0 && !(times[k] > times[k - 1])) return {Status::keys_not_ascending, k, {}};
     }
-    const Status status = detail::guard_memory([&] {
+    GltfCurves result;
+    result.status = detail::guard_memory([&] {
         result.curves.resize((keys - 1) * components);
         return Status::ok;
     });
-    if (status != Status::ok) return failed(status, 0);
-    for (std::size_t k = 0; k + 1 < keys; ++k) {
+    for (std::size_t index = 0; index < result.curves.size(); ++index) {
+        const std::size_t k = index / components, c = index % components;
         const double begin = times[k], end = times[k + 1], third = (end - begin) / 3;
-        for (std::size_t c = 0; c < components; ++c) {
-            const double v0 = values[(3 * k + 1) * components + c], v1 = values[(3 * k + 4) * components + c];
-            const double out = values[(3 * k + 2) * components + c];
-            const double in = values[(3 * k + 3) * components + c];
-            result.curves[k * components + c] = {{{{begin, v0},
-                                                   {begin + third, v0 + third * out},
-                                                   {end - third, v1 - third * in},
-                                                   {end, v1}}}};
-        }
+        const auto of_key = [&](std::size_t n) { return double(values[(3 * k + n) * components + c]); };
+        const double v0 = of_key(1), out = of_key(2), in = of_key(3), v1 = of_key(4);
+        result.curves[index] = {
+            {{{begin, v0}, {begin + third, v0 + third * out}, {end - third, v1 - third * in}, {end, v1}}}};
     }
     return result;
 }
 
-/// The sampler of a track. Curves of this library's fits and of `from_gltf_cubicspline` come through; other
-/// curves, whose time is not linear in their parameter, are to be fitted first.
+namespace detail {
+
+/// The interval of a sampler that a curve is, in single precision.
+struct GltfInterval {
+    Status status = Status::ok;
+    float begin = 0, end = 0;
+};
+
+inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
+    const auto& p = curve.points;
+    GltfInterval result;
+    const auto refused = [&](Status status) {
+        result.status = status;
+        return result;
+    };
+    if (const Status status = sound(curve); status != Status::ok) return refused(status);
+    for (const auto& point : p) {
+        if (!fits_float(point[0]) || !fits_float(point[1])) return refused(Status::value_not_finite);
+    }
+    // What the thirds of far away times lose by rounding is no fault.
+    const double length = p[3][0] - p[0][0], third = length / 3;
+    const double rounding = 4 * epsilon<double> * std::max(std::fabs(p[0][0]), std::fabs(p[3][0]));
+    const double off =
+        std::max(std::fabs(p[1][0] - (p[0][0] + third)), std::fabs(p[2][0] - (p[3][0] - third)));
+    if (off > double(epsilon<float>) * length + rounding) return refused(Status::handle_not_allowed);
+    result.begin = static_cast<float>(p[0][0]);
+    result.end = static_cast<float>(p[3][0]);
+    if (result.begin < 0) return refused(Status::input_malformed);
+    if (!(result.end > result.begin)) return refused(Status::interval_empty);
+    return result;
+}
+
+/// Whether a curve begins at the value where the one before ends, in single precision of their
+/// largest value.
+inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noexcept {
+    double size = 0;
+    for (const auto* one : {&before, &curve}) {
+        for (const auto& p : one->points) size = std::max(size, std::fabs(p[1]));
+    }
+    return std::fabs(before.points[3][1] - curve.points[0][1]) <= double(epsilon<float>) * size;
+}
+
+} // namespace detail
+
+/// The sampler of a track. Curves of this library's fits and of `from_gltf_cubicspline` come
+/// through; other curves, whose time is not linear in their parameter, are to be fitted first.
 ///
-///   curves      #I · components, at least one interval, as in GltfCurves; the intervals follow each other in
-///               time, the same for all components, and a curve's last value is the next one's first
+///   curves      #I · components, at least one interval, as in GltfCurves; the intervals follow
+///               each other in time, the same for all components, and a curve's last value is the
+///               next one's first
 ///   components  at least 1
-///   tangents    scaled by the length that an interval has in single precision, so that handles keep their
-///               values; the first in- and the last out-tangent are 0
-///   fails       as `check`; input_malformed where the sizes, or the intervals or values of neighbours, do
-///               not match, or time begins before 0; interval_empty where single precision cannot tell times
-///               apart; handle_not_allowed where a handle is not at a third, by 1e-7 of the interval;
-///               value_not_finite and slope_unbounded where a value or tangent is too large for single
-///               precision; out_of_memory
+///   tangents    scaled by the length that an interval has in single precision, so that handles
+///               keep their values; the first in- and the last out-tangent are 0
+///   fails       as `check`; input_malformed where the sizes, or the intervals or values of
+///               neighbours, do not match, or time begins before 0; interval_empty where single
+///               precision cannot tell times apart; handle_not_allowed where a handle is not at a
+///               third, by 1e-7 of the interval; value_not_finite and slope_unbounded where a value
+///               or tangent is too large for single precision; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline GltfTrack to_gltf_cubicspline(std::span<const BezierCurve> curves, std::size_t components) noexcept {
-    GltfTrack result;
-    const auto failed = [&](Status status, std::size_t curve) {
-        result.status = status;
-        result.culprit = curve;
-        result.times.clear();
-        result.values.clear();
-        return std::move(result);
-    };
     if (components == 0 || curves.empty() || curves.size() % components != 0)
-        return failed(Status::input_malformed, 0);
+        return {Status::input_malformed, 0, {}, {}};
     const std::size_t intervals = curves.size() / components;
-    const Status status = detail::guard_memory([&] {
+    GltfTrack result;
+    result.status = detail::guard_memory([&] {
         result.times.resize(intervals + 1);
         result.values.resize(3 * (intervals + 1) * components);
         return Status::ok;
     });
-    if (status != Status::ok) return failed(status, 0);
-    const auto size_of = [](const BezierCurve& curve) { // its largest value
-        double size = 0;
-        for (const auto& p : curve.points) size = std::max(size, std::fabs(p[1]));
-        return size;
-    };
-    for (std::size_t k = 0; k < intervals; ++k) {
-        for (std::size_t c = 0; c < components; ++c) {
-            const std::size_t index = k * components + c;
-            const auto& p = curves[index].points;
-            const Status sound = detail::sound(curves[index]);
-            if (sound != Status::ok) return failed(sound, index);
-            for (const auto& point : p) {
-                if (!detail::fits_float(point[0]) || !detail::fits_float(point[1]))
-                    return failed(Status::value_not_finite, index);
-            }
-            // What the thirds of far away times lose by rounding is no fault.
-            const double length = p[3][0] - p[0][0], third = length / 3;
-            const double rounding = 4 * epsilon<double> * std::max(std::fabs(p[0][0]), std::fabs(p[3][0]));
-            const double off = std::max(std::fabs(p[1][0] - (p[0][0] + third)), //
-                                        std::fabs(p[2][0] - (p[3][0] - third)));
-            if (off > double(epsilon<float>) * length + rounding)
-                return failed(Status::handle_not_allowed, index);
-
-            const auto begin = static_cast<float>(p[0][0]), end = static_cast<float>(p[3][0]);
-            if (begin < 0) return failed(Status::input_malformed, index);
-            if (!(end > begin)) return failed(Status::interval_empty, index);
-            if (k == 0 && c == 0) result.times[0] = begin;
-            if (c == 0) result.times[k + 1] = end;
-            if (begin != result.times[k] || end != result.times[k + 1])
-                return failed(Status::input_malformed, index);
-            if (k > 0) {
-                const BezierCurve& before = curves[index - components];
-                const double size = std::max(size_of(before), size_of(curves[index]));
-                if (std::fabs(before.points[3][1] - p[0][1]) > double(epsilon<float>) * size)
-                    return failed(Status::input_malformed, index);
-            }
-            const double stored = (double(result.times[k + 1]) - double(result.times[k])) / 3;
-            const double out = (p[1][1] - p[0][1]) / stored, in = (p[3][1] - p[2][1]) / stored;
-            if (!detail::fits_float(out) || !detail::fits_float(in))
-                return failed(Status::slope_unbounded, index);
-            float* const values = result.values.data() + 3 * k * components + c;
-            values[components] = static_cast<float>(p[0][1]);
-            values[2 * components] = static_cast<float>(out);
-            values[3 * components] = static_cast<float>(in);
-            values[4 * components] = static_cast<float>(p[3][1]);
-        }
+    if (result.status != Status::ok) return {result.status, 0, {}, {}};
+    for (std::size_t index = 0; index < curves.size(); ++index) {
+        const std::size_t k = index / components, c = index % components;
+        const auto interval = detail::gltf_interval(curves[index]);
+        if (interval.status != Status::ok) return {interval.status, index, {}, {}};
+        if (index == 0) result.times[0] = interval.begin;
+        if (c == 0) result.times[k + 1] = interval.end;
+        const bool same_time = interval.begin == result.times[k] && interval.end == result.times[k + 1];
+        if (!same_time || (k > 0 && !detail::values_meet(curves[index - components], curves[index])))
+            return {Status::input_malformed, index, {}, {}};
+        const auto& p = curves[index].points;
+        const double third = (double(interval.end) - double(interval.begin)) / 3;
+        const double out = (p[1][1] - p[0][1]) / third, in = (p[3][1] - p[2][1]) / third;
+        if (!detail::fits_float(out) || !detail::fits_float(in))
+            return {Status::slope_unbounded, index, {}, {}};
+        float* const values = result.values.data() + 3 * k * components + c;
+        values[components] = static_cast<float>(p[0][1]);
+        values[2 * components] = static_cast<float>(out);
+        values[3 * components] = static_cast<float>(in);
+        values[4 * components] = static_cast<float>(p[3][1]);
     }
     return result;
 }

@@ -5,9 +5,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A UnityEngine.Keyframe: tangents are slopes (value by time), weights parts of the interval on their side,
-/// in [0, 1]. Unity stores all in single precision. Numbers read and written again round to the same ones,
-/// unless a handle is shorter than 1e-7 of its key's coordinates.
+/// A UnityEngine.Keyframe: tangents are slopes (value by time), weights parts of the interval on
+/// their side, in [0, 1]. Unity stores all in single precision. Numbers read and written again
+/// round to the same ones, unless a handle is shorter than 1e-7 of its key's coordinates.
 struct UnityKey {
     double time = 0, value = 0;
     double in_tangent = 0, out_tangent = 0;
@@ -15,10 +15,12 @@ struct UnityKey {
     WeightedHandles weighted = WeightedHandles::none; ///< weightedMode
 };
 
-/// The curve from a keyframe to the next: a handle lies at its weight of the interval, a third where it is
-/// not weighted, on the tangent. An infinite tangent on either side of the interval holds the first value.
+/// The curve from a keyframe to the next: a handle lies at its weight of the interval, a third
+/// where it is not weighted, on the tangent. An infinite tangent on either side of the interval
+/// holds the first value.
 ///
-///   reads  of `first` the out, of `second` the in tangent and weight; a weight only where `weighted` says so
+///   reads  of `first` the out, of `second` the in tangent and weight; a weight only where
+///          `weighted` says so
 ///   fails  value_not_finite; interval_empty; handle_not_allowed where a weight leaves [0, 1]
 /// Unity Scripting API, Keyframe ("Hermite Segment", "Bezier Segment") and WeightedMode.
 inline ImportedCurve from_unity(const UnityKey& first, const UnityKey& second) noexcept {
@@ -28,8 +30,8 @@ inline ImportedCurve from_unity(const UnityKey& first, const UnityKey& second) n
     const double out = detail::has(first.weighted, WeightedHandles::out) ? first.out_weight : third;
     const double in = detail::has(second.weighted, WeightedHandles::in) ? second.in_weight : third;
     for (const double weight : {out, in}) {
-        if (!is_finite(weight)) return {Status::value_not_finite, KeyKind::bezier, {}};
-        if (!(weight >= 0 && weight <= 1)) return {Status::handle_not_allowed, KeyKind::bezier, {}};
+        if (const Status status = detail::check_part(weight); status != Status::ok)
+            return detail::refused(status);
     }
     const double length = second.time - first.time;
     return detail::imported(
@@ -40,13 +42,14 @@ inline ImportedCurve from_unity(const UnityKey& first, const UnityKey& second) n
            {second.time, second.value}}}});
 }
 
-/// Writes what a curve says of two keyframes: times, values, and the tangents, weights and weighted sides
-/// between them. A handle at a third goes unweighted. The outer tangents are the neighbours'.
+/// Writes what a curve says of two keyframes: times, values, and the tangents, weights and weighted
+/// sides between them. A handle at a third goes unweighted. The outer tangents are the neighbours'.
 ///
 ///   hold    an infinite tangent; the second key's value is left alone
 ///   linear  the straight line between the keys, whatever the handles
-///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval; slope_unbounded where
-///           a handle is vertical or too steep for single precision; nothing is written then
+///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval;
+///           slope_unbounded where a handle is vertical or too steep for single precision; nothing
+///           is written then
 inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& second,
                        KeyKind kind = KeyKind::bezier) noexcept {
     Status status = detail::sound(curve);

@@ -5,10 +5,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// An FRichCurveKey: tangents are slopes (value by second), weights the lengths of the handles in the plane
-/// of time and value, seconds and units of the value taken alike. Unreal stores all in single precision.
-/// Numbers read and written again round to the same ones, unless a handle is shorter than 1e-7 of its key's
-/// coordinates. `interpolation` says how the next key is reached: RCIM_Constant is hold, RCIM_Cubic bezier.
+/// An FRichCurveKey: tangents are slopes (value by second), weights the lengths of the handles in
+/// the plane of time and value, seconds and units of the value taken alike. Unreal stores all in
+/// single precision. Numbers read and written again round to the same ones, unless a handle is
+/// shorter than 1e-7 of its key's coordinates. `interpolation` says how the next key is reached:
+/// RCIM_Constant is hold, RCIM_Cubic bezier.
 struct UnrealKey {
     double time = 0, value = 0;
     double arrive_tangent = 0, leave_tangent = 0;
@@ -19,8 +20,8 @@ struct UnrealKey {
 
 namespace detail {
 
-/// From the key to the end of its handle, towards the interval: of the given length along the slope where
-/// weighted, else as far as a third of the interval.
+/// From the key to the end of its handle, towards the interval: of the given length along the slope
+/// where weighted, else as far as a third of the interval.
 inline Vec<double, 2> unreal_handle(double slope, double weight, bool weighted, double length) noexcept {
     const double time = weighted ? weight / std::hypot(1.0, slope) : length / 3;
     return {time, time * slope};
@@ -30,9 +31,10 @@ inline Vec<double, 2> unreal_handle(double slope, double weight, bool weighted, 
 
 /// The curve from a key to the next.
 ///
-///   reads  of `first` the leave, of `second` the arrive tangent and weight; a weight only where `weighted`
-///          says so
-///   fails  value_not_finite; interval_empty; curve_turns_back where weights are negative or too long
+///   reads  of `first` the leave, of `second` the arrive tangent and weight; a weight only where
+///          `weighted` says so
+///   fails  value_not_finite; interval_empty; curve_turns_back where weights are negative or too
+///          long
 /// Unreal Engine C++ API, FRichCurveKey, ERichCurveInterpMode and ERichCurveTangentWeightMode.
 inline ImportedCurve from_unreal(const UnrealKey& first, const UnrealKey& second) noexcept {
     const Vec<double, 2> begin{first.time, first.value}, end{second.time, second.value};
@@ -47,13 +49,14 @@ inline ImportedCurve from_unreal(const UnrealKey& first, const UnrealKey& second
     return detail::imported(KeyKind::bezier, {{begin, begin + leave, end - arrive, end}});
 }
 
-/// Writes what a curve says of two keys: times, values, tangents, weights and weighted sides between them,
-/// how the second is reached. A handle at a third goes unweighted. The outer tangents are the neighbours'.
-/// The tangent mode must be RCTM_User or RCTM_Break, or Unreal computes the tangents anew.
+/// Writes what a curve says of two keys: times, values, tangents, weights and weighted sides
+/// between them, how the second is reached. A handle at a third goes unweighted. The outer tangents
+/// are the neighbours'. The tangent mode must be RCTM_User or RCTM_Break, or Unreal computes the
+/// tangents anew.
 ///
 ///   hold   the second key's value is left alone
-///   fails  as `check`; slope_unbounded where a handle is vertical or too steep for single precision; nothing
-///          is written then
+///   fails  as `check`; slope_unbounded where a handle is vertical or too steep for single
+///          precision; nothing is written then
 inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& second,
                         KeyKind kind = KeyKind::bezier) noexcept {
     Status status = detail::sound(curve);
