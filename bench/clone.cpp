@@ -230,9 +230,11 @@ template <class T>
 void clone_with_normals(benchmark::State& state) {
     const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
     const cageform::MeanValueCoordinates<T, 3> coordinates(cageform_bench::bumpy112<T>());
-    const auto [axes, report] = cageform::bind_jacobians(coordinates, bumpy.figure);
+    constexpr std::array axes{cageform::Vec<T, 3>{1, 0, 0}, cageform::Vec<T, 3>{0, 1, 0}};
+    const std::array along{std::vector(bumpy.figure.size(), axes[0]),
+                           std::vector(bumpy.figure.size(), axes[1])};
+    const auto [tangents, report] = cageform::bind_vectors(coordinates, bumpy.figure, along);
     if (report.status != cageform::Status::ok) return state.SkipWithError(to_string(report.status));
-    const std::array tangents{axes[0].view(), axes[1].view()};
     typename Bumpy<T>::Points out(bumpy.figure.size()), normals = out;
     for (auto _ : state) {
         if (cageform::clone(bumpy.binding, bumpy.bent, out) != cageform::Status::ok ||

@@ -36,10 +36,9 @@ int main() {
     const cageform::HarmonicCoordinates2d harmonic(cage, options);
     report_weights("harmonic", harmonic);
 
-    cageform::BindOptions impatient;
-    impatient.progress = [](double done) { return done < 0.3; };
+    const cageform::Running impatient{.progress = [](double done) { return done < 0.3; }};
     std::printf("stopped at 30 %%: %s\n",
-                cageform::to_string(cageform::bind(harmonic, right_knee, impatient).report.status));
+                cageform::to_string(cageform::bind(harmonic, right_knee, {}, impatient).report.status));
 }
 
 //> mean value weight of the left toe -0.30, least weight -0.33

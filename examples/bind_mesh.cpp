@@ -84,13 +84,9 @@ int bind_figure(const Arguments& given, const Coordinates& coordinates, const Ob
                     " lie outside the cage " + cage.name + ", " +
                     std::to_string(bound.report.unreached.size()) + " have no weights");
     }
-    const auto [tangents, bitangents] = cageform::tangents_of(normals_of(figure));
-    const auto bound_tangents = cageform::bind_vectors(coordinates, figure.vertices, tangents, bind_options);
-    const auto bound_bitangents =
-        cageform::bind_vectors(coordinates, figure.vertices, bitangents, bind_options);
-    for (const auto* result : {&bound_tangents, &bound_bitangents}) {
-        if (result->report.status != Status::ok) return fail(describe_mesh_faults(cage.name, result->report));
-    }
+    const auto tangents = cageform::tangents_of(normals_of(figure));
+    const auto turned = cageform::bind_vectors(coordinates, figure.vertices, tangents, bind_options);
+    if (turned.report.status != Status::ok) return fail(describe_mesh_faults(cage.name, turned.report));
 
     AtomicFile out(given.out);
     const auto write = [&out](std::span<const std::byte> bytes) {
@@ -100,17 +96,17 @@ int bind_figure(const Arguments& given, const Coordinates& coordinates, const Ob
     options.format = given.format;
     options.largest = given.largest;
     cageform::PackedBinding<float, 3> points; // whose order vectors take over
-    for (const auto* result : {&bound, &bound_tangents, &bound_bitangents}) {
-        auto [packed, report] = cageform::pack(result->binding, options);
+    for (const auto* binding : {&bound.binding, &turned.bindings[0], &turned.bindings[1]}) {
+        auto [packed, report] = cageform::pack(*binding, options);
         if (report.status != Status::ok) return fail(cageform::to_string(report.status));
         write(packed.bytes());
         if (given.report) {
-            std::cout << (result == &bound ? "points: " : "tangents: ") << report.bytes << " of "
+            std::cout << (binding == &bound.binding ? "points: " : "tangents: ") << report.bytes << " of "
                       << report.dense_bytes << " bytes, " << report.weights_per_point
                       << " weights a point; sum of changes of a point's weights at most "
                       << report.error.value << ", mean " << report.mean_error << '\n';
         }
-        if (result == &bound) points = std::move(packed);
+        if (binding == &bound.binding) points = std::move(packed);
         if (points.view().order != nullptr) options.order = {points.view().order, figure.vertices.size()};
     }
     write(figure_tail(figure.triangles, curves));

@@ -43,8 +43,7 @@ int deform_figure(const Arguments& given, const Coordinates& coordinates, const 
     cageform::BindResult<double, 3> bound;
     {
         ProgressBar bar("binding");
-        options.progress = bar.callback();
-        bound = cageform::bind(coordinates, figure.vertices, options);
+        bound = cageform::bind(coordinates, figure.vertices, options, {.progress = bar.callback()});
     }
     const auto& report = bound.report;
     if (report.status != cageform::Status::ok) return fail(describe_mesh_faults(cage.name, report));

@@ -570,7 +570,7 @@ TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", 
     for (std::size_t i = 0; i < 150000; ++i) points.push_back(points[i]); // enough for several steps
     const TestType coordinates(cage);
     std::vector<double> told;
-    const auto whole = cageform::bind(coordinates, points, {.progress = [&](double done) {
+    const auto whole = cageform::bind(coordinates, points, {}, {.progress = [&](double done) {
                                           told.push_back(done);
                                           return true;
                                       }});
@@ -585,7 +585,7 @@ TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", 
     for (const std::size_t last : {std::size_t(1), told.size() / 2, told.size()}) {
         std::size_t asked = 0;
         const auto cancelled =
-            cageform::bind(coordinates, points, {.progress = [&](double) { return ++asked < last; }});
+            cageform::bind(coordinates, points, {}, {.progress = [&](double) { return ++asked < last; }});
         CAPTURE(last);
         CHECK(cancelled.report.status == Status::cancelled);
         CHECK(cancelled.binding.point_count() == 0);
@@ -616,7 +616,7 @@ TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits and the
          {cageform::ParallelFor(cageform::ThreadedFor{2}), cageform::ParallelFor(cageform::ThreadedFor{5}),
           cageform::ParallelFor(cageform::ThreadedFor{}), cageform::ParallelFor(backwards),
           cageform::ParallelFor(uneven)}) {
-        const auto result = cageform::bind(coordinates, points, {.parallel = parallel});
+        const auto result = cageform::bind(coordinates, points, {}, {.parallel = parallel});
         REQUIRE(result.report.status == Status::ok);
         CHECK(same_bits(result.binding, expected.binding));
         CHECK(same_figures(result.report, expected.report));

@@ -1,6 +1,7 @@
 // Vectors bound to points: linear precision, differences of clones, and what becomes of points that are nowhere.
 #include "../catch.hpp"
-#include "../support/meshes.hpp"
+#include "../support/bindings.hpp"
+#include "../support/figures.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind_vectors.hpp>
@@ -45,7 +46,7 @@ C random_coordinates(std::uint64_t seed) {
     }
 }
 template <class C>
-std::vector<Vec<typename C::scalar, C::dimension>> random_points(const C& coordinates, std::uint64_t seed) {
+std::vector<Vec<typename C::scalar, C::dimension>> points_within(const C& coordinates, std::uint64_t seed) {
     using T = typename C::scalar;
     constexpr std::size_t D = C::dimension;
     Random random(seed + 5);
@@ -56,41 +57,10 @@ std::vector<Vec<typename C::scalar, C::dimension>> random_points(const C& coordi
     } else if constexpr (D == 2) {
         for (int n = 0; n < 50; ++n) points.push_back(random_inside(coordinates.cage(), random, 1e-4));
     } else {
-        MeshData data;
-        for (const auto& v : coordinates.handles()) data.vertices.push_back(vec_cast<double>(v));
-        while (points.size() < 50) {
-            const auto p = vec_cast<T>(points_about(data, 1, random.bits())[0]);
-            if (locate(coordinates.cage(), p, T(0)) == PointState::inside) points.push_back(p);
-        }
+        const auto more = points_in(coordinates.cage(), 49, seed + 5);
+        points.insert(points.end(), more.begin(), more.end());
     }
     return points;
-}
-
-template <class T, std::size_t D>
-std::vector<Vec<T, D>> random_vectors(std::size_t count, double length, std::uint64_t seed) {
-    Random random(seed);
-    std::vector<Vec<T, D>> vectors(count);
-    for (auto& v : vectors) {
-        for (std::size_t k = 0; k < D; ++k) v[k] = T(random.uniform(-length, length));
-    }
-    return vectors;
-}
-
-template <class T, std::size_t D, class R>
-std::vector<Vec<T, D>> cloned(const cageform::Binding<T, D>& binding, const R& pose) {
-    std::vector<Vec<T, D>> out(binding.point_count());
-    REQUIRE(cageform::clone(binding, pose, out) == Status::ok);
-    return out;
-}
-
-template <class T, std::size_t D>
-std::vector<Vec<T, D>> shaken(std::span<const Vec<T, D>> handles, double reach, std::uint64_t seed) {
-    Random random(seed);
-    std::vector<Vec<T, D>> pose(handles.begin(), handles.end());
-    for (auto& c : pose) {
-        for (std::size_t k = 0; k < D; ++k) c[k] += T(random.uniform(-reach, reach));
-    }
-    return pose;
 }
 
 template <class T, std::size_t D>
@@ -111,12 +81,12 @@ TEMPLATE_TEST_CASE("an affine pose moves every bound vector by its linear part",
     const auto seed = std::uint64_t(GENERATE(seeds(6)));
     CAPTURE(seed);
     const auto coordinates = random_coordinates<TestType>(seed);
-    auto points = random_points(coordinates, seed);
+    auto points = points_within(coordinates, seed);
     // Into a sharp corner the grid sees no way.
     if constexpr (std::is_same_v<TestType, Harmonic<T>>) points.front() = points.back();
     // Of whatever length: what is lost is relative to it, and to what the weights are made of.
     const double length = seed % 2 == 0 ? 1 : 1e-4;
-    const auto vectors = random_vectors<T, D>(points.size(), length, seed + 1);
+    const auto vectors = random_points<T, D>(points.size(), length, seed + 1);
     const auto [binding, report] = bind_vectors(coordinates, points, vectors);
     REQUIRE(report.status == Status::ok);
     REQUIRE(report.unreached.empty());
@@ -158,12 +128,12 @@ TEMPLATE_TEST_CASE("the rest pose gives the bound vectors bit for bit", "[bindin
     const auto policy =
         GENERATE(OutsidePoints::extend, OutsidePoints::keep_in_place, OutsidePoints::nearest_boundary);
     const auto coordinates = random_coordinates<TestType>(2);
-    auto points = random_points(coordinates, 2);
+    auto points = points_within(coordinates, 2);
     points.push_back(points[0]);
     for (std::size_t k = 0; k < D; ++k) points.back()[k] += T(2 * size_of(coordinates.handles()));
     points.push_back(points[0]);
     points.back()[0] = std::numeric_limits<T>::quiet_NaN();
-    auto vectors = random_vectors<T, D>(points.size(), 1, 3);
+    auto vectors = random_points<T, D>(points.size(), 1, 3);
     vectors[1][0] = -T(0);
     vectors[2] = {};
     vectors[3][D - 1] = std::numeric_limits<T>::infinity();
@@ -192,9 +162,9 @@ TEST_CASE("bound vectors move as differences of clones", "[binding][vectors][dif
         constexpr std::size_t D = C::dimension;
         const auto handles = coordinates.handles();
         const double size = bounds_of(handles).diagonal(), step = 1e-5 * size;
-        auto points = random_points(coordinates, seed);
+        auto points = points_within(coordinates, seed);
         points.erase(points.begin());
-        const auto vectors = random_vectors<double, D>(points.size(), 1, seed);
+        const auto vectors = random_points<double, D>(points.size(), 1, seed);
         const auto pose = shaken(handles, 0.2 * size, seed);
         const auto moved = cloned(bind_vectors(coordinates, points, vectors).binding, pose);
         std::vector<Vec<double, D>> ahead, behind;
@@ -218,7 +188,7 @@ TEST_CASE("bound vectors move as differences of clones", "[binding][vectors][dif
 
 TEST_CASE("one vector for all, and the columns of Jacobians, are those of ranges", "[binding][vectors]") {
     const auto coordinates = random_coordinates<Mean<float, 3>>(6);
-    const auto points = random_points(coordinates, 6);
+    const auto points = points_within(coordinates, 6);
     const auto pose = shaken(coordinates.handles(), size_of(coordinates.handles()), 7);
     const auto jacobians = bind_jacobians(coordinates, points);
     REQUIRE(jacobians.report.status == Status::ok);
@@ -230,7 +200,7 @@ TEST_CASE("one vector for all, and the columns of Jacobians, are those of ranges
             bind_vectors(coordinates, points, std::vector<Vec<float, 3>>(points.size(), axis)).binding, pose);
         CHECK(cloned(bind_vectors(coordinates, points, axis).binding, pose) == expected);
         CHECK(cloned(bind_vectors(coordinates, points, of_another_type).binding, pose) == expected);
-        CHECK(cloned(jacobians.columns[k], pose) == expected);
+        CHECK(cloned(jacobians.bindings[k], pose) == expected);
     }
     CHECK(jacobians.report.on_boundary == std::vector<std::size_t>{0});
 }
@@ -250,7 +220,7 @@ TEMPLATE_TEST_CASE("vectors of points that follow the boundary turn as it does",
         outside.push_back(p);
         nearest.push_back(coordinates.nearest_boundary(p, row));
     }
-    const auto vectors = random_vectors<double, D>(outside.size(), 1, 9);
+    const auto vectors = random_points<double, D>(outside.size(), 1, 9);
     const auto [binding, report] =
         bind_vectors(coordinates, outside, vectors, {.outside = OutsidePoints::nearest_boundary});
     REQUIRE(report.status == Status::ok);
@@ -271,9 +241,9 @@ TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") 
     CHECK(refused.binding.point_count() == 0);
 
     const auto coordinates = random_coordinates<Mean<double, 3>>(6);
-    const auto many = random_points(coordinates, 6);
-    const auto cancelled =
-        bind_vectors(coordinates, many, Vec<double, 3>{1, 0, 0}, {.progress = [](double) { return false; }});
+    const auto many = points_within(coordinates, 6);
+    const auto cancelled = bind_vectors(coordinates, many, Vec<double, 3>{1, 0, 0}, {},
+                                        {.progress = [](double) { return false; }});
     CHECK(cancelled.report.status == Status::cancelled);
     CHECK(cancelled.binding.point_count() == 0);
 
@@ -284,7 +254,7 @@ TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") 
 
     // So long a vector that its weights are none.
     const auto flat = random_coordinates<Mean<float, 2>>(2);
-    const auto inside = random_points(flat, 2);
+    const auto inside = points_within(flat, 2);
     const auto long_ones =
         bind_vectors(flat, inside, Vec<float, 2>{std::numeric_limits<float>::max(), 0}).report;
     CHECK(long_ones.status == Status::ok);
@@ -296,24 +266,43 @@ TEST_CASE("threads and pieces give the same bound vectors", "[binding][vectors][
     Random random(3);
     Points2<double> points;
     for (int n = 0; n < 5000; ++n) points.push_back(random_inside(coordinates.cage(), random, 0));
-    const auto vectors = random_vectors<double, 2>(points.size(), 1, 1);
+    const auto vectors = random_points<double, 2>(points.size(), 1, 1);
     const auto pose = shaken(coordinates.handles(), 1, 2);
     const auto all = bind_vectors(coordinates, points, vectors).binding;
     const auto expected = cloned(all, pose);
     double last = 0;
-    cageform::BindOptions options{.parallel = cageform::ThreadedFor{3}};
-    options.progress = [&](double done) {
+    cageform::Running running{.parallel = cageform::ThreadedFor{3}};
+    running.progress = [&](double done) {
         CHECK(done >= last);
         last = done;
         return true;
     };
-    CHECK(cloned(bind_vectors(coordinates, points, vectors, options).binding, pose) == expected);
+    CHECK(cloned(bind_vectors(coordinates, points, vectors, {}, running).binding, pose) == expected);
     CHECK(last == 1);
     for (const std::size_t i : {std::size_t{0}, std::size_t{31}, std::size_t{32}, std::size_t{4999}}) {
         const auto alone =
             bind_vectors(coordinates, Points2<double>{points[i]}, Points2<double>{vectors[i]}).binding;
         for (std::size_t h = 0; h < alone.handle_count(); ++h) CHECK(alone.weight(0, h) == all.weight(i, h));
     }
+}
+
+TEST_CASE("vectors bound together are bound as alone", "[binding][vectors]") {
+    const auto coordinates = random_coordinates<Mean<float, 3>>(3);
+    const auto points = points_within(coordinates, 3);
+    const auto pose = shaken(coordinates.handles(), 1, 2);
+    auto vectors = cageform::tangents_of(random_points<float, 3>(points.size(), 1, 4));
+    vectors[1][7] = {}; // of a point that lost its normal
+    const auto [bindings, report] = bind_vectors(coordinates, points, vectors);
+    REQUIRE(report.status == Status::ok);
+    for (std::size_t n = 0; n < 2; ++n) {
+        const auto alone = bind_vectors(coordinates, points, vectors[n]);
+        CHECK(cloned(bindings[n], pose) == cloned(alone.binding, pose));
+        CHECK(alone.report.reproduction_error.value <= report.reproduction_error.value);
+    }
+    vectors[1][9][2] = std::numeric_limits<float>::quiet_NaN();
+    const auto kept = bind_vectors(coordinates, points, vectors); // all vectors of a point, or none
+    CHECK(kept.report.not_finite == std::vector<std::size_t>{9});
+    CHECK(same_bits(cloned(kept.bindings[0], pose)[9], vectors[0][9]));
 }
 
 TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", float, double) {
@@ -323,7 +312,7 @@ TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", f
                        {1, 0, 0}, {0, T(1e-30), 0}, {T(1e30), 0, T(1e30)}};
     for (int n = 0; n < 100; ++n)
         normals.push_back({T(random.uniform(-1, 1)), T(random.uniform(-1, 1)), T(random.uniform(-1, 1))});
-    const auto given = random_vectors<T, 3>(normals.size(), 1, 2);
+    const auto given = random_points<T, 3>(normals.size(), 1, 2);
     const auto check = [&](const std::array<Points3<T>, 2>& frames) {
         const auto& [tangents, bitangents] = frames;
         REQUIRE(tangents.size() == normals.size());

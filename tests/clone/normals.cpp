@@ -1,7 +1,8 @@
 // Normals, tangents and Jacobians of clones: differences of the deformed surface, affine poses, what has no normal.
 #include "../catch.hpp"
 #include "../support/allocation_count.hpp"
-#include "../support/meshes.hpp"
+#include "../support/bindings.hpp"
+#include "../support/figures.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind_vectors.hpp>
@@ -70,23 +71,6 @@ std::vector<Patch> patches(const Waves& figure, int count, double step, std::uin
     return result;
 }
 
-template <class T, std::size_t D>
-std::vector<Vec<T, D>> cloned(const Binding<T, D>& binding, const std::vector<Vec<T, D>>& pose) {
-    std::vector<Vec<T, D>> out(binding.point_count());
-    REQUIRE(cageform::clone(binding, pose, out) == Status::ok);
-    return out;
-}
-
-template <class T, std::size_t D>
-std::vector<Vec<T, D>> shaken(std::span<const Vec<T, D>> handles, double reach, std::uint64_t seed) {
-    Random random(seed);
-    std::vector<Vec<T, D>> pose(handles.begin(), handles.end());
-    for (auto& c : pose) {
-        for (std::size_t k = 0; k < D; ++k) c[k] += T(random.uniform(-reach, reach));
-    }
-    return pose;
-}
-
 /// In degrees.
 template <std::size_t D>
 double angle_between(const Vec<double, D>& a, const Vec<double, D>& b) {
@@ -108,24 +92,9 @@ BoundTangents<T> random_tangents(const C& coordinates, const Points3<T>& points,
         Vec<double, 3> n{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
         result.normals.push_back(vec_cast<T>((1 / std::sqrt(dot(n, n))) * n));
     }
-    const auto [t, b] = cageform::tangents_of(result.normals);
-    result.tangents = {bind_vectors(coordinates, points, t).binding,
-                       bind_vectors(coordinates, points, b).binding};
+    result.tangents = bind_vectors(coordinates, points, cageform::tangents_of(result.normals)).bindings;
     return result;
 }
-template <class T>
-Points3<T> points_in(const cageform::TriangleMesh<T>& mesh, std::size_t count, std::uint64_t seed) {
-    MeshData data;
-    for (const auto& v : mesh.vertices()) data.vertices.push_back(vec_cast<double>(v));
-    Random random(seed);
-    Points3<T> points;
-    while (points.size() < count) {
-        const auto p = vec_cast<T>(points_about(data, 1, random.bits())[0]);
-        if (locate(mesh, p, T(0)) == PointState::inside) points.push_back(p);
-    }
-    return points;
-}
-
 /// Largest angle between the normals of clones and those of differences of clones.
 template <class C>
 double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed) {
@@ -138,9 +107,7 @@ double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed
         normals.push_back(vec_cast<T>(patch.normal));
         for (const auto& way : patch.beside) around.insert(around.end(), way.begin(), way.end());
     }
-    const auto [t, b] = cageform::tangents_of(normals);
-    const auto tangents = bind_vectors(coordinates, middles, t),
-               bitangents = bind_vectors(coordinates, middles, b);
+    const auto tangents = bind_vectors(coordinates, middles, cageform::tangents_of(normals));
     REQUIRE(tangents.report.status == Status::ok);
     REQUIRE(tangents.report.outside.empty());
     const auto beside = cageform::bind(coordinates, around).binding;
@@ -148,8 +115,7 @@ double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed
     for (int n = 0; n < 3; ++n) {
         const auto pose = shaken(coordinates.handles(), reach, seed + 10 * std::uint64_t(n));
         Points3<double> moved(middles.size());
-        REQUIRE(cageform::clone_normals(std::array{tangents.binding, bitangents.binding}, pose, moved) ==
-                Status::ok);
+        REQUIRE(cageform::clone_normals(tangents.bindings, pose, moved) == Status::ok);
         Points3<double> ends;
         for (const auto& p : cloned(beside, pose)) ends.push_back(vec_cast<double>(p));
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -241,7 +207,7 @@ TEMPLATE_TEST_CASE("at rest normals are as given", "[clone][normals][rest]", flo
         CHECK(distance(normals[i], bound.normals[i]) <= 8 * double(epsilon<T>));
     const auto jacobians = bind_jacobians(coordinates, points);
     std::vector<T> matrices(9 * points.size());
-    REQUIRE(clone_jacobians(jacobians.columns, pose,
+    REQUIRE(clone_jacobians(jacobians.bindings, pose,
                             cageform::StridedMatrices<T, 3>(matrices.data(), points.size())) == Status::ok);
     for (std::size_t n = 0; n < matrices.size(); ++n) CHECK(matrices[n] == (n % 9 % 4 == 0 ? T(1) : T(0)));
 }
@@ -261,18 +227,16 @@ TEST_CASE("normals in the plane are those of deformed curves", "[clone][normals]
         const Vec<double, 2> step{1e-5 * size * std::sin(angle), -1e-5 * size * std::cos(angle)};
         ends.insert(ends.end(), {points.back() - step, points.back() + step});
     }
-    const auto [t] = cageform::tangents_of(normals);
-    const auto tangents = bind_vectors(coordinates, points, t).binding;
+    const auto tangents = bind_vectors(coordinates, points, cageform::tangents_of(normals)).bindings;
     const auto pose = shaken(coordinates.handles(), 0.1 * size, seed);
     const auto moved = cloned(cageform::bind(coordinates, ends).binding, pose);
     Points2<double> found(points.size());
-    REQUIRE(clone_normals(std::array{tangents}, pose, found) == Status::ok);
+    REQUIRE(clone_normals(tangents, pose, found) == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto along = moved[2 * i + 1] - moved[2 * i];
         CHECK(angle_between(found[i], Vec<double, 2>{-along[1], along[0]}) <= 0.01);
     }
-    REQUIRE(clone_normals(std::array{tangents}, Points2<double>(cage.size()), found) ==
-            Status::ok); // all at one place
+    REQUIRE(clone_normals(tangents, Points2<double>(cage.size()), found) == Status::ok); // all at one place
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(distance(found[i], normals[i]) <= 1e-15);
 }
 
@@ -286,16 +250,14 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     auto bound = random_tangents<T>(coordinates, points, 5);
     bound.normals[3] = {}; // and none at rest either
     const auto frames = cageform::tangents_of(bound.normals);
-    const auto &t = frames[0], &b = frames[1];
-    const auto tangents = bind_vectors(coordinates, points, t).binding;
-    const auto bitangents = bind_vectors(coordinates, points, b).binding;
+    const auto tangents = bind_vectors(coordinates, points, frames).bindings;
     Points3<T> normals(points.size()), unit(points.size());
     const auto check_rest = [&](const Points3<T>& pose) {
-        REQUIRE(clone_tangent_frames(std::array{tangents, bitangents}, pose, normals, unit) == Status::ok);
+        REQUIRE(clone_tangent_frames(tangents, pose, normals, unit) == Status::ok);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i);
             CHECK(distance(normals[i], bound.normals[i]) <= 8 * double(epsilon<T>));
-            CHECK(distance(unit[i], t[i]) <= 8 * double(epsilon<T>));
+            CHECK(distance(unit[i], frames[0][i]) <= 8 * double(epsilon<T>));
         }
     };
     check_rest(Points3<T>(mesh.size())); // the cage at one place
@@ -308,7 +270,7 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     // Very large is another thing.
     pose.clear();
     for (const auto& v : mesh.vertices()) pose.push_back(T(1e25) * Vec<T, 3>{v[0], v[2], v[1]});
-    REQUIRE(clone_normals(std::array{tangents, bitangents}, pose, normals) == Status::ok);
+    REQUIRE(clone_normals(tangents, pose, normals) == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i == 3 || i == 7) continue;
         const auto n = vec_cast<double>(bound.normals[i]);
@@ -321,7 +283,7 @@ TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", flo
     const auto mesh = random_mesh(2).mesh<T>();
     const Mean3<T> coordinates(mesh);
     const auto points = points_in(mesh, 75, 8);
-    const auto columns = bind_jacobians(coordinates, points).columns;
+    const auto columns = bind_jacobians(coordinates, points).bindings;
     const double size = double(bounds_of(mesh.vertices()).diagonal());
     const auto pose = shaken(mesh.vertices(), 0.2 * size, 8);
     // Columns padded to four floats, matrices among other things.
@@ -347,7 +309,7 @@ TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", flo
 
     const Polygon<T> cage(random_star<T>(4));
     const Points2<T> flat{cage[0], T(0.25) * (cage[0] + cage[1] + cage[2] + cage[3])};
-    const auto in_plane = bind_jacobians(Mean2<T>(cage), flat).columns;
+    const auto in_plane = bind_jacobians(Mean2<T>(cage), flat).bindings;
     Random random(3);
     const auto map = random_affine<2>(random, 1);
     std::vector<T> matrices(8);
@@ -399,7 +361,7 @@ TEST_CASE("normals of a frame allocate nothing", "[clone][normals][frame]") {
     const auto points = points_in(mesh, 500, 9);
     const Mean3<float> coordinates(mesh);
     const auto bound = random_tangents<float>(coordinates, points, 9);
-    const auto columns = bind_jacobians(coordinates, points).columns;
+    const auto columns = bind_jacobians(coordinates, points).bindings;
     const auto pose = shaken(mesh.vertices(), 0.01, 9);
     Points3<float> normals(500), tangents(500);
     std::vector<float> matrices(4500);

@@ -193,14 +193,15 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
     CHECK(report.not_finite == std::vector<std::size_t>{0});
     CHECK(report.outside == std::vector<std::size_t>{1});
     double last = 0;
-    cageform::BindOptions options;
-    options.progress = [&](double done) {
+    cageform::Running until_half;
+    until_half.progress = [&](double done) {
         CHECK(done >= last);
         last = done;
         return done < 0.5;
     };
     using Harmonic = HarmonicCoordinates<double, 2>;
-    CHECK(cageform::bind(pair_of_cages<Harmonic>(), points, options).report.status == Status::cancelled);
+    CHECK(cageform::bind(pair_of_cages<Harmonic>(), points, {}, until_half).report.status ==
+          Status::cancelled);
     BlendedCoordinates<Harmonic> solved = pair_of_cages<Harmonic>();
     CHECK(solved.solve().status == Status::ok);
     CHECK(cageform::bind(solved, points).report.solver.solves == 8);

@@ -241,13 +241,11 @@ TEST_CASE("the compute shader makes normals of three blobs in one buffer", "[gpu
     for (std::size_t i = 0; i < points.size(); ++i)
         normals.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), i == 7 ? 0.0f : 1.0f});
     normals[8] = {};
-    const auto [tangents, bitangents] = cageform::tangents_of(normals);
     const cageform::PackOptions options{.format = WeightFormat::int16};
     const auto of_points = cageform::pack(cageform::bind(coordinates, points).binding, options).binding;
-    const auto of_tangents =
-        cageform::pack(cageform::bind_vectors(coordinates, points, tangents).binding, options).binding;
-    const auto of_bitangents =
-        cageform::pack(cageform::bind_vectors(coordinates, points, bitangents).binding, options).binding;
+    const auto bound = cageform::bind_vectors(coordinates, points, cageform::tangents_of(normals)).bindings;
+    const auto of_tangents = cageform::pack(bound[0], options).binding;
+    const auto of_bitangents = cageform::pack(bound[1], options).binding;
     std::vector<std::byte> blobs;
     std::string defines = "#define CAGEFORM_OUT_STRIDE 6\n#define CAGEFORM_NORMAL_OFFSET 3\n";
     for (const auto& [name, packed] :

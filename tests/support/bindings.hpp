@@ -50,8 +50,8 @@ Vec<long double, D> by_definition(const cageform::Binding<T, D>& binding, const 
     return p;
 }
 
-template <class T, std::size_t D>
-std::vector<Vec<T, D>> cloned(const cageform::Binding<T, D>& binding, const std::vector<Vec<T, D>>& pose) {
+template <class T, std::size_t D, class Pose>
+std::vector<Vec<T, D>> cloned(const cageform::Binding<T, D>& binding, const Pose& pose) {
     std::vector<Vec<T, D>> out(binding.point_count());
     REQUIRE(cageform::clone(binding, pose, out) == Status::ok);
     return out;

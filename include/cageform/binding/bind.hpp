@@ -5,9 +5,6 @@
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/linear_restorer.hpp>
 
-#include <chrono>
-#include <limits>
-
 namespace cageform::inline CAGEFORM_ABI {
 
 /// What happens to points outside the cage.
@@ -25,8 +22,6 @@ enum class LinearPrecision : std::uint8_t { restore, leave };
 struct BindOptions {
     OutsidePoints outside = OutsidePoints::extend;
     LinearPrecision linear_precision = LinearPrecision::restore;
-    ParallelFor parallel = SerialFor{};
-    Progress progress{};
 };
 
 /// The largest (or least) value met, and at which point.
@@ -71,12 +66,12 @@ struct BindResult {
 
 namespace detail {
 
-/// What a piece of the blocks finds out.
-struct BindPiece {
+/// The measures of a part of the points.
+struct BindMeasures {
     Status status = Status::ok;
     Extreme partition, reproduction, change, before, least;
 
-    /// The outcome of a point.
+    /// Takes those of a point.
     template <class Outcome>
     void note(const Outcome& outcome, std::size_t lane, std::size_t point) noexcept {
         partition.raise({double(outcome.partition[lane]), point});
@@ -85,195 +80,255 @@ struct BindPiece {
         if (outcome.change[lane] > 0) before.raise({double(outcome.before[lane]), point});
         least.lower({double(outcome.least[lane]), point});
     }
+    void put_into(BindReport& report) const noexcept {
+        report.partition_error.raise(partition);
+        report.reproduction_error.raise(reproduction);
+        report.weight_change.raise(change);
+        report.residual_restored.raise(before);
+        report.least_weight.lower(least);
+    }
 };
 
-/// Puts the pieces together, in their order, and lists the points.
-inline Status gather(std::span<const BindPiece> pieces, std::span<const PointState> states,
-                     BindReport& report) {
-    for (const BindPiece& piece : pieces) {
-        if (piece.status != Status::ok) return piece.status;
-        report.partition_error.raise(piece.partition);
-        report.reproduction_error.raise(piece.reproduction);
-        report.weight_change.raise(piece.change);
-        report.residual_restored.raise(piece.before);
-        report.least_weight.lower(piece.least);
-    }
-    for (std::size_t i = 0; i < states.size(); ++i) {
-        switch (states[i]) {
-        case PointState::inside: break;
-        case PointState::on_boundary: report.on_boundary.push_back(i); break;
-        case PointState::outside: report.outside.push_back(i); break;
-        case PointState::not_finite: report.not_finite.push_back(i); break;
-        case PointState::unreached: report.unreached.push_back(i); break;
-        }
-    }
-    return Status::ok;
-}
-
-/// The state of one bind. Blocks are worked on in pieces that stay in cache; what a piece finds out is kept
-/// apart and put together in the end, so that nothing depends on the threads.
-template <CageCoordinates C, PointRange R>
+/// What binding points and binding vectors share; K bindings are made of the same points. Blocks are worked on in pieces that stay in cache. What a
+/// piece finds out is kept apart and put together in the end, so that nothing depends on the threads.
+template <std::size_t K, CageCoordinates C, PointRange R>
 class Binder {
-public:
+protected:
     using T = typename C::scalar;
-    static constexpr std::size_t D = C::dimension;
+    static constexpr std::size_t D = C::dimension, lanes = lane_count<T>;
 
-    Binder(const C& coordinates, const R& points, const BindOptions& options)
+    Binder(const C& coordinates, const R& points, const BindOptions& options, std::size_t piece_blocks)
         : coordinates_(coordinates)
         , points_(points)
         , options_(options)
+        , piece_blocks_(piece_blocks)
         , handles_(handle_view(coordinates))
         , restorer_(handles_)
-        , count_(std::size(points)) {}
+        , count_(std::size(points))
+        , states_(count_, PointState::unreached)
+        , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
 
-    Status run(Binding<T, D>& binding, BindReport& report) {
-        auto [weights, rest] = std::move(binding).release();
+    /// Makes the bindings, in the memory of those given: fill() sets `weights_`, `rest_` and `states_`.
+    template <class Fill>
+    Status run(std::array<Binding<T, D>, K>& bindings, BindReport& report, const Fill& fill) {
         const std::size_t blocks = block_count<T>(count_);
-        rest.resize(blocks * D);
-        weights.resize(blocks * handles_.count);
-        rest_ = {rest.data(), D, count_};
-        weights_ = {weights.data(), handles_.count, count_};
-        states_.assign(count_, PointState::unreached);
-        pieces_.assign((blocks + piece_blocks - 1) / piece_blocks, {});
-
-        if constexpr (C::closed_form) {
-            const Status status = for_each_piece(0, 1, [this](std::size_t piece) {
-                load(piece);
-                const BlockView<T> weight_part = part(weights_, piece);
-                pieces_[piece].status =
-                    coordinates_.evaluate(part(rest_, piece), weight_part, states_of(piece), {}).status;
-                finish(piece);
-            });
-            if (status != Status::ok) return status;
-        } else {
-            Status status = for_each_piece(0, 0.1, [this](std::size_t piece) { load(piece); });
-            if (status != Status::ok) return status;
-            Running options{options_.parallel};
-            if (options_.progress) {
-                options.progress = [this](double done) { return options_.progress(0.1 + 0.8 * done); };
-            }
-            const Evaluation evaluation = coordinates_.evaluate(rest_, weights_, states_, options);
-            report.solver = evaluation.solver;
-            if (evaluation.status != Status::ok) return evaluation.status;
-            status = for_each_piece(0.9, 1, [this](std::size_t piece) { finish(piece); });
-            if (status != Status::ok) return status;
+        std::array<typename Binding<T, D>::Memory, K> memory;
+        for (std::size_t n = 0; n < K; ++n) {
+            memory[n] = std::move(bindings[n]).release();
+            memory[n].rest.resize(blocks * D);
+            memory[n].weights.resize(blocks * handles_.count);
+            rest_[n] = {memory[n].rest.data(), D, count_};
+            weights_[n] = {memory[n].weights.data(), handles_.count, count_};
         }
-        const Status status = gather(pieces_, states_, report);
+        Status status = fill();
+        if (status == Status::ok) status = report_into(report);
         if (status != Status::ok) return status;
-        binding = Binding<T, D>(std::move(weights), std::move(rest), handles_, count_);
+        for (std::size_t n = 0; n < K; ++n)
+            bindings[n] =
+                Binding<T, D>(std::move(memory[n].weights), std::move(memory[n].rest), handles_, count_);
         return Status::ok;
     }
 
-private:
-    static constexpr std::size_t lanes = lane_count<T>;
-    static constexpr std::size_t piece_blocks = 16;
-
-    /// Runs body(piece) for all pieces in parallel, telling the progress from `from` to `to` in between.
+    /// Runs body(piece) for all pieces in parallel.
     template <class Body>
-    Status for_each_piece(double from, double to, const Body& body) const {
-        Running options{options_.parallel};
-        if (options_.progress) {
-            options.progress = [&](double done) { return options_.progress(from + (to - from) * done); };
-        }
-        return for_each_block(pieces_.size(), options, [&](std::size_t begin, std::size_t end) {
+    Status for_each_piece(const Running& running, const Body& body) const {
+        return for_each_block(pieces_.size(), running, [&](std::size_t begin, std::size_t end) {
             for (std::size_t piece = begin; piece < end; ++piece) body(piece);
         });
     }
 
-    BlockView<T> part(const BlockView<T>& all, std::size_t piece) const {
-        return {all.block(piece * piece_blocks), all.rows, states_of(piece).size()};
-    }
-    std::span<PointState> states_of(std::size_t piece) const {
-        const std::size_t first = piece * piece_blocks * lanes;
-        return std::span<PointState>(states_).subspan(first, std::min(piece_blocks * lanes, count_ - first));
-    }
-
-    /// Reads the user's points; what is left of the last block is filled with copies of the last one.
-    void load(std::size_t piece) {
-        const std::size_t first = piece * piece_blocks * lanes;
-        const std::size_t used = block_count<T>(states_of(piece).size()) * lanes;
-        for (std::size_t i = first; i < first + used; ++i) {
-            const auto p = to_vec<T>(points_[i < count_ ? i : count_ - 1]);
-            if (i < count_ && !is_finite(p)) states_[i] = PointState::not_finite;
-            for (std::size_t k = 0; k < D; ++k) rest_(i, k) = p[k];
-        }
+    /// The first point of a piece, and the states of all.
+    std::size_t first_of(std::size_t piece) const noexcept { return piece * piece_blocks_ * lanes; }
+    std::span<PointState> states_of(std::size_t piece) noexcept {
+        const std::size_t first = first_of(piece);
+        return std::span(states_).subspan(first, std::min(piece_blocks_ * lanes, count_ - first));
     }
 
-    /// Treats the points that are not simply inside, restores linear precision, takes the measures.
-    void finish(std::size_t index) {
-        BindPiece& piece = pieces_[index];
-        const std::size_t first = index * piece_blocks;
-        for (std::size_t b = first; b < first + block_count<T>(states_of(index).size()); ++b) {
-            auto* const block = weights_.block(b);
-            Lanes<T> target[D], bound;
-            for (std::size_t k = 0; k < D; ++k) target[k] = rest_.block(b)[k];
-            for (std::size_t lane = 0; lane < lanes; ++lane) {
-                const std::size_t i = b * lanes + lane;
-                const PointState state = i < count_ ? states_[i] : PointState::not_finite;
-                bound[lane] = T(1);
-                if (state == PointState::inside || state == PointState::on_boundary) continue;
-                if (state == PointState::outside) {
-                    if (options_.outside == OutsidePoints::extend && C::has_extension) continue;
-                    if (options_.outside == OutsidePoints::nearest_boundary) {
-                        std::vector<T> row(handles_.count);
-                        const auto q = coordinates_.nearest_boundary(block_point<D>(rest_, i), row);
-                        for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
-                        for (std::size_t h = 0; h < row.size(); ++h) block[h][lane] = row[h];
-                        continue;
-                    }
-                }
-                // Kept in place: no weights. The target is any finite point.
-                bound[lane] = T(0);
-                for (std::size_t h = 0; h < handles_.count; ++h) block[h][lane] = T(0);
-                for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_.rest[0][k];
-            }
-            const auto outcome =
-                restorer_.run(target, bound, block, options_.linear_precision == LinearPrecision::restore);
-            for (std::size_t lane = 0; lane < lanes; ++lane) {
-                if (bound[lane] == T(0)) continue;
-                const std::size_t i = b * lanes + lane;
-                if (!is_finite(outcome.partition[lane]) || !is_finite(outcome.reproduction[lane])) {
-                    // Too far away for the scalar: a weight or what it makes is not representable.
-                    states_[i] = PointState::unreached;
-                    for (std::size_t h = 0; h < handles_.count; ++h) block[h][lane] = T(0);
-                    continue;
-                }
-                piece.note(outcome, lane, i);
+    /// Whether a point of this state gets weights.
+    bool is_bound(PointState state) const noexcept {
+        if (state == PointState::outside) {
+            return options_.outside == OutsidePoints::nearest_boundary ||
+                   (options_.outside == OutsidePoints::extend && C::has_extension);
+        }
+        return state == PointState::inside || state == PointState::on_boundary;
+    }
+    bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
+
+    /// Takes the measures of a block. A point is unreached that is too far away for the scalar: a weight or
+    /// what it makes is not representable.
+    template <class Outcome>
+    void take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (bound[lane] == T(0)) continue;
+            const std::size_t i = block * lanes + lane;
+            if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) {
+                pieces_[block / piece_blocks_].note(outcome, lane, i);
+            } else {
+                states_[i] = PointState::unreached;
             }
         }
+    }
+    /// No weights for points that `take` has found unreached.
+    void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (bound[lane] != T(0) && states_[block * lanes + lane] == PointState::unreached)
+                clear(row, lane);
+        }
+    }
+    void clear(Lanes<T>* row, std::size_t lane) const noexcept {
+        for (std::size_t h = 0; h < handles_.count; ++h) row[h][lane] = T(0);
+    }
+
+    /// Puts the pieces together, in their order, and lists the points.
+    Status report_into(BindReport& report) const {
+        for (const BindMeasures& piece : pieces_) {
+            if (piece.status != Status::ok) return piece.status;
+            piece.put_into(report);
+        }
+        for (std::size_t i = 0; i < count_; ++i) {
+            switch (states_[i]) {
+            case PointState::inside: break;
+            case PointState::on_boundary: report.on_boundary.push_back(i); break;
+            case PointState::outside: report.outside.push_back(i); break;
+            case PointState::not_finite: report.not_finite.push_back(i); break;
+            case PointState::unreached: report.unreached.push_back(i); break;
+            }
+        }
+        return Status::ok;
     }
 
     const C& coordinates_;
     const R& points_;
     const BindOptions& options_;
+    std::size_t piece_blocks_;
     HandleView<T, D> handles_;
     LinearRestorer<T, D> restorer_;
     std::size_t count_;
-    BlockView<T> rest_, weights_;
-    mutable std::vector<PointState> states_;
-    std::vector<BindPiece> pieces_;
+    std::array<BlockView<T>, K> weights_, rest_;
+    std::vector<PointState> states_;
+    std::vector<BindMeasures> pieces_;
 };
 
-struct Bind {
-    template <CageCoordinates C, PointRange R>
-        requires(range_dimension<R> == C::dimension)
-    BindResult<typename C::scalar, C::dimension>
-    operator()(const C& coordinates, const R& points, const BindOptions& options = {},
-               Binding<typename C::scalar, C::dimension> recycled = {}) const {
-        const auto start = std::chrono::steady_clock::now();
-        BindResult<typename C::scalar, C::dimension> result;
-        BindReport& report = result.report;
-        report.cage = coordinates.cage_report();
-        report.status = report.cage.status;
-        report.points = std::size(points);
-        if (report.status != Status::ok) return result;
-        report.status = guard_memory([&] {
-            const Status status = Binder<C, R>(coordinates, points, options).run(recycled, report);
-            if (status == Status::ok) result.binding = std::move(recycled);
-            return status;
+/// One bind of points.
+template <CageCoordinates C, PointRange R>
+class PointBinder : Binder<1, C, R> {
+    using Base = Binder<1, C, R>;
+    using Base::coordinates_, Base::count_, Base::D, Base::handles_, Base::lanes, Base::states_;
+    using typename Base::T;
+
+public:
+    PointBinder(const C& coordinates, const R& points, const BindOptions& options)
+        : Base(coordinates, points, options, 16) {}
+
+    Status run(std::array<Binding<T, D>, 1>& binding, const Running& running, BindReport& report) {
+        return Base::run(binding, report,
+                         [&] { return C::closed_form ? in_pieces(running) : at_once(running, report); });
+    }
+
+private:
+    Status in_pieces(const Running& running) {
+        return this->for_each_piece(running, [this](std::size_t piece) {
+            load(piece);
+            const BlockView<T> places = part(this->rest_[0], piece);
+            this->pieces_[piece].status =
+                coordinates_.evaluate(places, part(this->weights_[0], piece), this->states_of(piece), {})
+                    .status;
+            finish(piece);
         });
-        report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        return result;
+    }
+
+    /// All points together, so that a solver solves once.
+    Status at_once(const Running& running, BindReport& report) {
+        Status status =
+            this->for_each_piece(running.part(0, 0.1), [this](std::size_t piece) { load(piece); });
+        if (status != Status::ok) return status;
+        const Evaluation evaluation =
+            coordinates_.evaluate(this->rest_[0], this->weights_[0], states_, running.part(0.1, 0.9));
+        report.solver = evaluation.solver;
+        if (evaluation.status != Status::ok) return evaluation.status;
+        return this->for_each_piece(running.part(0.9, 1), [this](std::size_t piece) { finish(piece); });
+    }
+
+    BlockView<T> part(const BlockView<T>& all, std::size_t piece) noexcept {
+        return {all.block(this->first_of(piece) / lanes), all.rows, this->states_of(piece).size()};
+    }
+
+    /// Reads the user's points; what is left of the last block is filled with copies of the last one.
+    void load(std::size_t piece) {
+        const std::size_t first = this->first_of(piece);
+        const std::size_t used = block_count<T>(this->states_of(piece).size()) * lanes;
+        for (std::size_t i = first; i < first + used; ++i) {
+            const auto p = to_vec<T>(this->points_[std::min(i, count_ - 1)]);
+            if (i < count_ && !is_finite(p)) states_[i] = PointState::not_finite;
+            for (std::size_t k = 0; k < D; ++k) this->rest_[0](i, k) = p[k];
+        }
+    }
+
+    /// Treats the points that are not simply inside, restores linear precision, takes the measures.
+    void finish(std::size_t piece) {
+        const auto weights = part(this->weights_[0], piece);
+        const std::size_t first = this->first_of(piece) / lanes;
+        for (std::size_t b = first; b < first + weights.blocks(); ++b) {
+            Lanes<T>* const row = this->weights_[0].block(b);
+            Lanes<T> target[D], bound;
+            for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
+            for (std::size_t lane = 0; lane < lanes; ++lane)
+                bound[lane] = settle(b * lanes + lane, target) ? T(1) : T(0);
+            this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b);
+            this->clear_unreached(bound, b, row);
+        }
+    }
+
+    /// Whether a point has weights. In `target` stands what they are to reproduce: the point itself, or the
+    /// nearest of the boundary, whose weights it gets; of one without weights any finite point.
+    bool settle(std::size_t i, Lanes<T> (&target)[D]) {
+        Lanes<T>* const row = this->weights_[0].block(i / lanes);
+        const std::size_t lane = i % lanes;
+        const PointState state = i < count_ ? states_[i] : PointState::not_finite;
+        if (state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary) {
+            std::vector<T> weights(handles_.count);
+            const auto q = coordinates_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
+            for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
+            for (std::size_t h = 0; h < weights.size(); ++h) row[h][lane] = weights[h];
+            return true;
+        }
+        if (this->is_bound(state)) return true;
+        this->clear(row, lane);
+        for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_.rest[0][k];
+        return false;
+    }
+};
+
+/// Checks the cage, and runs make(report) if it is sound.
+template <CageCoordinates C, class Make>
+BindReport report_bind(const C& coordinates, std::size_t points, const Make& make) {
+    BindReport report;
+    report.cage = coordinates.cage_report();
+    report.points = points;
+    run_into(report, [&] { return report.cage.status != Status::ok ? report.cage.status : make(report); });
+    return report;
+}
+
+struct Bind {
+    template <CageCoordinates C, PointRangeIn<C::dimension> R>
+    BindResult<typename C::scalar, C::dimension> operator()(const C& coordinates, const R& points,
+                                                            const BindOptions& options = {},
+                                                            const Running& running = {}) const {
+        return (*this)(coordinates, points, options, Binding<typename C::scalar, C::dimension>{}, running);
+    }
+
+    template <CageCoordinates C, PointRangeIn<C::dimension> R,
+              std::same_as<Binding<typename C::scalar, C::dimension>> Recycled>
+    BindResult<typename C::scalar, C::dimension> operator()(const C& coordinates, const R& points,
+                                                            const BindOptions& options, Recycled&& recycled,
+                                                            const Running& running = {}) const {
+        std::array<Recycled, 1> binding;
+        BindReport report = report_bind(coordinates, std::size(points), [&](BindReport& into) {
+            PointBinder<C, R> binder(coordinates, points, options);
+            binding[0] = std::move(recycled);
+            return binder.run(binding, running, into);
+        });
+        return {std::move(binding[0]), std::move(report)};
     }
 };
 
@@ -281,6 +336,9 @@ struct Bind {
 
 /// Binds points to the cage of `coordinates`: evaluates all weights, treats the points outside, restores
 /// linear precision, and reports.
+///
+///     bind(coordinates, points, options, running)
+///     bind(coordinates, points, options, std::move(recycled), running)
 ///
 ///   points    any PointRange of the same dimension, converted to the scalar of the coordinates
 ///   recycled  a binding no longer needed, whose memory is used again: a megabyte of new memory costs the
