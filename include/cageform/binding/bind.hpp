@@ -14,9 +14,9 @@ enum class OutsidePoints : std::uint8_t {
     nearest_boundary, ///< they follow the nearest point of the cage's boundary, at the same offset
 };
 
-/// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least change,
-/// in the sense of least squares over the handles, that restores both. Affine poses are then exact; a weight
-/// near zero may turn negative by at most BindReport::weight_change.
+/// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least
+/// change, in the sense of least squares over the handles, that restores both. Affine poses are
+/// then exact; a weight near zero may turn negative by at most BindReport::weight_change.
 enum class LinearPrecision : std::uint8_t { restore, leave };
 
 struct BindOptions {
@@ -66,8 +66,8 @@ struct BindResult {
 
 namespace detail {
 
-/// The measures of a part of the points.
-struct BindMeasures {
+/// What a piece of the points finds out: its status, and measures.
+struct BindPiece {
     Status status = Status::ok;
     Extreme partition, reproduction, change, before, least;
 
@@ -89,8 +89,9 @@ struct BindMeasures {
     }
 };
 
-/// What binding points and binding vectors share; K bindings are made of the same points. Blocks are worked on in pieces that stay in cache. What a
-/// piece finds out is kept apart and put together in the end, so that nothing depends on the threads.
+/// What binding points and binding vectors share; K bindings are made of the same points. Blocks
+/// are worked on in pieces that stay in cache. What a piece finds out is kept apart and put
+/// together in the end, so that nothing depends on the threads.
 template <std::size_t K, CageCoordinates C, PointRange R>
 class Binder {
 protected:
@@ -108,7 +109,7 @@ protected:
         , states_(count_, PointState::unreached)
         , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
 
-    /// Makes the bindings, in the memory of those given: fill() sets `weights_`, `rest_` and `states_`.
+    /// Makes the bindings in the memory of those given; fill() sets weights, rest and states.
     template <class Fill>
     Status run(std::array<Binding<T, D>, K>& bindings, BindReport& report, const Fill& fill) {
         const std::size_t blocks = block_count<T>(count_);
@@ -154,8 +155,8 @@ protected:
     }
     bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
 
-    /// Takes the measures of a block. A point is unreached that is too far away for the scalar: a weight or
-    /// what it makes is not representable.
+    /// Takes the measures of a block. A point so far away that the scalar does not hold its
+    /// weights, or what they make, becomes unreached.
     template <class Outcome>
     void take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -181,7 +182,7 @@ protected:
 
     /// Puts the pieces together, in their order, and lists the points.
     Status report_into(BindReport& report) const {
-        for (const BindMeasures& piece : pieces_) {
+        for (const BindPiece& piece : pieces_) {
             if (piece.status != Status::ok) return piece.status;
             piece.put_into(report);
         }
@@ -206,7 +207,7 @@ protected:
     std::size_t count_;
     std::array<BlockView<T>, K> weights_, rest_;
     std::vector<PointState> states_;
-    std::vector<BindMeasures> pieces_;
+    std::vector<BindPiece> pieces_;
 };
 
 /// One bind of points.
@@ -253,7 +254,7 @@ private:
         return {all.block(this->first_of(piece) / lanes), all.rows, this->states_of(piece).size()};
     }
 
-    /// Reads the user's points; what is left of the last block is filled with copies of the last one.
+    /// Reads the user's points. The rest of the last block is filled with copies of the last one.
     void load(std::size_t piece) {
         const std::size_t first = this->first_of(piece);
         const std::size_t used = block_count<T>(this->states_of(piece).size()) * lanes;
@@ -279,8 +280,8 @@ private:
         }
     }
 
-    /// Whether a point has weights. In `target` stands what they are to reproduce: the point itself, or the
-    /// nearest of the boundary, whose weights it gets; of one without weights any finite point.
+    /// Whether a point gets weights. One outside may get those of the nearest boundary point, which
+    /// goes into `target`; one without weights gets zeros, and any finite target.
     bool settle(std::size_t i, Lanes<T> (&target)[D]) {
         Lanes<T>* const row = this->weights_[0].block(i / lanes);
         const std::size_t lane = i % lanes;
@@ -334,18 +335,19 @@ struct Bind {
 
 } // namespace detail
 
-/// Binds points to the cage of `coordinates`: evaluates all weights, treats the points outside, restores
-/// linear precision, and reports.
+/// Binds points to the cage of `coordinates`: evaluates all weights, treats the points outside,
+/// restores linear precision, and reports.
 ///
 ///     bind(coordinates, points, options, running)
 ///     bind(coordinates, points, options, std::move(recycled), running)
 ///
 ///   points    any PointRange of the same dimension, converted to the scalar of the coordinates
-///   recycled  a binding no longer needed, whose memory is used again: a megabyte of new memory costs the
-///             system as much time as the weights to fill it
-///   returns   the binding and its report. Unless the report's status is ok the binding is empty; a bad
-///             *point* is listed and kept in place, and is no reason to refuse the others.
-///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory a point
+///   recycled  a binding no longer needed, whose memory is used again: a megabyte of new memory
+///             costs the system as much time as the weights to fill it
+///   returns   the binding and its report. Unless the report's status is ok the binding is empty; a
+///             bad *point* is listed and kept in place, and is no reason to refuse the others.
+///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
+///             a point
 ///   fails     as the cage's check and the coordinates say; cancelled; out_of_memory
 ///
 /// A function object, so that argument-dependent lookup never finds std::bind in its place.

@@ -100,8 +100,7 @@ private:
         return evaluation;
     }
 
-    /// Reads the user's points and vectors; what is left of the last block is filled with copies of the last
-    /// point.
+    /// Reads the user's points. The rest of the last block is filled with copies of the last one.
     void load(Gradients& gradients) {
         const BlockView<T>& points = gradients.points;
         for (std::size_t i = 0; i < points.blocks() * lanes; ++i) {
@@ -165,29 +164,32 @@ bind_each_vector(const C& coordinates, const R& points, const Vectors& vector, c
         return VectorBinder<K, C, R, Vectors>(coordinates, points, vector, options)
             .run(result.bindings, running, report);
     });
+    if (result.report.status != Status::ok) result.bindings = {};
     return result;
 }
 
 } // namespace detail
 
-/// Binds vectors attached to points, so that a pose moves them as it moves the matter around the points:
+/// Binds vectors attached to points, so that a pose moves them as the matter around the points:
 ///
 ///     t' = t + Σ (t·∇w_i(p)) (C'_i − C_i) = J t,   J the Jacobian of the deformation at p
 ///
-/// That is a Binding with vectors in place of points and directional derivatives in place of weights; `clone`
-/// moves it, and at rest gives the vectors bit for bit. Affine poses x ↦ A x + b give A t to rounding.
+/// That is a Binding with vectors in place of points and directional derivatives in place of
+/// weights; `clone` moves it, and at rest gives the vectors bit for bit. Affine poses x ↦ A x + b
+/// give A t to rounding.
 ///
 ///   points    as for `bind`
-///   vectors   K families in an array, as `tangents_of` returns them, each as many as points, of any length,
-///             read as the scalar of the coordinates
-///   options   as for `bind`. With nearest_boundary, vectors of points outside turn as matter does at the nearest
-///             place of the boundary. Without extension, or with keep_in_place, they keep their direction and
-///             length
-///   returns   a binding for each family and the report, as `bind` does: lists of points (not finite: the point
-///             or one of its vectors); the largest |Σw| and |Σwc − t|; the changes and the least of these weights
-///   cost      that of evaluate_gradients once for all families, plus O(K #handles) a point; closed forms a few
-///             points at a time. A solver's gradients are taken all at once, D #handles scalars a point, and anew
-///             with nearest_boundary if points lie outside
+///   vectors   K families in an array, as `tangents_of` returns them, each as many as points, of
+///             any length, read as the scalar of the coordinates
+///   options   as for `bind`. With nearest_boundary, vectors of points outside turn as matter does
+///             at the nearest place of the boundary. Without extension, or with keep_in_place, they
+///             keep their direction and length
+///   returns   a binding for each family and the report, as `bind` does: lists of points (not
+///             finite: the point or one of its vectors); the largest |Σw| and |Σwc − t|; the
+///             changes and the least of these weights
+///   cost      that of evaluate_gradients once for all families, plus O(K #handles) a point; closed
+///             forms a few points at a time. A solver's gradients are taken all at once, D #handles
+///             scalars a point, and anew with nearest_boundary if points lie outside
 ///   fails     as `bind`, and as evaluate_gradients
 template <GradientCoordinates C, PointRangeIn<C::dimension> R, PointRangeIn<C::dimension> V, std::size_t K>
 VectorBindResult<typename C::scalar, C::dimension, K>

@@ -31,12 +31,13 @@ inline std::array<Vec<double, 3>, 2> any_tangents(const Vec<double, 3>& n) noexc
 
 } // namespace detail
 
-/// Unit tangents to go with normals of any length, to be bound by `bind_vectors` and played by `clone_normals`. In space
-/// two for each, orthogonal, with cross(tangent, bitangent) along the normal; in the plane one, the normal turned
-/// clockwise.
+/// Unit tangents to go with normals of any length, to be bound by `bind_vectors` and played by
+/// `clone_normals`. In space two for each, orthogonal, with cross(tangent, bitangent) along the
+/// normal; in the plane one, the normal turned clockwise.
 ///
-///   returns  `auto [tangents, bitangents] = tangents_of(normals)`, in the plane `auto [tangents] = …`; of a zero normal
-///            zeros; of one that is not finite a first one that is not, so that `bind_vectors` reports it
+///   returns  an array of tangents and bitangents, in the plane of tangents alone; of a zero normal
+///            zeros; of one that is not finite a tangent that is not, so that `bind_vectors`
+///            reports it
 template <PointRange R>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
 auto tangents_of(const R& normals) {
@@ -63,9 +64,9 @@ auto tangents_of(const R& normals) {
     return result;
 }
 
-/// The same with tangents of one's own: made orthogonal to the normals and of unit length. The bitangents are
-/// cross(normal, tangent), whichever way the texture runs: that sign (the w of a glTF tangent) is the caller's, and no
-/// pose changes it.
+/// The same with tangents of one's own: made orthogonal to the normals and of unit length. The
+/// bitangents are cross(normal, tangent), whichever way the texture runs: that sign (the w of a
+/// glTF tangent) is the caller's, and no pose changes it.
 ///
 ///   tangents  as many as normals; where one is zero or along the normal, any other is taken
 template <PointRange R, PointRange S>

@@ -28,8 +28,8 @@ inline constexpr bool is_binding_view<PackedBindingView<T, D>> = true;
 
 } // namespace detail
 
-/// A bound figure: a BindingView or a PackedBindingView, or anything with a view() that is one, as Binding
-/// and PackedBinding have.
+/// A bound figure: a BindingView or a PackedBindingView, or anything with a view() that is one, as
+/// Binding and PackedBinding have.
 template <class B>
 concept AnyBinding = detail::is_binding_view<decltype(detail::view_of(std::declval<const B&>()))>;
 
@@ -60,19 +60,20 @@ Status check_clone(const View& binding, const Pose& pose, const Out& out,
 ///
 ///   binding       dense or packed, an owner or a view
 ///   pose          any PointRange of #handles points
-///   out           any MutablePointRange of at least #points places, which may not overlap the pose; the
-///                 rest of it is left alone. It and the mask are indexed as the points were when bound,
-///                 whatever their order in a packed binding
+///   out           any MutablePointRange of at least #points places, which may not overlap the
+///                 pose; the rest of it is left alone. It and the mask are indexed as the points
+///                 were when bound, whatever their order in a packed binding
 ///   options       a mask, and what the displacements are added to
 ///   parallel_for  see core/parallel.hpp; the result does not depend on it
-///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is then
-///                 untouched), or ok
-///   cost          reads every stored weight once, of a dense binding #points × (#handles + D) scalars; no
-///                 allocation
+///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is
+///                 then untouched), or ok
+///   cost          reads every stored weight once, of a dense binding #points × (#handles + D)
+///                 scalars; no allocation
 ///
-/// The pose at rest gives the bound points bit for bit. An affine pose moves every bound point by the same
-/// affine map, to rounding (points kept in place stay, points outside that follow the nearest boundary point
-/// move as it does). What a packed binding makes of other poses is in the report of `pack`.
+/// The pose at rest gives the bound points bit for bit. An affine pose moves every bound point by
+/// the same affine map, to rounding (points kept in place stay, points outside that follow the
+/// nearest boundary point move as it does). What a packed binding makes of other poses is in the
+/// report of `pack`.
 template <AnyBinding B, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone(const B& binding, const Pose& pose, Out&& out,

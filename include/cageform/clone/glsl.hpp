@@ -1,24 +1,27 @@
-// The clone operator on a graphics card: GLSL that reads a blob where it lies, or a skin's joints and weights.
+// The clone operator on a graphics card: GLSL that reads a blob where it lies, or a skin's joints
+// and weights.
 //
-// Upload once: the bytes of a blob as they are, as one storage buffer. Upload every frame: `write_displacements`, one vec4 a
-// handle. Then either a compute shader writes all points,
+// Upload once: the bytes of a blob as they are, as one storage buffer. Upload every frame:
+// `write_displacements`, one vec4 a handle. Then either a compute shader writes all points,
 //
-//     #version 430                              (or 310 es)
-//     #define CAGEFORM_BLOB 0                   bindings of the buffers: the blob,
-//     #define CAGEFORM_DISPLACEMENTS 1          what write_displacements wrote,
-//     #define CAGEFORM_OUT 2                    numbers of float: the points
-//     #define CAGEFORM_OUT_STRIDE 6             floats from a point to the next; the dimension where not defined
-//     #define CAGEFORM_OUT_OFFSET 0             floats before the first; 0 where not defined
-//     #define CAGEFORM_BASE 0u                  the word of four bytes at which the blob begins in its buffer; 0u where not
-//     #define CAGEFORM_TANGENTS 1000u           so those of bound tangents and bitangents, behind it, if normals are
-//     #define CAGEFORM_BITANGENTS 2000u         wanted as well,
-//     #define CAGEFORM_NORMAL_OFFSET 3          and the floats before the first of them
-//     glsl::displacements, glsl::blob, glsl::compute     in this order, one thread a point, 64 a work group
+//     #version 430                         (or 310 es)
+//     #define CAGEFORM_BLOB 0              bindings of the buffers: the blob,
+//     #define CAGEFORM_DISPLACEMENTS 1     what write_displacements wrote,
+//     #define CAGEFORM_OUT 2               numbers of float: the points
+//     #define CAGEFORM_OUT_STRIDE 6        floats from a point to the next; else the dimension
+//     #define CAGEFORM_OUT_OFFSET 0        floats before the first; else 0
+//     #define CAGEFORM_BASE 0u             the word of four bytes at which the blob begins; else 0u
+//     #define CAGEFORM_TANGENTS 1000u      so those of bound tangents and bitangents, behind it,
+//     #define CAGEFORM_BITANGENTS 2000u    if normals are wanted as well,
+//     #define CAGEFORM_NORMAL_OFFSET 3     and the floats before the first of them
+//     glsl::displacements, glsl::blob, glsl::compute     in this order, one thread a point, 64 a group
 //
-// or any shader calls what `blob` has: cageform_displacement, cageform_rest, cageform_point, cageform_normal, of a place in the
-// blob's order. A vertex shader of a skin (binding/skin_weights.hpp) needs no blob:
+// or any shader calls what `blob` has: cageform_displacement, cageform_rest, cageform_point,
+// cageform_normal, of a place in the blob's order. A vertex shader of a skin
+// (binding/skin_weights.hpp) needs no blob:
 //
-//     #define CAGEFORM_UNIFORM_HANDLES 112      displacements are a uniform block of so many; a storage buffer where not defined
+//     #define CAGEFORM_UNIFORM_HANDLES 112 displacements are a uniform block of so many; else a
+//                                          storage buffer
 //     glsl::displacements, glsl::skin
 //     … gl_Position = view * vec4(rest + cageform_skin(joints, weights), 1) …
 //
@@ -38,10 +41,12 @@ constexpr std::size_t displacement_count(const PackedBindingView<float, D>& bind
     return binding.handle_count() + D + 1;
 }
 
-/// What shaders read every frame: how far the handles have moved from rest, then the best affine fit to it, each as a vec4
-/// (std140 and std430 alike). It depends on the handles alone, so it serves all bindings to the same cage.
+/// What shaders read every frame: how far the handles have moved from rest, then the best affine
+/// fit to it, each as a vec4 (std140 and std430 alike). It depends on the handles alone, so it
+/// serves all bindings to the same cage.
 ///
-///   out      at least displacement_count() places; the memory of a mapped buffer will do, it is only written
+///   out      at least displacement_count() places; the memory of a mapped buffer will do, it is
+///            only written
 ///   returns  pose_size_differs, pose_not_finite, output_too_small (`out` is then untouched), or ok
 ///   cost     O(#handles); no allocation
 template <std::size_t D, PointRangeIn<D> Pose>
@@ -79,8 +84,9 @@ layout(std430, binding = CAGEFORM_DISPLACEMENTS) readonly buffer CageformDisplac
 #endif
 )";
 
-/// Blobs of binding/blob.hpp, of float, at most 16 GiB of them. `base` is the word of four bytes at which a blob begins in the
-/// buffer: several may stand one behind the other. A shader may be faster that says
+/// Blobs of binding/blob.hpp, of float, at most 16 GiB of them. `base` is the word of four bytes at
+/// which a blob begins in the buffer: several may stand one behind the other. A shader may be
+/// faster that says
 ///
 ///     #define CAGEFORM_FORMAT 0u       as WeightFormat counts
 ///     #define CAGEFORM_DIMENSION 3u
@@ -97,7 +103,8 @@ layout(std430, binding = CAGEFORM_BLOB) readonly buffer CageformBlob {
 #define CAGEFORM_FORMAT cageform_blob[base + 10u]
 #endif
 
-// The word at which a part begins whose offset in bytes, of 64 bits, stands in a field of the header.
+// The word at which a part begins whose offset in bytes, of 64 bits, stands in a field of the
+// header.
 highp uint cageform_part(highp uint base, highp uint field) {
     return base + ((cageform_blob[base + field] >> 2) | (cageform_blob[base + field + 1u] << 30));
 }

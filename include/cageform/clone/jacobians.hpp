@@ -6,12 +6,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view over square matrices that lie at regular distances in memory, column after column. Owns nothing and
-/// copies nothing.
+/// A view over square matrices that lie at regular distances in memory, column after column. Owns
+/// nothing and copies nothing.
 ///
 ///   matrix_stride  bytes from a matrix to the next
-///   column_stride  bytes from a column to the next of its matrix (16 for float columns padded to four, as
-///                  std430 has them)
+///   column_stride  bytes from a column to the next of its matrix (16 for float columns padded to
+///                  four, as std430 has them)
 template <class T, std::size_t D>
 class StridedMatrices {
 public:
@@ -41,8 +41,8 @@ private:
     std::ptrdiff_t column_stride_;
 };
 
-/// The Jacobians of the deformation at all points, for those who deform more than points: a splat of covariance
-/// Σ becomes one of J Σ Jᵀ.
+/// The Jacobians of the deformation at all points, for those who deform more than points: a splat
+/// of covariance Σ becomes one of J Σ Jᵀ.
 ///
 ///   columns    bindings of the D axes (`bind_jacobians`)
 ///   jacobians  out, at least #points matrices: column k is where axis k goes

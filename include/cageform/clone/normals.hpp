@@ -6,18 +6,18 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The normals of the moved figure, of unit length, from bound tangents as the pose moves them: in space
-/// n' = cross(t', b') / |…|, in the plane the tangent turned counter-clockwise by 90 degrees. They are those of
-/// the deformed surface itself, not of its triangles.
+/// The normals of the moved figure, of unit length, from bound tangents as the pose moves them: in
+/// space n' = cross(t', b') / |…|, in the plane the tangent turned counter-clockwise by 90 degrees.
+/// They are those of the deformed surface itself, not of its triangles.
 ///
-///   tangents      as `bind_vectors` binds what `tangents_of` makes: in space tangents and bitangents with
-///                 cross(tangent, bitangent) along the normal, of the same points in the same order; in the
-///                 plane one binding. Dense or packed, owners or views
+///   tangents      as `bind_vectors` binds what `tangents_of` makes: in space tangents and
+///                 bitangents with cross(tangent, bitangent) along the normal, of the same points
+///                 in the same order; in the plane one binding. Dense or packed, owners or views
 ///   pose          as for `clone`
 ///   normals       out, any MutablePointRange of at least #points places
 ///   parallel_for  as for `clone`
-///   degenerate    where the tangents are moved onto one line or to nothing (to some roundings of what they
-///                 were), the normal at rest; where they are so at rest, zero
+///   degenerate    where the tangents are moved onto one line or to nothing (to some roundings of
+///                 what they were), the normal at rest; where they are so at rest, zero
 ///   returns       as `clone`; `normals` is then untouched
 ///   cost          that of a clone by each binding, and a square root a point; no allocation
 ///
@@ -38,11 +38,12 @@ noexcept {
     return Status::ok;
 }
 
-/// Normals as `clone_normals`, and with them the moved tangents, of unit length and orthogonal to the normals.
+/// Normals as `clone_normals`, and with them the moved tangents, of unit length and orthogonal to
+/// the normals.
 ///
-///   unit_tangents  out, at least #points places. For tangents of four numbers (glTF) a StridedPoints of 16
-///                  bytes' stride: the fourth, the sign of the texture's handedness, is not touched, and no pose
-///                  changes it
+///   unit_tangents  out, at least #points places. For tangents of four numbers (glTF) a
+///                  StridedPoints of 16 bytes' stride: the fourth, the sign of the texture's
+///                  handedness, is not touched, and no pose changes it
 ///   degenerate     where the normal is that at rest, so is the tangent
 template <AnyBinding B, PointRangeIn<3> Pose, MutablePointRangeIn<3> Out, MutablePointRangeIn<3> TangentsOut,
           class Parallel = SerialFor>

@@ -101,8 +101,9 @@ private:
     template <WeightFormat Format, class Displacement, class Finish>
     void add_dense(const Displacement& displacement, std::size_t begin, std::size_t end,
                    const Finish& finish) const noexcept {
-        // From caches, blocks beside each other take a third less time, for they save loads; from memory a
-        // third more, for one stream is fetched ahead better than several that break off at every block.
+        // From caches, blocks beside each other take a third less time, for they save loads; from
+        // memory a third more, for one stream is fetched ahead better than several that break off
+        // at every block.
         constexpr std::size_t cached = std::size_t{16} << 20;
         constexpr std::size_t together = sums_in_registers<D>;
         const std::size_t handles = binding_.handles, block_bytes = handles * row_bytes<Format>;

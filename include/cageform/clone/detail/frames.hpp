@@ -1,4 +1,5 @@
-// Normals and tangents of unit length from moved tangents, and what stands in where a pose leaves none.
+// Normals and tangents of unit length from moved tangents, and what stands in where a pose leaves
+// none.
 #pragma once
 
 #include <cageform/clone/detail/vector_tile.hpp>
@@ -8,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The direction of a vector that a pose made of one of the size of `rest`: it holds roundings of that
-/// size, and what is smaller has no direction.
+/// The direction of a vector that a pose made of one of the size of `rest`: it holds roundings of
+/// that size, and what is smaller has no direction.
 template <Scalar T, std::size_t D>
 struct Direction {
     static constexpr T some_roundings = 64 * epsilon<T>;
@@ -105,8 +106,8 @@ FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
     const P n[3] = {t[1] * b[2] - t[2] * b[1], t[2] * b[0] - t[0] * b[2], t[0] * b[1] - t[1] * b[0]};
     const auto square = [](const P* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
     const P nn = square(n), tt = square(t), bb = square(b);
-    // Certain: no less than a hundredth of what they were, no less than half a degree from parallel, and all
-    // squares so far within range that products of them are numbers too.
+    // Certain: no less than a hundredth of what they were, no less than half a degree from
+    // parallel, and all squares so far within range that products of them are numbers too.
     const P some(T(1e-4)), least((std::numeric_limits<T>::min)() * T(1e12)),
         most((std::numeric_limits<T>::max)() * T(1e-12));
     const auto certain = (some * square(t_rest) <= tt) & (some * square(b_rest) <= bb) &

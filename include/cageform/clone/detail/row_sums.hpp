@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The displacements of handles. Up to 16 kB of them are put into a table on the stack, more are taken again for each use:
-/// nothing is allocated whatever their number.
+/// The displacements of handles. Up to 16 kB of them are put into a table on the stack, more are
+/// taken again for each use: nothing is allocated whatever their number.
 template <Scalar T, std::size_t D, class Pose>
 class Displacements {
 public:
@@ -50,8 +50,8 @@ CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
     (std::make_index_sequence<N>{});
 }
 
-/// Σ w_r d_r of `Blocks` blocks beside each other, `stride` rows apart, and for each in `Chains` sums that need not wait for
-/// each other. `displacement(row)` is d of the rows [0, rows).
+/// Σ w_r d_r of `Blocks` blocks beside each other, `stride` rows apart, and for each in `Chains`
+/// sums that need not wait for each other. `displacement(row)` is d of the rows [0, rows).
 template <std::size_t Blocks, std::size_t Chains, WeightFormat Format, Scalar T, std::size_t D,
           class Displacement>
 void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,

@@ -1,4 +1,5 @@
-// Where the points of a clone go, a block at a time: to any range, at once where its numbers lie one after the other.
+// Where the points of a clone go, a block at a time: to any range, at once where its numbers lie
+// one after the other.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -16,7 +17,8 @@ enum class CloneOnto : std::uint8_t {
 
 template <Scalar T>
 struct CloneOptions {
-    /// A number a point, by which its displacement is multiplied; none where empty. May lie in a vertex buffer.
+    /// A number a point, by which its displacement is multiplied; none where empty. May lie in a
+    /// vertex buffer.
     StridedPoints<const T, 1> mask{nullptr, 0};
     CloneOnto onto = CloneOnto::rest;
 };
@@ -24,7 +26,8 @@ struct CloneOptions {
 namespace detail {
 
 #if CAGEFORM_REGISTER_BYTES != 0
-/// Registers whose lanes are shuffled: those of 32 bytes shuffle within their halves only, so halves it is.
+/// Registers whose lanes are shuffled: those of 32 bytes shuffle within their halves only, so
+/// halves it is.
 template <class T>
 struct ShuffledOf {
     typedef T type __attribute__((vector_size(register_bytes == 64 ? 64 : 16)));
