@@ -172,5 +172,6 @@ TEMPLATE_TEST_CASE("the depth of a loop counts the loops around it", "[cage][pol
         CAPTURE(k);
         CHECK(loop_depth(cage, k) == expected[k]);
         CHECK(signed_area(cage, cage.loops()[k]) > 0);
+        CHECK(inside_is_left(cage, k) == (expected[k] % 2 == 0));
     }
 }

@@ -28,6 +28,22 @@ TEST_CASE("sound meshes have no faults", "[cage][mesh]") {
     CHECK(report.faults.empty());
 }
 
+TEST_CASE("a mesh takes any points and any triples of whole numbers, and deduces its scalar",
+          "[cage][mesh]") {
+    const float points[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const std::vector<std::array<std::uint16_t, 3>> small{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    const std::int64_t large[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    STATIC_REQUIRE(std::is_same_v<decltype(TriangleMesh(points, small)), TriangleMesh<float>>);
+    STATIC_REQUIRE(cageform::FaceRange<Faces>);
+    STATIC_REQUIRE(!cageform::FaceRange<Points3<double>>);
+    STATIC_REQUIRE(!cageform::FaceRange<std::vector<int>>);
+    const TriangleMesh<double> mesh(points, large);
+    CHECK(check(mesh).status == Status::ok);
+    CHECK(std::ranges::equal(mesh.faces(), TriangleMesh(points, small).faces()));
+    const std::int64_t beyond[1][3] = {{0, (std::int64_t{1} << 32) + 1, 2}}; // not vertex 1
+    CHECK(TriangleMesh<double>(points, beyond).faces()[0][1] == cageform::no_vertex);
+}
+
 TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[cage][mesh]") {
     const auto data = sphere(3);
     const auto mesh = data.mesh<double>();

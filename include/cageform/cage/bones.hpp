@@ -48,8 +48,8 @@ struct DeepBone {
     PlacedBone<D> bone{};
 };
 
-/// The mean of what up to three bones say at a place, by the depths. Nullopt where they have more handles together than a
-/// value can hold: where they share no joint, which `check` refuses.
+/// The mean of what up to three bones say at a place, by the depths. Nullopt where they have more
+/// handles together than a value can hold: where they share no joint, which `check` refuses.
 template <std::size_t D>
 std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& deepest,
                                               const Vec<double, D>& p) noexcept {
@@ -74,9 +74,10 @@ std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& 
 
 } // namespace detail
 
-/// What bones bone(0) … bone(count − 1) say at a place no farther than `reach` from the surface of one. Where several overlap,
-/// as bones do at joints, the mean of what they say, by how deep the place lies in each, so that it is continuous. (Of more
-/// than three bones at a joint, that of the deepest three.)
+/// What bones bone(0) … bone(count − 1) say at a place no farther than `reach` from the surface of
+/// one. Where several overlap, as bones do at joints, the mean of what they say, by how deep the
+/// place lies in each, so that it is continuous. (Of more than three bones at a joint, that of the
+/// deepest three.)
 template <std::size_t D, class Bones>
 std::optional<BoneHit<D>> nearest_bone(std::size_t count, const Bones& bone, const Vec<double, D>& p,
                                        double reach) noexcept {

@@ -5,7 +5,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The boundary data at a place: the handles whose hat functions do not vanish there, and their values, which sum to 1.
+/// The boundary data at a place: the handles whose hat functions do not vanish there, and their
+/// values, which sum to 1.
 template <std::size_t D>
 struct BoundaryValue {
     static constexpr std::size_t most = D <= 2 ? D : 4; ///< a vertex, an edge, a triangle or quadrilateral

@@ -6,11 +6,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// An axis-aligned box. Its vertices are the corners of the rectangles that its faces are divided into, the first
-/// axis fastest: two divisions along each axis make 26 vertices. Between the vertices of a rectangle boundary data is
-/// bilinear.
+/// An axis-aligned box. Its vertices are the corners of the rectangles that its faces are divided
+/// into, the first axis fastest: two divisions along each axis make 26 vertices. Between the
+/// vertices of a rectangle boundary data is bilinear.
 ///
-/// `check` tells whether the box can serve as a cage. Takes memory for every place of the lattice of divisions.
+/// `check` tells whether the box can serve as a cage. Takes memory for every place of the lattice
+/// of divisions.
 template <Scalar T>
 class Box {
 public:
@@ -47,8 +48,9 @@ public:
     const Vec<T, 3>& upper() const noexcept { return upper_; }
     const Divisions& divisions() const noexcept { return divisions_; }
 
-    /// The boundary data at a place of the face across `axis`, the upper or the lower one. The place is given by its
-    /// parts of the box's extents, of which that along `axis` is not looked at.
+    /// The boundary data at a place of the face across `axis`, the upper or the lower one. The
+    /// place is given by its parts of the box's extents, of which that along `axis` is not looked
+    /// at.
     BoundaryValue<3> on_face(std::size_t axis, bool upper, const Vec<double, 3>& part) const noexcept {
         std::array<std::size_t, 3> low{};
         std::array<double, 3> beyond{};
@@ -91,7 +93,7 @@ private:
         numbers_; ///< of the vertex at each place of the lattice of divisions, if it is one
 };
 
-// ---- inside --------------------------------------------------------------------------------------
+// ---- inside -------------------------------------------------------------------------------------
 
 /// Inside, on the boundary when within `tolerance` of it (the cage's coincidence_tolerance).
 template <Scalar T>
@@ -131,10 +133,10 @@ BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, V
     return box.on_face(axis, upper, box.parts(vec_cast<double>(place)));
 }
 
-// ---- check ---------------------------------------------------------------------------------------
+// ---- check --------------------------------------------------------------------------------------
 
-/// Whether a box can serve as a cage: its corners are finite, and along every axis the divisions of its extent are
-/// longer than coincidence_tolerance.
+/// Whether a box can serve as a cage: its corners are finite, and along every axis the divisions of
+/// its extent are longer than coincidence_tolerance.
 template <Scalar T>
 CageReport check(const Box<T>& box) {
     CageReport report;

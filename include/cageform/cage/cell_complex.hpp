@@ -7,8 +7,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A point (`i` = `j`), or in space an edge of a chain. It has a radius because without one it has no capacity, and no
-/// harmonic function takes notice of its value. Places within the radius have the value of the bone's nearest place.
+/// A point (`i` = `j`), or in space an edge of a chain. It has a radius because without one it has
+/// no capacity, and no harmonic function takes notice of its value. Places within the radius have
+/// the value of the bone's nearest place.
 struct Bone {
     std::uint32_t i = 0, j = 0; ///< handles
     double radius = 0;          ///< in the units of the cage
@@ -23,23 +24,26 @@ struct InteriorCells {
     bool empty() const noexcept { return facets.empty() && bones.empty(); }
 };
 
-/// A boundary and cells inside it (Joshi et al. 2007, sec. 4.1), for local control: a vertex in the head, a line of bones,
-/// a wall between two legs. The functions are linear on the cells and only continuous across them. The handles are
-/// the vertices of the boundary, then those of the cells in the order they were added.
+/// A boundary and cells inside it (Joshi et al. 2007, sec. 4.1), for local control: a vertex in the
+/// head, a line of bones, a wall between two legs. The functions are linear on the cells and only
+/// continuous across them. The handles are the vertices of the boundary, then those of the cells in
+/// the order they were added.
 ///
 ///     CellComplex<double, 2> cage(Polygon<double>(outline));
 ///     const std::size_t head = cage.add_point(eye, 12.0);
 ///     cage.add_chain(spine);
 ///
-/// About bones linear functions are missed, by at most the radius. `bind` restores them by default, for poses that turn
-/// the whole cage; weights then leave [0, 1] by about the radius over the cage's size (LinearPrecision::leave keeps them).
+/// About bones linear functions are missed, by at most the radius. `bind` restores them by default,
+/// for poses that turn the whole cage; weights then leave [0, 1] by about the radius over the
+/// cage's size (LinearPrecision::leave keeps them).
 ///
-/// A point that equals a vertex already there is that vertex: so cells meet, and a chain from boundary to boundary
-/// parts the cage. Construction never fails; `check` tells whether the complex can serve as a cage. To add a point takes
-/// O(#handles).
+/// A point that equals a vertex already there is that vertex: so cells meet, and a chain from
+/// boundary to boundary parts the cage. Construction never fails; `check` tells whether the complex
+/// can serve as a cage. To add a point takes O(#handles).
 ///
-/// Next to the free rim of faces in space, and the end of a chain without ten grid cells of room about it, the functions rise
-/// like the square root of the distance, which a grid misses by some tenths within a cell.
+/// Next to the free rim of faces in space, and the end of a chain without ten grid cells of room
+/// about it, the functions rise like the square root of the distance, which a grid misses by some
+/// tenths within a cell.
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 class CellComplex {
@@ -81,8 +85,9 @@ public:
                 {std::uint32_t(handles[n]), std::uint32_t(handles[n + 1]), double(radius)});
         return handles;
     }
-    /// Triangles in space: `faces[f][k]`, k = 0, 1, 2, is the place in `points` of a corner. Returns the handles of the
-    /// points. Faces that name a point that there is not are remembered and reported by `check`.
+    /// Triangles in space: `faces[f][k]`, k = 0, 1, 2, is the place in `points` of a corner.
+    /// Returns the handles of the points. Faces that name a point that there is not are remembered
+    /// and reported by `check`.
     template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_faces(const R& points, const F& faces) {
@@ -146,7 +151,7 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
     return cage.cells();
 }
 
-// ---- inside --------------------------------------------------------------------------------------
+// ---- inside -------------------------------------------------------------------------------------
 
 /// The bone of a complex with its vertices' places.
 template <Scalar T, std::size_t D>
@@ -154,8 +159,9 @@ PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexc
     return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};
 }
 
-/// The boundary data at the place of boundary and cells nearest to a finite point, and that place: linear on facets, that
-/// of the nearest place within the radius of a bone. Of a sound complex; O(facets and bones).
+/// The boundary data at the place of boundary and cells nearest to a finite point, and that place:
+/// linear on facets, that of the nearest place within the radius of a bone. Of a sound complex;
+/// O(facets and bones).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
                                         Vec<T, D>& place) noexcept {
@@ -200,7 +206,7 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
     return on_cell ? PointState::on_boundary : state;
 }
 
-// ---- check ---------------------------------------------------------------------------------------
+// ---- check --------------------------------------------------------------------------------------
 
 /// What coordinate types that know no interior cells report.
 template <Scalar T, std::size_t D>
@@ -244,8 +250,8 @@ public:
                        [&](const auto& facet) { facets_.emplace_back(facet, cage.vertices()); });
     }
 
-    /// Vertices of cells are apart from all others and inside, unless the boundary has them too. Those that nothing uses
-    /// get a warning, as in a mesh.
+    /// Vertices of cells are apart from all others and inside, unless the boundary has them too.
+    /// Those that nothing uses get a warning, as in a mesh.
     void check_vertices() {
         std::vector<bool> used(cage_.size());
         for (const auto& facet : cells()) {
@@ -341,10 +347,10 @@ private:
 
 } // namespace detail
 
-/// Whether a complex can serve as a cage: its boundary can; its cells are not degenerate, lie inside, and meet the boundary
-/// and each other in common vertices, edges and faces alone; bones have a radius, keep it from the boundary and from
-/// facets, share vertices only with each other, and reach no other end of those.
-/// O(cells · (cells + facets of the boundary)).
+/// Whether a complex can serve as a cage: its boundary can; its cells are not degenerate, lie
+/// inside, and meet the boundary and each other in common vertices, edges and faces alone; bones
+/// have a radius, keep it from the boundary and from facets, share vertices only with each other,
+/// and reach no other end of those. O(cells · (cells + facets of the boundary)).
 template <Scalar T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage) {
     CageReport report = check(cage.boundary());

@@ -6,10 +6,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Proportional to the distance from the boundary next to it, smooth everywhere inside: one over the integral of 1/ρ over
-/// all directions, ρ the distance of the boundary in that direction (beyond it with alternating signs), which is what
-/// mean value weights are normalised by (Dyken & Floater, Transfinite mean value interpolation, CAGD 26 (2009), sec. 3).
-/// Made for a sound cage; asked for points inside. O(edges or faces).
+/// Proportional to the distance from the boundary next to it, smooth everywhere inside: one over
+/// the integral of 1/ρ over all directions, ρ the distance of the boundary in that direction
+/// (beyond it with alternating signs), which is what mean value weights are normalised by (Dyken &
+/// Floater, Transfinite mean value interpolation, CAGD 26 (2009), sec. 3). Made for a sound cage;
+/// asked for points inside. O(edges or faces).
 template <class Cage>
 class Depth;
 
@@ -63,7 +64,8 @@ public:
                 largest = std::max(largest, detail::length(c[k]));
             }
             const double height = dot(face.normal, c[0]);
-            // The normal's part of the spherical triangle's vector area: half of what its sides contribute, by their angles.
+            // The normal's part of the spherical triangle's vector area: half of what its sides
+            // contribute, by their angles.
             double part = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto over = cross(c[k], c[(k + 1) % 3]);
@@ -71,7 +73,8 @@ public:
                 if (size > 0)
                     part += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
             }
-            // Seen edge-on from beside the face: nothing, but for rounding. From over it the part is about π.
+            // Seen edge-on from beside the face: nothing, but for rounding. From over it the part
+            // is about π.
             if (std::fabs(height) < 1e-7 * largest && std::fabs(part) < 1) continue;
             sum += part / height;
         }

@@ -78,7 +78,8 @@ public:
         , faces_(faces)
         , half_edges_(half_edges_of(faces)) {}
 
-    /// None where a gap can not be closed, or where all of them are more than a quarter of the area of the faces.
+    /// None where a gap can not be closed, or where all of them are more than a quarter of the area
+    /// of the faces.
     std::vector<MeshFace> closing_faces() const {
         const auto gaps = loops_of(open_edges());
         if (!gaps) return {};
@@ -114,7 +115,8 @@ private:
                    return std::is_permutation(face.begin(), face.end(), gap.begin());
                });
     }
-    /// The fan of least area from one vertex to all others, of those that have no edge of the mesh inside.
+    /// The fan of least area from one vertex to all others, of those that have no edge of the mesh
+    /// inside.
     std::vector<MeshFace> smallest_fan(const MeshLoop& gap) const {
         std::vector<MeshFace> best;
         double least = std::numeric_limits<double>::infinity();

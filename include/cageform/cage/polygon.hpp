@@ -1,4 +1,4 @@
-// The 2D cage: one or more closed polygons; where a point lies in them; whether they can serve as a cage.
+// The 2D cage: one or more closed polygons. What they are, where a point lies, whether they are sound.
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
@@ -7,12 +7,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A cage in the plane: closed loops of vertices, outer loops and holes in any order and orientation
-/// (inside is where the even-odd rule says so). A loop is a run of consecutive vertices; the edge from
-/// its last vertex to its first is implied.
+/// A cage in the plane: closed loops of vertices, outer loops and holes in any order and
+/// orientation (inside is where the even-odd rule says so). A loop is a run of consecutive
+/// vertices; the edge from its last vertex to its first is implied.
 ///
-/// Copies the vertices (a cage is small). Construction never fails; `check` tells whether the polygon can
-/// serve as a cage, and every coordinate type asks it.
+/// Copies the vertices (a cage is small). Construction never fails; `check` tells whether the
+/// polygon can serve as a cage, and every coordinate type asks it.
 template <Scalar T>
 class Polygon {
 public:
@@ -24,7 +24,8 @@ public:
         std::size_t end;   ///< one past the last
 
         std::size_t size() const noexcept { return end - begin; }
-        /// Calls `f(i, j)` for every edge, from vertex `i` to its successor `j`, in the order of the vertices.
+        /// Calls `f(i, j)` for every edge, from vertex `i` to its successor `j`, in the order of
+        /// the vertices.
         template <class F>
         void for_each_edge(F&& f) const {
             for (std::size_t i = begin; i < end; ++i) f(i, i + 1 < end ? i + 1 : begin);
@@ -39,8 +40,8 @@ public:
     explicit Polygon(const R& vertices)
         : Polygon(vertices, {}) {}
 
-    /// Several loops: `loop_sizes[k]` vertices each, in the order of the vertices. Sizes that do not add
-    /// up to the number of vertices are remembered and reported by `check`.
+    /// Several loops: `loop_sizes[k]` vertices each, in the order of the vertices. Sizes that do
+    /// not add up to the number of vertices are remembered and reported by `check`.
     template <PointRange R>
         requires(range_dimension<R> == 2)
     Polygon(const R& vertices, std::span<const std::size_t> loop_sizes) {
@@ -78,7 +79,8 @@ private:
     bool loops_match_ = true;
 };
 
-/// Deduces the scalar from the points: `Polygon cage(points)` is a Polygon<double> for double points.
+/// Deduces the scalar from the points: `Polygon cage(points)` is a Polygon<double> for double
+/// points.
 template <PointRange R>
 Polygon(const R&) -> Polygon<range_scalar_t<R>>;
 template <PointRange R, class Sizes>
@@ -103,9 +105,10 @@ double signed_area(const Polygon<T>& polygon, typename Polygon<T>::Loop loop) no
     return twice / 2;
 }
 
-// ---- inside --------------------------------------------------------------------------------------
+// ---- inside -------------------------------------------------------------------------------------
 
-/// How many other loops enclose loop `k`: even for an outer loop, odd for a hole. Loops must not touch.
+/// How many other loops enclose loop `k`: even for an outer loop, odd for a hole. Loops must not
+/// touch.
 template <Scalar T>
 std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     const auto q = vec_cast<double>(polygon[polygon.loops()[k].begin]);
@@ -122,8 +125,8 @@ std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     return depth;
 }
 
-/// Whether the inside of the polygon lies to the left of the edges of loop `k`: outer loops counter-clockwise, holes
-/// clockwise. Loops must not touch. O(#V).
+/// Whether the inside of the polygon lies to the left of the edges of loop `k`: outer loops
+/// counter-clockwise, holes clockwise. Loops must not touch. O(#V).
 template <Scalar T>
 bool inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
     return (signed_area(polygon, polygon.loops()[k]) > 0) == (loop_depth(polygon, k) % 2 == 0);
@@ -139,8 +142,8 @@ struct BoundaryPoint {
     Vec<T, 2> position; ///< of the place itself
 };
 
-/// The place of edge (i, j) nearest to `p`; interpolated from the nearer end, so that both ends are met
-/// exactly. `p` must be finite.
+/// The place of edge (i, j) nearest to `p`; interpolated from the nearer end, so that both ends are
+/// met exactly. `p` must be finite.
 template <Scalar T>
 BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
                                  const Vec<T, 2>& p) noexcept {
@@ -168,7 +171,8 @@ BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>&
     return best;
 }
 
-/// The boundary data at the boundary place nearest to a finite point, and that place: linear along the edges.
+/// The boundary data at the boundary place nearest to a finite point, and that place: linear along
+/// the edges.
 template <Scalar T>
 BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 2>& p,
                                         Vec<T, 2>& place) noexcept {
@@ -180,8 +184,8 @@ BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 
 /// Inside by the even-odd rule; on the boundary when within `tolerance` of it (the cage's
 /// coincidence_tolerance); not_finite for a NaN or infinite point. O(#V).
 ///
-/// On which side of an edge the point is can only be wrong nearer to the edge than the tolerance, where the
-/// answer is on_boundary in any case.
+/// On which side of an edge the point is can only be wrong nearer to the edge than the tolerance,
+/// where the answer is on_boundary in any case.
 template <Scalar T>
 PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
@@ -201,7 +205,7 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
     return inside ? PointState::inside : PointState::outside;
 }
 
-// ---- check ---------------------------------------------------------------------------------------
+// ---- check --------------------------------------------------------------------------------------
 
 namespace detail {
 
@@ -259,9 +263,10 @@ inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tol
 
 } // namespace detail
 
-/// Whether a polygon can serve as a cage: every loop has three vertices and an area, consecutive vertices
-/// are apart, and no two edges touch except neighbours at their common vertex. What "apart" means is the
-/// cage's coincidence_tolerance. Usually O(#V log #V) (edges are swept by x), O(#V²) at worst.
+/// Whether a polygon can serve as a cage: every loop has three vertices and an area, consecutive
+/// vertices are apart, and no two edges touch except neighbours at their common vertex. What
+/// "apart" means is the cage's coincidence_tolerance. Usually O(#V log #V) (edges are swept by x),
+/// O(#V²) at worst.
 template <Scalar T>
 CageReport check(const Polygon<T>& polygon) {
     CageReport report;

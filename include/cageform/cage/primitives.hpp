@@ -62,8 +62,8 @@ Bounds<T, D> bounds_of(std::span<const Vec<T, D>> points) noexcept {
     return b;
 }
 
-/// Two places of a cage nearer than this are one: eight roundings of its largest coordinate. Points this
-/// near to a vertex or an edge are on it. In the units of the cage.
+/// Two places of a cage nearer than this are one: eight roundings of its largest coordinate. Points
+/// this near to a vertex or an edge are on it. In the units of the cage.
 template <Scalar T, std::size_t D>
 T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
     return 8 * epsilon<T> * std::fmax(bounds.diagonal(), bounds.magnitude());
@@ -87,10 +87,11 @@ double length(const Vec<double, D>& v) noexcept {
     return std::sqrt(dot(v, v));
 }
 
-// ---- which side is inside --------------------------------------------------------------------------
+// ---- which side is inside -----------------------------------------------------------------------
 
-/// The rule of the plane, even-odd: a point is inside where the ray from it to the right crosses an odd number of edges.
-/// An edge owns its lower end and not its upper one, so that a ray through a vertex counts the edges there rightly.
+/// The rule of the plane, even-odd: a point is inside where the ray from it to the right crosses an
+/// odd number of edges. An edge owns its lower end and not its upper one, so that a ray through a
+/// vertex counts the edges there rightly.
 inline bool crosses_ray(const Vec<double, 2>& q, const Vec<double, 2>& a, const Vec<double, 2>& b) noexcept {
     return (a[1] > q[1]) != (b[1] > q[1]) && (cross(b - a, q - a) > 0) == (b[1] > a[1]);
 }
@@ -100,7 +101,7 @@ inline bool is_enclosed(double winding_number) noexcept {
     return std::fmod(std::fabs(std::round(winding_number)), 2.0) == 1;
 }
 
-// ---- facets: edges in the plane, triangles in space ------------------------------------------------
+// ---- facets: edges in the plane, triangles in space ---------------------------------------------
 
 /// The corners of a facet.
 template <std::size_t D>
@@ -123,7 +124,8 @@ struct Facet {
     Bounds<double, D> bounds() const noexcept { return bounds_of(std::span<const Vec<double, D>>(corner)); }
 };
 
-/// Where on the segment from `a` to `b` the place nearest to `p` lies: 0 at a, 1 at b; 0 where both are one.
+/// Where on the segment from `a` to `b` the place nearest to `p` lies: 0 at a, 1 at b; 0 where both
+/// are one.
 template <std::size_t D>
 double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
     const auto e = b - a;
@@ -171,8 +173,8 @@ inline std::array<double, 2> nearest_on_facet(const Vec<double, 2>& p, const Cor
     const double s = part_of_segment(p, edge[0], edge[1]);
     return {1 - s, s};
 }
-/// That of a triangle (Ericson, Real-Time Collision Detection (2005), sec. 5.1.5: the regions of vertices, edges and
-/// the face).
+/// That of a triangle (Ericson, Real-Time Collision Detection (2005), sec. 5.1.5: the regions of
+/// vertices, edges and the face).
 inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Corners<3>& triangle) noexcept {
     const auto& [a, b, c] = triangle;
     const auto n = cross(b - a, c - a);
@@ -215,8 +217,8 @@ inline bool is_flat(const Corners<3>& corner, double tolerance) noexcept {
     return !(length(cross(b - a, c - a)) > tolerance * longest);
 }
 
-/// Half the solid angle that a triangle is seen under from `q`, positive where it is seen clockwise (van Oosterom &
-/// Strackee 1983).
+/// Half the solid angle that a triangle is seen under from `q`, positive where it is seen clockwise
+/// (van Oosterom & Strackee 1983).
 inline double half_solid_angle(const Vec<double, 3>& q, const Corners<3>& corner) noexcept {
     const auto a = corner[0] - q, b = corner[1] - q, c = corner[2] - q;
     const double x = length(a), y = length(b), z = length(c);
@@ -248,7 +250,8 @@ double segment_to_facet(const Vec<double, D>& a, const Vec<double, D>& b, const 
     }
 }
 
-/// Whether two edges meet elsewhere than in a vertex they share, or nearer to each other than `tolerance`.
+/// Whether two edges meet elsewhere than in a vertex they share, or nearer to each other than
+/// `tolerance`.
 inline bool facets_touch(const Facet<2>& a, const Facet<2>& b, double tolerance) noexcept {
     for (std::size_t k = 0; k < 2; ++k) {
         for (std::size_t l = 0; l < 2; ++l) {
@@ -267,7 +270,8 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
     const auto shared =
         std::count_if(a.vertex.begin(), a.vertex.end(), [&](std::uint32_t i) { return b.has(i); });
     if (shared == 3) return true;
-    // Edges without a shared end come through or next to the other triangle. Those with one can not, unless they lie in it.
+    // Edges without a shared end come through or next to the other triangle. Those with one can
+    // not, unless they lie in it.
     const auto comes_near = [&](const Facet<3>& f, const Facet<3>& g) {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t l = (k + 1) % 3;
@@ -282,7 +286,8 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
     return comes_near(a, b) || comes_near(b, a);
 }
 
-/// f(m, n), m < n, for all pairs of boxes that overlap, swept by x. Usually O(n log n), O(n²) at worst.
+/// f(m, n), m < n, for all pairs of boxes that overlap, swept by x. Usually O(n log n), O(n²) at
+/// worst.
 template <std::size_t D, class F>
 void for_each_overlap(const std::vector<Bounds<double, D>>& boxes, F&& f) {
     std::vector<std::size_t> order(boxes.size());

@@ -1,4 +1,4 @@
-// The 3D cage: closed triangle meshes; where a point lies in them; whether they can serve as a cage.
+// The 3D cage: closed triangle meshes. What they are, where a point lies, whether they are sound.
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
@@ -35,15 +35,15 @@ bool lacks_vertex(const std::array<std::uint32_t, D>& facet) noexcept {
 
 } // namespace detail
 
-/// A cage in space: triangles over shared vertices, counter-clockwise seen from outside. Any genus, several components,
-/// cavities. Shells that turn the other way as a whole are handled.
+/// A cage in space: triangles over shared vertices, counter-clockwise seen from outside. Any genus,
+/// several components, cavities. Shells that turn the other way as a whole are handled.
 ///
-/// Copies the vertices and faces (a cage is small). Construction never fails; `check` tells whether the mesh can serve
-/// as a cage, and every coordinate type asks it.
+/// Copies the vertices and faces (a cage is small). Construction never fails; `check` tells whether
+/// the mesh can serve as a cage, and every coordinate type asks it.
 ///
-/// Small gaps are closed by faces over the vertices around them, so that coordinates keep their laws; `check` names
-/// their edges in warnings. Small is what adds up to at most a quarter of the area. Takes O(#F log #F) and the square
-/// of the edges of a gap.
+/// Small gaps are closed by faces over the vertices around them, so that coordinates keep their
+/// laws; `check` names their edges in warnings. Small is what adds up to at most a quarter of the
+/// area. Takes O(#F log #F) and the square of the edges of a gap.
 template <Scalar T>
 class TriangleMesh {
 public:
@@ -53,8 +53,8 @@ public:
 
     TriangleMesh() = default;
 
-    /// `faces[f][k]`, k = 0, 1, 2, is the vertex at a corner of a face. Indices below 0 or from the number of vertices
-    /// on are remembered and reported by `check`.
+    /// `faces[f][k]`, k = 0, 1, 2, is the vertex at a corner of a face. Indices below 0 or from the
+    /// number of vertices on are remembered and reported by `check`.
     template <PointRange R, FaceRange F>
         requires(range_dimension<R> == 3)
     TriangleMesh(const R& vertices, const F& faces) {
@@ -92,11 +92,11 @@ void for_each_facet(const TriangleMesh<T>& mesh, F&& f) {
     for (const auto& face : mesh.faces()) f(face);
 }
 
-// ---- inside --------------------------------------------------------------------------------------
+// ---- inside -------------------------------------------------------------------------------------
 
-/// The generalised winding number: how often the mesh encloses a point, between whole numbers where the mesh has gaps
-/// (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside segmentation using generalized winding numbers, SIGGRAPH
-/// 2013, sec. 4). O(#F).
+/// The generalised winding number: how often the mesh encloses a point, between whole numbers where
+/// the mesh has gaps (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside segmentation using
+/// generalized winding numbers, SIGGRAPH 2013, sec. 4). O(#F).
 template <Scalar T>
 double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept {
     double sum = 0;
@@ -175,7 +175,8 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
     return shells;
 }
 
-/// The faces, those of turned shells turned round: all counter-clockwise seen from outside the cage. Cost as `shells_of`.
+/// The faces, those of turned shells turned round: all counter-clockwise seen from outside the
+/// cage. Cost as `shells_of`.
 template <Scalar T>
 std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>& mesh) {
     const auto shells = shells_of(mesh);
@@ -186,8 +187,8 @@ std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>&
     return faces;
 }
 
-/// The boundary data at the boundary place nearest to a finite point, and that place: linear on the faces of a sound
-/// mesh. O(#F).
+/// The boundary data at the boundary place nearest to a finite point, and that place: linear on the
+/// faces of a sound mesh. O(#F).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& place) noexcept {
@@ -206,8 +207,8 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     return value;
 }
 
-/// Inside where the winding number rounds to an odd one (so a cavity is outside whichever way it turns); on the boundary
-/// when within `tolerance` of a face. O(#F).
+/// Inside where the winding number rounds to an odd one (so a cavity is outside whichever way it
+/// turns); on the boundary when within `tolerance` of a face. O(#F).
 template <Scalar T>
 PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
@@ -218,7 +219,7 @@ PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) 
     return detail::is_enclosed(winding_number(mesh, p)) ? PointState::inside : PointState::outside;
 }
 
-// ---- check ---------------------------------------------------------------------------------------
+// ---- check --------------------------------------------------------------------------------------
 
 namespace detail {
 
@@ -313,7 +314,8 @@ public:
 
 private:
     bool is_given(std::size_t face) const noexcept { return face < mesh_.given_faces(); }
-    /// A fault of a face. Where the face closes a gap, the gap cannot be closed, and one of its edges is open.
+    /// A fault of a face. Where the face closes a gap, the gap cannot be closed, and one of its
+    /// edges is open.
     void add_at_face(CageFaultKind kind, std::size_t face, std::size_t a, std::size_t b = 0) {
         if (is_given(face)) return report_.add(kind, a, b);
         report_.add(CageFaultKind::open_edge, facets_[face].vertex[1], facets_[face].vertex[2]);
@@ -350,10 +352,11 @@ void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
 
 } // namespace detail
 
-/// Whether a mesh can serve as a cage: indices in range, finite vertices, no two at one place, faces with an area, every
-/// edge between two faces that run along it in opposite directions (those that close a small gap included), one fan of
-/// faces about every vertex, no two faces that pass through each other. What "at one place" means is
-/// coincidence_tolerance. Usually O(#F log #F), O(#F²) at worst.
+/// Whether a mesh can serve as a cage: indices in range, finite vertices, no two at one place,
+/// faces with an area, every edge between two faces that run along it in opposite directions (those
+/// that close a small gap included), one fan of faces about every vertex, no two faces that pass
+/// through each other. What "at one place" means is coincidence_tolerance. Usually O(#F log #F),
+/// O(#F²) at worst.
 template <Scalar T>
 CageReport check(const TriangleMesh<T>& mesh) {
     CageReport report;

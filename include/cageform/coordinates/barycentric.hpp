@@ -11,10 +11,11 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-// Of any dimension, so that a program has them once; templates, so that a program without simplices does not have them.
+// Of any dimension, so that a program has them once; templates, so that a program without simplices
+// does not have them.
 
-/// The gradients of the barycentric coordinates of a simplex: (D + 1) × D, from its vertices, D × (D + 1). Empty where the
-/// simplex has no volume to working precision.
+/// The gradients of the barycentric coordinates of a simplex: (D + 1) × D, from its vertices, D ×
+/// (D + 1). Empty where the simplex has no volume to working precision.
 template <class Number>
 Eigen::MatrixX<Number> simplex_gradients(const Eigen::MatrixX<Number>& vertices) {
     const long d = vertices.rows();
@@ -26,8 +27,8 @@ Eigen::MatrixX<Number> simplex_gradients(const Eigen::MatrixX<Number>& vertices)
     return gradients;
 }
 
-/// The barycentric coordinates of the point on the boundary of a simplex that is nearest to `p`: the least projection of `p`
-/// onto the span of a face that lies in the face.
+/// The barycentric coordinates of the point on the boundary of a simplex that is nearest to `p`:
+/// the least projection of `p` onto the span of a face that lies in the face.
 template <class Number>
 Eigen::VectorX<Number> nearest_on_simplex_boundary(const Eigen::MatrixX<Number>& vertices,
                                                    const Eigen::MatrixX<Number>& p) {
@@ -64,8 +65,8 @@ Eigen::VectorX<Number> nearest_on_simplex_boundary(const Eigen::MatrixX<Number>&
 
 /// Barycentric coordinates in a simplex of `D` dimensions: a triangle, a tetrahedron, …
 ///
-/// The solution β of [C_0 … C_D; 1 … 1] β = [p; 1] (Möbius 1827; Ceva's masses). The inverse is computed
-/// once, in double.
+/// The solution β of [C_0 … C_D; 1 … 1] β = [p; 1] (Möbius 1827; Ceva's masses). The inverse is
+/// computed once, in double.
 ///
 ///   range     sum to 1; all in [0, 1] inside, some negative outside (the same affine functions)
 ///   cost      O(D²) a point
@@ -118,7 +119,8 @@ public:
                                           });
     }
 
-    /// The gradients of all weights at a batch of points: those of affine functions, the same everywhere.
+    /// The gradients of all weights at a batch of points: those of affine functions, the same
+    /// everywhere.
     ///
     ///   points     as for `evaluate`; so are the states on entry and on return
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length

@@ -7,22 +7,24 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Coordinates with respect to several cages, one for the body, say, and one for the head. The handles are those of the
-/// first cage, then of the second, and so on. Where a point lies inside several cages,
+/// Coordinates with respect to several cages, one for the body, say, and one for the head. The
+/// handles are those of the first cage, then of the second, and so on. Where a point lies inside
+/// several cages,
 ///
 ///     w = Σ_k β_k w^k,   β_k = d_k² / Σ_j d_j²
 ///
-/// d_k being how deep the point lies in cage k (cage/depth.hpp), relative to the diagonal of that cage. So weights are
-/// once continuously differentiable across the boundary of a cage that lies inside another; sum to 1 and reproduce the point
-/// as the parts do, hence are exact at rest and where all cages make the same affine move; and a point inside one cage
-/// alone has the weights of that cage.
+/// d_k being how deep the point lies in cage k (cage/depth.hpp), relative to the diagonal of that
+/// cage. So weights are once continuously differentiable across the boundary of a cage that lies
+/// inside another; sum to 1 and reproduce the point as the parts do, hence are exact at rest and
+/// where all cages make the same affine move; and a point inside one cage alone has the weights of
+/// that cage.
 ///
 ///   range     that of the parts, with linear precision restored
 ///   cost      that of all parts for all points, plus O(edges or faces) a point and cage, and the parts' weights once more
 ///   fails     as the first part that fails; too_few_vertices without parts
 ///
-/// Outside all cages they are not defined (no extension). What a solver's weights miss of linear precision is restored part
-/// by part, so that no cage moves a point outside it.
+/// Outside all cages they are not defined (no extension). What a solver's weights miss of linear
+/// precision is restored part by part, so that no cage moves a point outside it.
 template <CageCoordinates C>
     requires requires(const C& c) {
         Depth<std::decay_t<decltype(c.cage())>>(c.cage());
@@ -67,32 +69,33 @@ public:
     std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
     std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
 
-    /// That of the first cage that is refused, which is `refused_part()`; otherwise the warnings of all.
+    /// That of the first cage that is refused, which is `refused_part()`; otherwise the warnings of
+    /// all.
     const CageReport& cage_report() const noexcept { return report_; }
     static constexpr std::size_t none = ~std::size_t{0};
     std::size_t refused_part() const noexcept { return refused_; }
 
     /// Of parts that can: solves the functions of all and keeps them.
-    Evaluation solve(const Running& options = {}) requires requires(C c) { c.solve(options); }
+    Evaluation solve(const Running& running = {}) requires requires(C c) { c.solve(running); }
     {
-        return for_each_part(options,
+        return for_each_part(running,
                              [&](std::size_t k, const Running& some) { return parts_[k].solve(some); });
     }
 
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
-                        std::span<PointState> states, const Running& options = {}) const {
+                        std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(weights.rows == handles_.size() && states.size() == points.points,
                         "one row per handle");
         Evaluation result;
         const Status status = detail::guard_memory([&] {
             std::vector<PointState> all(parts_.size() * states.size());
-            result = for_each_part(options, [&](std::size_t k, const Running& some) {
+            result = for_each_part(running, [&](std::size_t k, const Running& some) {
                 const auto own = std::span(all).subspan(k * states.size(), states.size());
                 std::copy(states.begin(), states.end(), own.begin());
                 return evaluate_part(k, points, weights, own, some);
             });
             if (result.status != Status::ok) return result.status;
-            detail::in_parallel(options, points.blocks(), 16, [&](std::size_t begin, std::size_t end) {
+            detail::in_parallel(running, points.blocks(), 16, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t b = begin; b < end; ++b) blend(b, points, weights, all, states);
             });
             return Status::ok;
@@ -135,19 +138,14 @@ private:
         }
     }
 
-    /// evaluation = f(part, options), one after the other until one fails.
+    /// evaluation = f(part, running), one after the other until one fails.
     template <class F>
-    Evaluation for_each_part(const Running& options, const F& f) const {
+    Evaluation for_each_part(const Running& running, const F& f) const {
         Evaluation total;
         total.status = report_.status;
         for (std::size_t k = 0; k < parts_.size() && total.status == Status::ok; ++k) {
-            Running some = options;
-            if (options.progress) {
-                some.progress = [&options, k, count = double(parts_.size())](double done) {
-                    return options.progress((double(k) + done) / count);
-                };
-            }
-            const Evaluation part = f(k, some);
+            const auto count = double(parts_.size());
+            const Evaluation part = f(k, running.part(double(k) / count, double(k + 1) / count));
             total.status = part.status;
             SolverReport& sum = total.solver;
             sum.add(part.solver);
@@ -161,11 +159,11 @@ private:
 
     /// The weights of part `k`, into its rows.
     Evaluation evaluate_part(std::size_t k, BlockView<const scalar> points, BlockView<scalar> weights,
-                             std::span<PointState> states, const Running& options) const {
+                             std::span<PointState> states, const Running& running) const {
         const std::size_t count = first_[k + 1] - first_[k];
         std::vector<Lanes<scalar>> memory(points.blocks() * count);
         const BlockView<scalar> own{memory.data(), count, points.points};
-        const Evaluation evaluation = parts_[k].evaluate(points, own, states, options);
+        const Evaluation evaluation = parts_[k].evaluate(points, own, states, running);
         if (evaluation.status != Status::ok) return evaluation;
         for (std::size_t b = 0; b < points.blocks(); ++b)
             std::copy_n(own.block(b), count, weights.block(b) + first_[k]);

@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The constants of a coordinate type: its scalar, its dimension, whether it is defined outside the cage, and
-/// whether a point's weights cost the same alone as in a batch.
+/// The constants of a coordinate type: its scalar, its dimension, whether it is defined outside the
+/// cage, and whether a point's weights cost the same alone as in a batch.
 template <class C>
 concept CageCoordinateConstants = requires {
     typename C::scalar;
@@ -19,8 +19,9 @@ concept CageCoordinateConstants = requires {
     { C::closed_form } -> std::convertible_to<bool>;
 };
 
-/// Coordinates of points with respect to a cage, one weight per *handle*. For the types here a handle is
-/// a cage vertex; a type may have others (scaled face normals, say), so nobody assumes weights = vertices.
+/// Coordinates of points with respect to a cage, one weight per *handle*. For the types here a
+/// handle is a cage vertex; a type may have others (scaled face normals, say), so nobody assumes
+/// weights = vertices.
 ///
 ///   handles()           the handles at rest; a pose holds as many points, in the same order
 ///   handle_kinds()      need not be there: a span of the kinds of the handles (core/handles.hpp); absent or empty, all are
@@ -78,8 +79,9 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
     return view;
 }
 
-/// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights on the boundary are
-/// its hat functions: `row` (#V) gets the weights of the nearest boundary point, which is returned.
+/// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights
+/// on the boundary are its hat functions: `row` (#V) gets the weights of the nearest boundary
+/// point, which is returned.
 template <class Cage>
 Vec<typename Cage::scalar, Cage::dimension>
 nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
@@ -103,7 +105,8 @@ struct Batch {
     std::span<PointState> states;
 };
 
-/// What `evaluate` is for closed forms: body(first, last) for pieces of the blocks, when the cage is sound.
+/// What `evaluate` is for closed forms: body(first, last) for pieces of the blocks, when the cage
+/// is sound.
 template <class T, class Body>
 Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t rows, const Batch<T>& batch,
                            const Running& running, const Body& body) {
