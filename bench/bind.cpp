@@ -6,7 +6,6 @@
 #include "workloads.hpp"
 
 #include <cageform/cageform.hpp>
-#include <cageform/grid/multigrid_groups.hpp>
 
 #include <benchmark/benchmark.h>
 
@@ -238,44 +237,30 @@ void bind_harmonic_cube(benchmark::State& state) {
 
 /// The equations that the harmonic functions of a mesh solve, for the multigrid alone.
 struct MeshProblem {
-    MeshProblem(const cageform::TriangleMesh<double>& cage, std::size_t resolution)
-        : functions(cage.size()) {
-        const auto bounds = cageform::bounds_of(cage.vertices());
-        const auto extent = bounds.upper - bounds.lower;
-        cageform::Lattice<double, 3> lattice;
-        lattice.spacing = std::max({extent[0], extent[1], extent[2]}) / double(resolution);
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double links = std::ceil(extent[k] / lattice.spacing - cageform::on_boundary_distance);
-            lattice.cells[k] = std::size_t(links) + 1;
-            lattice.origin[k] = bounds.lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
-        }
-        const cageform::SimplexBoundary<3> boundary(cage, lattice);
-        equations = cageform::embed(boundary, boundary.crossings());
+    using Cage = cageform::TriangleMesh<double>;
+
+    MeshProblem(const Cage& cage, const cageform::HarmonicOptions& options)
+        : problem(cage, options) {
+        cageform::SolverReport report;
+        (void)cageform::detail::EmbeddedCage<Cage>::make(problem, report, grid);
     }
 
     /// All functions, each block's values lost to the next; returns the most cycles.
     std::size_t solve() const {
-        const cageform::Multigrid<3> multigrid(equations.nodes, equations.cuts, {});
+        const cageform::Multigrid<3> multigrid(grid->problem().nodes, grid->problem().cuts, {});
         const auto slots = multigrid.source_slots();
         const auto fill = [&](std::size_t first, std::size_t count, auto& source) {
-            for (std::size_t c = 0; c < equations.cuts.size(); ++c) {
-                const auto& [handle, weight] = equations.values[c];
-                for (std::size_t n = 0; n < handle.size(); ++n) {
-                    if (handle[n] < first || handle[n] >= first + count) continue;
-                    source[slots[equations.cuts[c].node]][handle[n] - first] +=
-                        equations.cuts[c].weight * weight[n];
-                }
-            }
+            grid->add_data(first, count, slots, std::span(source));
         };
-        const cageform::MultigridGroups groups{multigrid, cageform::CycleGoal{functions, 1e-6, 60}, fill};
+        const cageform::CycleGoal goal{problem.cage.size(), 1e-6, 60};
         cageform::SolverReport report;
-        (void)solve_groups(groups, report,
+        (void)solve_groups(cageform::MultigridGroups{multigrid, goal, fill}, report,
                            [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); });
         return report.cycles;
     }
 
-    std::size_t functions;
-    cageform::EmbeddedProblem<3> equations;
+    cageform::CageProblem<Cage, cageform::HarmonicOptions> problem;
+    std::optional<cageform::detail::EmbeddedCage<Cage>> grid;
 };
 
 /// In turns with the bare solve (not in the time), so that both meet the same machine. bind/solve and its
@@ -286,7 +271,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
     const cageform::HarmonicCoordinates coordinates(cage, options);
-    const MeshProblem problem(cage, options.resolution);
+    const MeshProblem problem(cage, options);
     cageform::SolverReport solver;
     double solver_seconds = 0;
     std::clock_t binding = 0, solving = 0;
@@ -301,7 +286,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
         const std::size_t cycles = problem.solve();
         if (result.report.status != cageform::Status::ok)
             state.SkipWithError(to_string(result.report.status));
-        if (cycles != solver.cycles || problem.equations.nodes.count() != solver.cells)
+        if (cycles != solver.cycles || problem.grid->problem().nodes.count() != solver.cells)
             state.SkipWithError("the bare solve is of another problem");
         solving += std::clock() - bound;
         binding += bound - begin;

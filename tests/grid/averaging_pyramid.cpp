@@ -2,7 +2,7 @@
 #include "../support/cages.hpp"
 #include "../support/oracle.hpp"
 
-#include <cageform/grid/averaging_pyramid.hpp>
+#include <cageform/grid/pyramid/averaging_pyramid.hpp>
 
 #include <algorithm>
 #include <cmath>

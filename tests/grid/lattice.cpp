@@ -1,7 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/pyramid/papers_lattice.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ using cageform::CellBox;
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::lattice_about;
-using cageform::lattice_margin;
+using cageform::papers_margin;
 using cageform::Vec;
 using cageform_tests::Random;
 using cageform_tests::random_star;
@@ -51,14 +51,14 @@ void check_about(const Bounds<T, D>& bounds, std::size_t resolution) {
     const auto extent = bounds.upper - bounds.lower;
     const T longest = *std::max_element(extent.v, extent.v + D);
     const T rounding = 8 * epsilon<T> * std::fmax(bounds.magnitude(), longest);
-    CHECK(std::fabs(lattice.spacing * T(resolution - 2 * lattice_margin) - longest) <= rounding);
+    CHECK(std::fabs(lattice.spacing * T(resolution - 2 * papers_margin) - longest) <= rounding);
     bool reached = false;
     for (std::size_t k = 0; k < D; ++k) {
         CAPTURE(k);
         reached = reached || lattice.cells[k] == resolution;
         CHECK(lattice.cells[k] <= resolution);
         // At least the margin, but for the thousandth of a cell that is rounded away; less than a cell more.
-        const T margin = T(lattice_margin) * lattice.spacing;
+        const T margin = T(papers_margin) * lattice.spacing;
         const T below = bounds.lower[k] - lattice.origin[k];
         const T above = lattice.origin[k] + T(lattice.cells[k]) * lattice.spacing - bounds.upper[k];
         CHECK(below >= margin - T(1e-3) * lattice.spacing - rounding);

@@ -2,7 +2,7 @@
 #include "../support/cages.hpp"
 
 #include <cageform/cage/polygon.hpp>
-#include <cageform/grid/rasterise.hpp>
+#include <cageform/grid/pyramid/rasterise.hpp>
 
 #include <algorithm>
 #include <cmath>

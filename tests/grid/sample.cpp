@@ -1,7 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/grid/sample.hpp>
+#include <cageform/grid/pyramid/sample.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,8 @@
 // The seam between coordinates that are solved for and their solvers.
 //
-// HarmonicCoordinates own the cage and the options and know no solver; a solver knows no driver, no threads and no cage
-// but its own. One of your own is a model of CageSolver: HarmonicCoordinates<T, D, Cage, OnlySolver<Yours>>.
+// HarmonicCoordinates own the cage and the options and know no solver. A solver knows its problem,
+// but no driver and no threads. To add one, write a model of CageSolver and use
+//     HarmonicCoordinates<T, D, Cage, OnlySolver<YourSolver>>
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -38,20 +39,23 @@ struct SolverMemory {
     std::size_t block = 0;     ///< for one group of functions: on each thread
 };
 
-/// A solver of the functions of a cage's handles. A GroupSolver; its groups are handles in order, as many in each.
+/// A solver of the functions of a cage's handles. A GroupSolver; its groups are handles in order,
+/// as many in each.
 ///
 ///   Problem                    the CageProblem it solves
 ///   make(problem, report, made)
-///                              puts into `made` what no function's data enters (grid, hierarchy) and into `report` the
-///                              cells, or refuses by a status. The problem outlives what is made
+///                              puts into `made` what no function's data enters (grid, hierarchy)
+///                              and into `report` the cells, or refuses by a status. The problem
+///                              outlives what is made
 ///   memory()                   what that takes, and a block
 ///   Functions, keep(block)     the functions of a solved group
 ///   Samples, samples(batch, first, last)
-///                              what the values at points first … last − 1 are made of, whatever the function, and where
-///                              the points lie (batch.states); points beyond batch.points.points have the value 0
+///                              what the values at points first … last − 1 are made of, whatever
+///                              the function, and where the points lie (batch.states); points
+///                              beyond batch.points.points have the value 0
 ///   sample(samples, group, functions, rows)
-///                              the rows of weights of a group at those points; `functions` is a block or what is kept.
-///                              Different groups are sampled at once
+///                              the rows of weights of a group at those points; `functions` is a
+///                              block or what is kept. Different groups are sampled at once
 ///   finish(samples, rows)      what is left to do when all groups are sampled
 template <class S>
 concept CageSolver = GroupSolver<S> &&
@@ -73,7 +77,8 @@ concept CageSolver = GroupSolver<S> &&
 ///   spacing()                  of its grid
 ///   state_of(p)                where a point lies, as `samples` says
 ///   free_distance(p, axis, up, limit)
-///                              from a point inside along an axis, up or down, to the boundary, in cells; at most `limit`
+///                              from a point inside along an axis, up or down, to the boundary, in
+///                              cells; at most `limit`
 template <class S>
 concept DifferentiableSolver = CageSolver<S> &&
     requires(const S& solver, const Vec<typename S::Problem::scalar, S::Problem::dimension>& p,

@@ -1,6 +1,7 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
 //
-// Two solvers: the multigrid of this library, and the papers' own as the baseline it is measured against.
+// Two solvers: the multigrid of this library, and the papers' own as the baseline it is measured
+// against.
 #pragma once
 
 #include <cageform/coordinates/detail/difference_gradients.hpp>
@@ -24,33 +25,39 @@ struct HarmonicSolvers {
     }
 };
 
-/// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the plane the cage is a
-/// Polygon, in space a TriangleMesh or a Box, in both a CellComplex.
+/// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the
+/// plane the cage is a Polygon, in space a TriangleMesh or a Box, in both a CellComplex.
 ///
-/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
-/// sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are exact there.
+/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
+/// 2007), sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are
+/// exact there.
 ///
 /// With the multigrid (the default), solved to the digits of double whatever `T`:
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
-///   accuracy  of order h² in the open and around corners with ten cells of room (grid/corner_functions.hpp); next to
-///             an untreated corner of interior angle ω, or edge in space, of order h^(π/ω)
-///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so before), and samples them.
-///             Running::parallel shares the sixteens out; each thread needs `solver_memory().block` bytes,
-///             every point about 80 bytes in the plane and 150 in space, and next to treated corners #V scalars. The
-///             progress is asked after every cycle on the calling thread, which has to take part in the work
-///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse; not_converged;
-///             cancelled; out_of_memory
+///   accuracy  of order h² in the open and around corners with ten cells of room
+///             (grid/corner_functions.hpp); next to an untreated corner of interior angle ω, or
+///             edge in space, of order h^(π/ω)
+///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
+///             before), and samples them. Running::parallel shares the sixteens out; each thread
+///             needs `solver_memory().block` bytes, every point about 80 bytes in the plane and 150
+///             in space, and next to treated corners #V scalars. The progress is asked before every
+///             cycle on the calling thread, which has to take part in the work
+///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse;
+///             not_converged; cancelled; out_of_memory
 ///
 /// With the averaging pyramid (polygons only; solver_not_supported for others):
-///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear precision; sum to 1
-///             as far as the solver got: its tolerance is on the change of a sweep, not on the error
-///   accuracy  cells on the boundary are a staircase, which leaves a residual Σwc − p of about half a cell; `bind`
-///             restores linear precision, the report says by how much
-///   cost      on one thread; memory: handles_at_once (after `solve`: #V) scalars a cell and once 2 words a cell
+///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear
+///             precision; sum to 1 as far as the solver got: its tolerance is on the change of a
+///             sweep, not on the error
+///   accuracy  cells on the boundary are a staircase, which leaves a residual Σwc − p of about half
+///             a cell; `bind` restores linear precision, the report says by how much
+///   cost      groups of handles_at_once functions, one function after the other; on each thread
+///             handles_at_once scalars and 3 words a cell, after `solve` #V scalars a cell
 ///   fails     the same, but for grid_too_coarse
 ///
-/// Outside the cage they are not defined (no extension). With the averaging pyramid a point inside none of whose
-/// surrounding cells has a value is unreached; with the multigrid every point inside has one.
+/// Outside the cage they are not defined (no extension). With the averaging pyramid a point inside
+/// none of whose surrounding cells has a value is unreached; with the multigrid every point inside
+/// has one.
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
           class Solvers = HarmonicSolvers<C>>
     requires(D == 2 || D == 3)
@@ -77,8 +84,8 @@ public:
     std::span<const Vec<T, D>> handles() const noexcept { return cage().vertices(); }
     const CageReport& cage_report() const noexcept { return problem_->report; }
 
-    /// Solves all functions and keeps them, for several batches of points to be evaluated; their reports repeat
-    /// this solve's.
+    /// Solves all functions and keeps them, for several batches of points to be evaluated; their
+    /// reports repeat this solve's.
     Evaluation solve(const Running& running = {}) {
         return with_solution([&](const auto& solution, SolverReport& report) {
             if (solution == kept_) return Status::ok;
@@ -97,14 +104,16 @@ public:
         });
     }
 
-    /// The gradients of all functions at a batch of points, by the multigrid (solver_not_supported with the other).
+    /// The gradients of all functions at a batch of points, by the multigrid (solver_not_supported
+    /// with the other).
     ///
     ///   points     as for `evaluate`; so are the states on entry and on return
-    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length. That of points
-    ///              outside is left as it is
-    ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the tolerance over h. Of order
-    ///              h² in the open, h within a cell of the boundary; for a point on it that of a place half a cell
-    ///              inside (unreached where there is none)
+    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
+    ///              length. That of points outside is left as it is
+    ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the
+    ///              tolerance over h. Of order h² in the open, h within a cell of the boundary; for
+    ///              a point on it that of a place half a cell inside (unreached where there is
+    ///              none)
     ///   cost       of evaluating 2D + 1 points for each, with the memory of their weights
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
@@ -126,9 +135,9 @@ public:
         return nearest_boundary_weights(cage(), p, row);
     }
 
-    /// What the solver will need; all zero where the cage or the grid is refused, or the hierarchy itself finds no room. The
-    /// cost is that of setting the solver up: a tenth of solving, and the hierarchy's memory. After `solve` half a
-    /// block for each group of sixteen is kept.
+    /// What the solver will need; all zero where the cage or the grid is refused, or the hierarchy
+    /// itself finds no room. The cost is that of setting the solver up: a tenth of solving, and the
+    /// hierarchy's memory. After `solve` half a block for each group of sixteen is kept.
     SolverMemory solver_memory() const {
         SolverMemory memory;
         (void)with_solution([&](const auto& solution, SolverReport&) {

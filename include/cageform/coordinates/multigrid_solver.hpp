@@ -1,4 +1,5 @@
-// Harmonic functions of a cage by the multigrid, on a lattice that the cage is laid into where it is.
+// Harmonic functions of a cage by the multigrid, on a lattice that the cage is laid into where it
+// is.
 #pragma once
 
 #include <cageform/coordinates/detail/corner_samples.hpp>
@@ -9,8 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver for every cage that GridBoundaryOf knows; groups are of sixteen functions. The singularities at a polygon's
-/// corners are treated apart (grid/corner_functions.hpp).
+/// A CageSolver for every cage that GridBoundaryOf knows; groups are of sixteen functions. The
+/// singularities at a polygon's corners are treated apart (grid/corner_functions.hpp).
 template <class C>
 class MultigridSolver {
     using T = typename C::scalar;
@@ -41,7 +42,8 @@ public:
 
     SolverMemory memory() const noexcept { return {multigrid_.bytes(), multigrid_.block_bytes()}; }
 
-    // ---- groups ------------------------------------------------------------------------------------
+    // ---- groups
+    // ------------------------------------------------------------------------------------
 
     struct Block {
         typename Multigrid<D>::Block cycled;
@@ -82,7 +84,8 @@ public:
         return functions;
     }
 
-    // ---- samples -----------------------------------------------------------------------------------
+    // ---- samples
+    // -----------------------------------------------------------------------------------
 
     struct Samples {
         detail::CutSamples<D> cut;

@@ -1,13 +1,15 @@
-// Harmonic functions of a polygon by the papers' averaging sweeps, on cells: the baseline that others are measured against.
+// Harmonic functions of a polygon by the papers' averaging sweeps, on cells: the baseline that
+// others are measured against.
 #pragma once
 
 #include <cageform/coordinates/cage_solver.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
-#include <cageform/grid/rasterise.hpp>
+#include <cageform/grid/pyramid/rasterise.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver; groups are of HarmonicOptions::handles_at_once functions, one solved after the other.
+/// A CageSolver; groups are of HarmonicOptions::handles_at_once functions, one solved after the
+/// other.
 template <Scalar T>
 class PyramidSolver {
 public:
@@ -37,7 +39,8 @@ public:
                 cells * (width() * sizeof(T) + of_pyramid * 4 / 3)};
     }
 
-    // ---- groups ------------------------------------------------------------------------------------
+    // ---- groups
+    // ------------------------------------------------------------------------------------
 
     using Functions = std::vector<std::vector<T>>; ///< the cells of each
     struct Block {
@@ -76,7 +79,8 @@ public:
     }
     Functions keep(const Block& block) const { return block.functions; }
 
-    // ---- samples -----------------------------------------------------------------------------------
+    // ---- samples
+    // -----------------------------------------------------------------------------------
 
     struct Sample {
         SampleStencil<T, 2> stencil;        ///< of a point inside

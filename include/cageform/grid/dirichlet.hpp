@@ -1,6 +1,7 @@
-// The discrete Dirichlet problem on the cells of a grid, in one, two or three dimensions: some values are given, each of
-// the others is the mean of its neighbours. What harmonic coordinates are made with, for any use: images filled in from
-// a few known pixels, heat that has come to rest, crosswords of numbers.
+// The discrete Dirichlet problem on the cells of a grid, in one, two or three dimensions: some
+// values are given, each of the others is the mean of its neighbours. What harmonic coordinates are
+// made with, for any use: images filled in from a few known pixels, heat that has come to rest,
+// crosswords of numbers.
 #pragma once
 
 #include <cageform/grid/lattice.hpp>
@@ -53,7 +54,8 @@ struct UnknownCells {
     }
 };
 
-/// The range of the values of a field that unknown cells are linked to, which is solved for as [−1, 1].
+/// The range of the values of a field that unknown cells are linked to, which is solved for as [−1,
+/// 1].
 struct FieldRange {
     double middle, half;
 
@@ -117,13 +119,16 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
 /// Fills in the unknown cells of any number of fields.
 ///
 ///   cells    of the grid, numbered along the first axis first
-///   given    #cells; 0 where the value is unknown. Every unknown cell must have all its 2·D neighbours in the grid
-///   values   fields of #cells each, one after the other; values given are read, unknown ones are written when the
-///            status is ok, and not before
-///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once, block_bytes() a thread, the
-///            unknown values once more, and 8 bytes an unknown cell. The progress is asked before every cycle
-///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the place in `values`);
-///            tolerance_not_positive; not_converged; cancelled; out_of_memory (also for 2³¹ cells and more)
+///   given    #cells; 0 where the value is unknown. Every unknown cell must have all its 2·D
+///            neighbours in the grid
+///   values   fields of #cells each, one after the other; values given are read, unknown ones are
+///            written when the status is ok, and not before
+///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once,
+///            block_bytes() a thread, the unknown values once more, and 8 bytes an unknown cell.
+///            The progress is asked before every cycle
+///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the place
+///            in `values`); tolerance_not_positive; not_converged; cancelled; out_of_memory (also
+///            for 2³¹ cells and more)
 template <std::size_t D, Scalar T>
 Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t> given, std::span<T> values,
                            const DirichletOptions& options = {}, const Running& running = {}) {

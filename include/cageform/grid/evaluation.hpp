@@ -10,32 +10,30 @@ struct SolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
 
     // Of every solver.
-    std::size_t cells = 0;  ///< unknowns of one function
-    std::size_t solves = 0; ///< functions solved
-    std::size_t unconverged =
-        0;                 ///< functions whose tolerance was not met when a solve ended with not_converged
-    std::size_t bytes = 0; ///< of what all functions share and of one group of functions
-    double seconds = 0;    ///< wall-clock time of solving, and of sampling what is not kept
+    std::size_t cells = 0;       ///< unknowns of one function
+    std::size_t solves = 0;      ///< functions solved
+    std::size_t unconverged = 0; ///< functions whose tolerance a solve that failed has not met
+    std::size_t bytes = 0;       ///< of what all functions share and of one group of functions
+    double seconds = 0;          ///< wall-clock time of solving, and of sampling what is not kept
 
     // Of the multigrid, the worst over all functions (grid/multigrid.hpp).
     std::size_t cycles = 0;
-    double convergence_factor =
-        0;                     ///< error after a cycle over that before, where that is above the tolerance
-    double error_estimate = 0; ///< of the discrete solution: what the cycles stop on
-    double error_bound = 0;    ///< the same by the maximum principle alone, far above it
+    double convergence_factor = 0; ///< error after a cycle over that before, above the tolerance
+    double error_estimate = 0;     ///< of the discrete solution: what the cycles stop on
+    double error_bound = 0;        ///< the same by the maximum principle alone, far above it
 
-    // Of the averaging pyramid (grid/averaging_pyramid.hpp).
+    // Of the averaging pyramid (grid/pyramid/averaging_pyramid.hpp).
     std::size_t sweeps = 0;         ///< on the finest grid, over all functions
     double largest_mean_change = 0; ///< of the last sweep, over all functions
-    std::size_t crowded_cells = 0;  ///< cells that hold edges without a common vertex: the grid is too coarse
+    std::size_t crowded_cells = 0;  ///< cells that hold edges without a common vertex
 
     // Of what is refused.
     std::size_t unseen_handle = none;      ///< grid_too_coarse: the first handle that no node feels
-    std::size_t sufficient_resolution = 0; ///< and a resolution at which all are felt; 0: none is offered
+    std::size_t sufficient_resolution = 0; ///< and a resolution at which all are; 0: none is offered
     std::size_t culprit = none; ///< rim_not_given, value_not_finite: the place (grid/dirichlet.hpp)
 
-    /// Adds what was done for other functions: counts and times add up, of the rest the worst is kept. What is
-    /// refused stays as it is.
+    /// Adds what was done for other functions: counts and times add up, of the rest the worst is
+    /// kept. What is refused stays as it is.
     void add(const SolverReport& part) noexcept {
         cells += part.cells;
         solves += part.solves;

@@ -1,4 +1,4 @@
-// A regular grid of cells over a box, and what a cell can be.
+// A regular grid of cells over a box.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -8,14 +8,6 @@
 #include <cstdint>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// The papers' tags of a cell (Joshi et al. 2007, sec. 4).
-enum class CellTag : std::uint8_t {
-    untyped,
-    boundary, ///< its value is given and stays
-    interior, ///< its value is the unknown
-    exterior, ///< not part of the problem
-};
 
 /// Cells of a grid numbered along the first axis first.
 template <std::size_t D>
@@ -108,27 +100,5 @@ struct Lattice : CellBox<D> {
         return all;
     }
 };
-
-/// Empty cells left around a cage on every side, so that the exterior is connected.
-inline constexpr std::size_t lattice_margin = 2;
-
-/// The papers' grid: `resolution` cells a side about the cage's longest extent, margin included;
-/// along the shorter axes only as many as the cage needs (the cells left out would be exterior).
-template <Scalar T, std::size_t D>
-Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
-    CAGEFORM_ASSERT(resolution > 2 * lattice_margin, "room for the cage between the margins");
-    const auto extent = bounds.upper - bounds.lower;
-    T longest = 0;
-    for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, extent[k]);
-    Lattice<T, D> lattice;
-    lattice.spacing = longest / static_cast<T>(resolution - 2 * lattice_margin);
-    for (std::size_t k = 0; k < D; ++k) {
-        const auto needed = static_cast<std::size_t>(std::ceil(extent[k] / lattice.spacing - T(1e-3)));
-        lattice.cells[k] = std::min(resolution, needed + 2 * lattice_margin);
-        const T side = static_cast<T>(lattice.cells[k]) * lattice.spacing;
-        lattice.origin[k] = T(0.5) * (bounds.lower[k] + bounds.upper[k] - side);
-    }
-    return lattice;
-}
 
 } // namespace cageform::inline CAGEFORM_ABI

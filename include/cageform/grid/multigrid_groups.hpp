@@ -16,8 +16,9 @@ struct CycleGoal {
 /// Solves a block whose source is set.
 ///
 ///   goal     of the block's first functions; the others are not looked at
-///   between  between() is called before every cycle and after the last. It may change the source, and returns by how much
-///            that moves the solution; the goal is met only when that is within the tolerance as well
+///   between  between() is called before every cycle and after the last. It may change the source,
+///            and returns by how much that moves the solution; the goal is met only when that is
+///            within the tolerance as well
 ///   fails    not_converged, cancelled
 template <std::size_t D, class Between>
 Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, const CycleGoal& goal,
@@ -51,8 +52,8 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
 /// Functions given by their right-hand sides, as solve_groups takes them.
 ///
 ///   goal   of all functions
-///   fill   fill(first, count, source) adds the right-hand sides of functions first … first + count − 1 to the block's
-///          source, which is zero
+///   fill   fill(first, count, source) adds the right-hand sides of functions first … first + count
+///          − 1 to the block's source, which is zero
 template <std::size_t D, class Fill>
 struct MultigridGroups {
     using Block = typename Multigrid<D>::Block;

@@ -1,4 +1,5 @@
-// The one driver of solves: functions in groups, on the caller's threads, with progress, cancel and a report.
+// The one driver of solves: functions in groups, on the caller's threads, with progress, cancel and
+// a report.
 #pragma once
 
 #include <cageform/grid/evaluation.hpp>
@@ -13,7 +14,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Progress of groups that are solved on several threads. Made on the calling thread, which alone asks the caller.
+/// Progress of groups that are solved on several threads. Made on the calling thread, which alone
+/// asks the caller.
 class GroupProgress {
 public:
     GroupProgress(const Progress& progress, std::size_t groups)
@@ -58,10 +60,11 @@ struct GroupWork {
 
 /// What solve_groups drives: functions that are solved in groups, no group knowing of another.
 ///
-///   Block                      the memory that a group is solved in; made once a thread, used for one group after another
+///   Block                      the memory that a group is solved in; made once a thread, used for
+///                              one group after another
 ///   groups()                   their number
-///   solve(group, block, work)  solves the functions of a group; ok, not_converged, or cancelled when work.keep_going(),
-///                              asked now and then, says so
+///   solve(group, block, work)  solves the functions of a group; ok, not_converged, or cancelled
+///                              when work.keep_going(), asked now and then, says so
 template <class S>
 concept GroupSolver = requires(const S& solver, typename S::Block& block, std::size_t group,
                                GroupWork& work) {
@@ -73,8 +76,8 @@ concept GroupSolver = requires(const S& solver, typename S::Block& block, std::s
 /// Solves all groups and hands each to take(group, block), on the thread that solved it.
 ///
 ///   report    out: what was done for each group is added
-///   running   its progress is asked on the calling thread, which has to take part in the work; its parallel_for shares
-///             out the groups
+///   running   its progress is asked on the calling thread, which has to take part in the work; its
+///             parallel_for shares out the groups
 ///   fails     cancelled, or as the first group that fails, which ends the solve
 template <GroupSolver S, class Take>
 Status solve_groups(const S& solver, SolverReport& report, const Take& take, const Running& running = {}) {

@@ -6,7 +6,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The corrections of the weights of some points, which are added when those of all functions are known.
+/// The corrections of the weights of some points, which are added when those of all functions are
+/// known.
 template <Scalar T>
 class CornerSamples {
 public:
@@ -34,8 +35,9 @@ public:
         }
     }
 
-    /// Adds as much of a corner's part as keeps all weights of the point in [0, 1]: all of it, unless the grid is
-    /// too coarse for the corner. The part sums to 0 and moves no point, so any share of it may be taken.
+    /// Adds as much of a corner's part as keeps all weights of the point in [0, 1]: all of it,
+    /// unless the grid is too coarse for the corner. The part sums to 0 and moves no point, so any
+    /// share of it may be taken.
     ///
     ///   tolerance  the solver's; what the clamp may take away
     void finish(double tolerance, BlockView<T> rows) const noexcept {

@@ -1,4 +1,5 @@
-// Values of many functions at many points: stencils worked out once, read for one group of functions after another.
+// Values of many functions at many points: stencils worked out once, read for one group of
+// functions after another.
 #pragma once
 
 #include <cageform/core/blocks.hpp>

@@ -5,8 +5,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The differences that make the derivatives at a batch of points, by a solver's places and samples. Values a cell apart
-/// have the same part of their cells' error, so that it drops out; they are nearer only where the boundary is.
+/// The differences that make the derivatives at a batch of points, by a solver's places and
+/// samples. Values a cell apart have the same part of their cells' error, so that it drops out;
+/// they are nearer only where the boundary is.
 template <DifferentiableSolver S>
 class DifferenceGradients {
     using T = typename S::Problem::scalar;
@@ -22,7 +23,8 @@ public:
         }
     }
 
-    /// Row axis · #handles + handle of `gradients` gets the derivative of the handle's function along the axis.
+    /// Row axis · #handles + handle of `gradients` gets the derivative of the handle's function
+    /// along the axis.
     Status run(const Solution<S>& solution, BlockView<T> gradients, SolverReport& report,
                const Running& running) const {
         const std::size_t handles = gradients.rows / D;
@@ -55,7 +57,8 @@ private:
         std::array<double, 3> factor;
     };
 
-    /// Adds the differences of a point; where it lies, unreached where both neighbours along an axis fall onto it.
+    /// Adds the differences of a point; where it lies, unreached where both neighbours along an
+    /// axis fall onto it.
     PointState add_point(std::size_t i, Point p) {
         const PointState state = solver_.state_of(p);
         if (state == PointState::on_boundary && !step_inside(p)) return PointState::unreached;
@@ -80,15 +83,17 @@ private:
         places_.push_back(q);
         return std::fabs(double(q[axis]) - double(p[axis])); // as rounded
     }
-    /// Of the values below, here and above, for the derivative: exact for parabolas; for lines where one distance is below
-    /// a tenth of the other, since errors of the values count by the reciprocal of it.
+    /// Of the values below, here and above, for the derivative: exact for parabolas; for lines
+    /// where one distance is below a tenth of the other, since errors of the values count by the
+    /// reciprocal of it.
     static std::array<double, 3> difference_factors(double below, double above) noexcept {
         if (below < 0.1 * above) return {0, -1 / above, 1 / above};
         if (above < 0.1 * below) return {-1 / below, 1 / below, 0};
         return {-above / (below * (below + above)), (above - below) / (below * above),
                 below / (above * (below + above))};
     }
-    /// From the boundary half a cell inwards, along the diagonal that is farthest from the boundary; false where none is inside.
+    /// From the boundary half a cell inwards, along the diagonal that is farthest from the
+    /// boundary; false where none is inside.
     bool step_inside(Point& p) const noexcept {
         const double step = 0.5 * solver_.spacing() / std::sqrt(double(D));
         double most = 0;

@@ -1,4 +1,5 @@
-// A cage laid into a lattice: the nodes inside, their links to the boundary, where points lie, what they are a mean of.
+// A cage laid into a lattice: the nodes inside, their links to the boundary, where points lie, what
+// they are a mean of.
 #pragma once
 
 #include <cageform/coordinates/cage_solver.hpp>
@@ -8,8 +9,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The lattice of `resolution` spacings along the longest side. Centred on the cage's box, so that a symmetric cage has
-/// symmetric functions; sides of an axis-aligned cage whose extents divide evenly lie on lattice lines.
+/// The lattice of `resolution` spacings along the longest side. Centred on the cage's box, so that
+/// a symmetric cage has symmetric functions; sides of an axis-aligned cage whose extents divide
+/// evenly lie on lattice lines.
 template <Scalar T, std::size_t D>
 Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
     const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
@@ -37,7 +39,8 @@ public:
 
     /// Lays the cage of a problem whose options have a `resolution` into a lattice of that.
     ///
-    ///   fails  resolution_not_supported; grid_too_coarse, with the handle and a resolution that would do in `report`
+    ///   fails  resolution_not_supported; grid_too_coarse, with the handle and a resolution that
+    ///          would do in `report`
     template <class Problem>
     static Status make(const Problem& problem, SolverReport& report, std::optional<EmbeddedCage>& made) {
         const std::size_t resolution = problem.options.resolution;
@@ -77,7 +80,7 @@ public:
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
     const EmbeddedProblem<D>& problem() const noexcept { return problem_; }
 
-    /// Adds to `source`, at slots[node] of each node, the data of functions first … first + count − 1.
+    /// Adds the data of `count` functions from `first` on to `source`, at slots[node] of each node.
     template <class Values>
     void add_data(std::size_t first, std::size_t count, std::span<const std::uint32_t> slots,
                   std::span<Values> source) const noexcept {
@@ -109,8 +112,8 @@ public:
         return lattice().in_cells(vec_cast<double>(p));
     }
 
-    /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points outside and beyond
-    /// the batch.
+    /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
+    /// outside and beyond the batch.
     CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
         CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;

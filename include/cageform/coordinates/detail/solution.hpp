@@ -35,12 +35,13 @@ struct Solution {
     }
 };
 
-/// The weights of a batch of points by the functions kept, or by functions that are solved now, sampled and freed.
+/// The weights of a batch of points by the functions kept, or by functions that are solved now,
+/// sampled and freed.
 template <CageSolver S>
 Status sample_solution(const Solution<S>& solution, const Batch<typename S::Problem::scalar>& batch,
                        SolverReport& report, const Running& running) {
     constexpr std::size_t lanes = lane_count<typename S::Problem::scalar>;
-    constexpr std::size_t together = 1024 / lanes; // blocks of points whose samples lie in one place
+    constexpr std::size_t together = 1024 / lanes; // blocks of points in one Samples
     const S& solver = *solution.solver;
     const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
     if (!solution.functions.empty()) {

@@ -1,10 +1,12 @@
-// The papers' solver of the Laplace equation on a grid: averaging sweeps over a pull/push pyramid.
+// The papers' solver of the Laplace equation on a grid: averaging sweeps, from coarse grids to fine
+// ones.
 //
-// Kept for good as the historical baseline, with its known weakness: it stops when values change little,
-// which is not when they are right (on large grids errors of 1e-2 remain at the published tolerance).
+// Kept for good as the historical baseline, with its known weakness: it stops when values change
+// little, which is not when they are right (on large grids errors of 1e-2 remain at the published
+// tolerance).
 #pragma once
 
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/pyramid/papers_lattice.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -33,13 +35,14 @@ struct AveragingOutcome {
     bool cancelled = false;
 };
 
-/// Solves for the interior cells of a grid of any dimension, given the values of the boundary cells, which
-/// may lie anywhere (a border, strokes, single cells). Neighbours that are exterior or beyond the grid do not
-/// count in the mean; with face neighbours that is as if the grid were mirrored there.
+/// Solves for the interior cells of a grid of any dimension, given the values of the boundary
+/// cells, which may lie anywhere (a border, strokes, single cells). Neighbours that are exterior or
+/// beyond the grid do not count in the mean; with face neighbours that is as if the grid were
+/// mirrored there.
 ///
-/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
-/// sec. 4 and 4.2. Where a side is odd the last coarse cell has one child along it; the paper's grids are
-/// 2^s a side. Sweeps are in place (Gauss-Seidel), in the order of the cells.
+/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
+/// 2007), sec. 4 and 4.2. Where a side is odd the last coarse cell has one child along it; the
+/// paper's grids are 2^s a side. Sweeps are in place (Gauss-Seidel), in the order of the cells.
 ///
 /// Construction O(#cells); a solve O(#interior · sweeps). One function at a time, as published.
 template <Scalar T, std::size_t D>
@@ -50,38 +53,33 @@ public:
         CAGEFORM_ASSERT(tags.size() == box.size(), "one tag per cell");
         levels_.push_back(Level(box, std::move(tags), options.stencil));
         for (;;) {
-            const Level& fine = levels_.back();
-            std::size_t longest = 0;
-            for (const std::size_t n : fine.box.cells) longest = std::max(longest, n);
+            const auto& cells = levels_.back().box.cells;
+            const std::size_t longest = *std::max_element(cells.begin(), cells.end());
             if (longest <= options.coarsest || longest < 2) break;
-            levels_.push_back(coarsen(fine, options.stencil));
+            levels_.push_back(coarsen(levels_.back(), options.stencil));
         }
     }
 
-    std::size_t unknowns() const noexcept { return levels_[0].regular.size() + levels_[0].rim.size(); }
+    std::size_t unknowns() const noexcept { return levels_[0].unknowns(); }
 
-    /// Fills the interior cells of `values` (#cells), of which the boundary cells are read and the others
-    /// ignored. `keep_going()` is asked now and then and cancels by returning false. Scratch is kept inside,
-    /// so one pyramid serves one thread.
+    /// Fills the interior cells of `values` (#cells), of which the boundary cells are read and the
+    /// others ignored. `keep_going()` is asked now and then and cancels by returning false. Scratch
+    /// is kept inside, so one pyramid serves one thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
         levels_[0].values.assign(values.begin(), values.end());
-        for (std::size_t l = 1; l < levels_.size(); ++l) pull(levels_[l - 1], levels_[l]);
+        for (std::size_t l = 1; l < levels_.size(); ++l) restrict_data(levels_[l - 1], levels_[l]);
         AveragingOutcome outcome;
         for (std::size_t l = levels_.size(); l-- > 0;) {
             Level& level = levels_[l];
-            for (const auto* cells : {&level.regular, &level.rim}) {
-                for (const std::size_t c : *cells) {
-                    level.values[c] = l + 1 < levels_.size() ? levels_[l + 1].values[level.parent[c]] : T(0);
-                }
-            }
+            level.for_each_unknown([&](std::size_t c) {
+                level.values[c] = l + 1 < levels_.size() ? levels_[l + 1].values[level.parent[c]] : T(0);
+            });
             outcome = relax(level, keep_going);
             if (outcome.cancelled) return outcome;
         }
-        for (const auto* cells : {&levels_[0].regular, &levels_[0].rim}) {
-            for (const std::size_t c : *cells) values[c] = levels_[0].values[c];
-        }
+        levels_[0].for_each_unknown([&](std::size_t c) { values[c] = levels_[0].values[c]; });
         return outcome;
     }
 
@@ -115,6 +113,13 @@ private:
             }
         }
 
+        std::size_t unknowns() const noexcept { return regular.size() + rim.size(); }
+        template <class F>
+        void for_each_unknown(const F& f) const {
+            for (const std::size_t c : regular) f(c);
+            for (const std::size_t c : rim) f(c);
+        }
+
         template <class F>
         static void for_each_neighbour(Stencil stencil, const F& f) {
             std::array<int, D> step;
@@ -146,17 +151,16 @@ private:
     };
 
     /// A coarse cell is boundary if any child is, exterior if all are, else interior (sec. 4.2).
-    static Level coarsen(const Level& fine, Stencil stencil) {
+    static Level coarsen(Level& fine, Stencil stencil) {
         CellBox<D> box;
         for (std::size_t k = 0; k < D; ++k) box.cells[k] = (fine.box.cells[k] + 1) / 2;
         std::vector<CellTag> tags(box.size(), CellTag::exterior);
-        auto& parent = const_cast<Level&>(fine).parent;
-        parent.resize(fine.tags.size());
+        fine.parent.resize(fine.tags.size());
         for (std::size_t c = 0; c < fine.tags.size(); ++c) {
             auto index = fine.box.index(c);
             for (std::size_t& i : index) i /= 2;
-            parent[c] = box.number(index);
-            CellTag& tag = tags[parent[c]];
+            fine.parent[c] = box.number(index);
+            CellTag& tag = tags[fine.parent[c]];
             if (fine.tags[c] == CellTag::boundary ||
                 (fine.tags[c] == CellTag::interior && tag == CellTag::exterior)) {
                 tag = fine.tags[c];
@@ -166,7 +170,7 @@ private:
     }
 
     /// A coarse boundary cell takes the mean of its boundary children.
-    static void pull(const Level& fine, Level& coarse) {
+    static void restrict_data(const Level& fine, Level& coarse) {
         coarse.values.assign(coarse.tags.size(), T(0));
         std::vector<T> children(coarse.tags.size(), T(0));
         for (std::size_t c = 0; c < fine.tags.size(); ++c) {
@@ -182,42 +186,12 @@ private:
     template <class KeepGoing>
     AveragingOutcome relax(Level& level, const KeepGoing& keep_going) const {
         AveragingOutcome outcome;
-        const std::size_t count = level.regular.size() + level.rim.size();
+        const std::size_t count = level.unknowns();
         outcome.converged = count == 0;
-        T* const u = level.values.data();
-        const std::size_t neighbours = level.offsets.size();
-        const T share = T(1) / static_cast<T>(neighbours);
         const std::size_t ask_every = std::max<std::size_t>(1, 1000000 / std::max<std::size_t>(count, 1));
         while (!outcome.converged && outcome.sweeps < options_.max_sweeps) {
-            double change = 0;
-            for (const std::size_t c : level.regular) {
-                T sum = 0;
-                if constexpr (D == 2) {
-                    const std::size_t row = level.box.cells[0];
-                    sum = u[c - 1] + u[c + 1] + u[c - row] + u[c + row];
-                    if (neighbours == 8)
-                        sum += u[c - row - 1] + u[c - row + 1] + u[c + row - 1] + u[c + row + 1];
-                } else {
-                    for (const std::ptrdiff_t offset : level.offsets) sum += u[std::ptrdiff_t(c) + offset];
-                }
-                const T mean = sum * share;
-                change += std::fabs(double(mean - u[c]));
-                u[c] = mean;
-            }
-            for (const std::size_t c : level.rim) {
-                T sum = 0;
-                T counted = 0;
-                level.each_counted_neighbour(c, options_.stencil, [&](std::size_t n) {
-                    sum += u[n];
-                    counted += T(1);
-                });
-                if (counted == T(0)) continue;
-                const T mean = sum / counted;
-                change += std::fabs(double(mean - u[c]));
-                u[c] = mean;
-            }
+            outcome.mean_change = sweep(level) / double(count);
             ++outcome.sweeps;
-            outcome.mean_change = change / double(count);
             outcome.converged = outcome.mean_change < options_.tolerance;
             if (outcome.sweeps % ask_every == 0 && !keep_going()) {
                 outcome.cancelled = true;
@@ -225,6 +199,38 @@ private:
             }
         }
         return outcome;
+    }
+    /// Makes every unknown the mean of its neighbours; by how much that changes them in all.
+    double sweep(Level& level) const {
+        double change = 0;
+        T* const u = level.values.data();
+        const auto set = [&change, u](std::size_t c, T mean) {
+            change += std::fabs(double(mean - u[c]));
+            u[c] = mean;
+        };
+        const std::size_t neighbours = level.offsets.size();
+        const T share = T(1) / static_cast<T>(neighbours);
+        for (const std::size_t c : level.regular) {
+            T sum = 0;
+            if constexpr (D == 2) {
+                const std::size_t row = level.box.cells[0];
+                sum = u[c - 1] + u[c + 1] + u[c - row] + u[c + row];
+                if (neighbours == 8) sum += u[c - row - 1] + u[c - row + 1] + u[c + row - 1] + u[c + row + 1];
+            } else {
+                for (const std::ptrdiff_t offset : level.offsets) sum += u[std::ptrdiff_t(c) + offset];
+            }
+            set(c, sum * share);
+        }
+        for (const std::size_t c : level.rim) {
+            T sum = 0;
+            T counted = 0;
+            level.each_counted_neighbour(c, options_.stencil, [&](std::size_t n) {
+                sum += u[n];
+                counted += T(1);
+            });
+            if (counted > T(0)) set(c, sum / counted);
+        }
+        return change;
     }
 
     AveragingOptions options_;

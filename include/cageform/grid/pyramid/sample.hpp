@@ -1,7 +1,7 @@
 // Values between the cells of a grid.
 #pragma once
 
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/pyramid/papers_lattice.hpp>
 
 #include <span>
 
