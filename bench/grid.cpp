@@ -5,8 +5,8 @@
 // papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), CHOLMOD's factorisation
 // where it is installed, and what it takes to move the memory of the solution once.
 #include <cageform/core/threads.hpp>
-#include <cageform/grid/pyramid/averaging_pyramid.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
+#include <cageform/grid/pyramid/averaging_pyramid.hpp>
 
 #include <benchmark/benchmark.h>
 
