@@ -87,7 +87,7 @@ public:
     template <class F>
     void for_each_cell(std::size_t n, F&& f) const {
         const PlacedBone<D>& bone = bones_[n];
-        const double reach = bone.radius + 0.51 * std::sqrt(double(D)); // half a diagonal, and slack
+        const double reach = bone.radius + 0.51 * std::sqrt(double(D)); // half a diagonal and more
         for_each_node_about(bone, D, [&](const Index& index) {
             auto middle = node_position<D>(index);
             for (std::size_t k = 0; k < D; ++k) middle[k] += 0.5;

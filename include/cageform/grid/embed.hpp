@@ -64,9 +64,9 @@ public:
     Embedding(const B& boundary, const Crossings<D>& crossings)
         : boundary_(boundary)
         , crossings_(crossings)
-        , nodes_(boundary.lattice().counts()) {
-        for (const auto& [index, value] : boundary.fixed_nodes()) fixed_.push_back({place(index), value});
-        std::sort(fixed_.begin(), fixed_.end(), before_by_place);
+        , nodes_(boundary.lattice().counts())
+        , fixed_(boundary.fixed_nodes()) {
+        std::sort(fixed_.begin(), fixed_.end(), before_node);
     }
 
     EmbeddedProblem<D> make() {
@@ -84,17 +84,13 @@ public:
 
 private:
     using Place = std::pair<std::uint32_t, std::int32_t>; ///< row and position in it
-    struct FixedPlace {
-        Place place;
-        BoundaryValue<D> value;
-    };
     struct Cut {
         CutLink link;
         BoundaryValue<D> value;
     };
 
-    static bool before_by_place(const FixedPlace& a, const FixedPlace& b) noexcept {
-        return a.place < b.place;
+    static bool before_node(const FixedNode<D>& a, const FixedNode<D>& b) noexcept {
+        return a.index < b.index;
     }
     /// By link; of one link the shortest first.
     static bool before(const Cut& a, const Cut& b) noexcept {
@@ -110,7 +106,7 @@ private:
     /// Fixed nodes, and those on the boundary as the lines of the other axes see it. Sorted.
     std::vector<Place> no_unknowns() const {
         std::vector<Place> all;
-        for (const FixedPlace& fixed : fixed_) all.push_back(fixed.place);
+        for (const auto& fixed : fixed_) all.push_back(place(fixed.index));
         for (std::size_t axis = 1; axis < D; ++axis) {
             for (const auto& crossing : crossings_[axis]) {
                 const NodesAbout about(crossing.position);
@@ -168,7 +164,7 @@ private:
     void cut_links_to_other_nodes() {
         std::vector<Cut> more;
         nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
-            Cut cut{{node, std::uint8_t(direction), std::numeric_limits<double>::infinity()}, {}};
+            Cut cut{{node, std::uint8_t(direction), std::numeric_limits<double>::max()}, {}};
             const auto known = std::lower_bound(cuts_.begin(), cuts_.end(), cut, before);
             if (known != cuts_.end() && same_link(*known, cut)) return;
             Index there = index;
@@ -181,16 +177,16 @@ private:
         std::sort(cuts_.begin(), cuts_.end(), before);
     }
     BoundaryValue<D> value_at(const Index& node) const noexcept {
-        const FixedPlace key{place(node), {}};
-        const auto at = std::lower_bound(fixed_.begin(), fixed_.end(), key, before_by_place);
-        return at != fixed_.end() && at->place == key.place ? at->value : boundary_.nearest(node);
+        const FixedNode<D> key{node, {}};
+        const auto at = std::lower_bound(fixed_.begin(), fixed_.end(), key, before_node);
+        return at != fixed_.end() && at->index == node ? at->value : boundary_.nearest(node);
     }
 
     const B& boundary_;
     const Crossings<D>& crossings_;
     NodeRuns<D> nodes_;
-    std::vector<FixedPlace> fixed_; ///< sorted by place
-    std::vector<Cut> cuts_;         ///< sorted, once a step is done
+    std::vector<FixedNode<D>> fixed_; ///< sorted by index
+    std::vector<Cut> cuts_;           ///< sorted, once a step is done
 };
 
 } // namespace detail

@@ -51,7 +51,7 @@ struct FixedNode {
 ///   lattice()        its cells are the nodes along each axis, the first at its origin
 ///   crossings()      with the lattice lines, sorted; along every line an even number of them turns
 ///   nearest(node)    the data of the boundary place nearest to a node
-///   fixed_nodes()    nodes that are no unknowns, wherever they lie, each at most once, in any order
+///   fixed_nodes()    nodes that are no unknowns, each at most once, in any order
 ///   too_thin_bone()  a handle that the lattice is too coarse for, whatever its crossings say
 template <class B>
 concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns<B::dimension>::Index& node) {

@@ -96,7 +96,7 @@ public:
             const auto d = facet.place(weights) - p;
             if (dot(d, d) >= least) continue;
             least = dot(d, d);
-            value = facet.value(weights);
+            value = value_on_facet(facet.vertex, weights);
         }
         const auto bone = bones_.nearest(p, std::sqrt(least));
         return bone ? bone->value : value;

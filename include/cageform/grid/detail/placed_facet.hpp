@@ -21,18 +21,6 @@ struct PlacedFacet : Facet<D> {
 
     bool turns; ///< inside and outside change at it
 
-    BoundaryValue<D> value(const Weights& weights) const noexcept {
-        return value_on_facet(this->vertex, weights);
-    }
-    /// The least and the largest coordinate along an axis.
-    std::pair<double, double> extent(std::size_t axis) const noexcept {
-        double low = this->corner[0][axis], high = low;
-        for (const auto& c : this->corner) {
-            low = std::min(low, c[axis]);
-            high = std::max(high, c[axis]);
-        }
-        return {low, high};
-    }
     Vec<double, D> place(const Weights& weights) const noexcept {
         Vec<double, D> p;
         for (std::size_t k = 0; k < D; ++k) p[k] = coordinate(weights, k);
@@ -105,7 +93,7 @@ std::optional<Hit<D>> hit(const PlacedFacet<D>& facet, const AxisRay<D>& ray) no
     const double position = facet.coordinate(*weights, ray.axis);
     const double distance = ray.distance(position);
     if (distance < 0 || distance > ray.length) return std::nullopt;
-    return Hit<D>{position, facet.value(*weights)};
+    return Hit<D>{position, value_on_facet(facet.vertex, *weights)};
 }
 
 /// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its
@@ -115,11 +103,13 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
                           std::vector<Crossing<2>>& out) {
     const std::size_t across = 1 - axis;
     const double from = edge.corner[0][across], to = edge.corner[1][across];
-    const auto [low, high] = edge.extent(across);
+    const auto box = edge.bounds();
+    const double low = box.lower[across], high = box.upper[across];
     const double last = std::min(high, double(lattice.cells[across]) - 1);
     const auto add = [&](double line, bool turns, double s) {
         const std::array<double, 2> weights{1 - s, s};
-        out.push_back({std::uint32_t(line), turns, edge.coordinate(weights, axis), edge.value(weights)});
+        out.push_back({std::uint32_t(line), turns, edge.coordinate(weights, axis),
+                       value_on_facet(edge.vertex, weights)});
     };
     for (double line = std::max(std::ceil(low), 0.0); line <= last; ++line) {
         if (from != to) {
@@ -127,13 +117,13 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
             continue;
         }
         // Along the line: its ends, and every node on it.
-        const auto [begin, end] = edge.extent(axis);
         const auto add_at = [&, first = edge.corner[0][axis], second = edge.corner[1][axis]](double x) {
             const double s = (x - first) / (second - first);
-            out.push_back({std::uint32_t(line), false, x, edge.value({1 - s, s})});
+            const std::array<double, 2> weights{1 - s, s};
+            out.push_back({std::uint32_t(line), false, x, value_on_facet(edge.vertex, weights)});
         };
-        add_at(begin);
-        for (double x = std::floor(begin) + 1; x < end; ++x) add_at(x);
+        const double end = box.upper[axis];
+        for (double x = box.lower[axis]; x < end; x = std::floor(x) + 1) add_at(x);
         add_at(end);
     }
 }
@@ -202,14 +192,15 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
     if (across.is_edge_on()) return;
     const auto [begin_x, end_x] = across.lines(0, lattice.cells[u]);
     const auto [begin_y, end_y] = across.lines(1, lattice.cells[v]);
-    const auto [low, high] = face.extent(axis);
+    const auto box = face.bounds();
     for (auto y = begin_y; y <= end_y; ++y) {
         for (auto x = begin_x; x <= end_x; ++x) {
             if (!across.crosses_line(x, y)) continue;
             const auto w = weights_at(face, axis, double(x), double(y));
             if (!w) continue;
             out.push_back({std::uint32_t(x) + std::uint32_t(lattice.cells[u]) * std::uint32_t(y), face.turns,
-                           std::clamp(face.coordinate(*w, axis), low, high), face.value(onto_face(*w))});
+                           std::clamp(face.coordinate(*w, axis), box.lower[axis], box.upper[axis]),
+                           value_on_facet(face.vertex, onto_face(*w))});
         }
     }
 }
@@ -218,12 +209,13 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
 template <class F>
 void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
     const auto& [a, b] = edge.corner;
-    const auto [left, right] = edge.extent(0);
+    const auto box = edge.bounds();
+    const double left = box.lower[0], right = box.upper[0];
     const auto height = [&, &a = a, &b = b](double x) {
         return b[0] == a[0] ? a[1] : a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
     };
     for (double x = std::floor(left - slack); x <= std::floor(right + slack); ++x) {
-        auto [low, high] = edge.extent(1);
+        double low = box.lower[1], high = box.upper[1];
         if (right - left > 2 * slack) {
             const double y0 = height(std::clamp(x - slack, left, right));
             const double y1 = height(std::clamp(x + 1 + slack, left, right));
@@ -239,13 +231,13 @@ void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
 template <class F>
 void for_each_cell(const PlacedFacet<3>& face, double slack, F&& f) {
     const auto& [a, b, c] = face.corner;
+    const auto box = face.bounds();
     const auto normal = cross(b - a, c - a);
     const double reach = (0.5 + slack) * (std::fabs(normal[0]) + std::fabs(normal[1]) + std::fabs(normal[2]));
     std::array<std::int32_t, 3> begin{}, end{}, low{};
     for (std::size_t k = 0; k < 3; ++k) {
-        const auto [least, most] = face.extent(k);
-        begin[k] = std::int32_t(std::floor(least - slack));
-        end[k] = std::int32_t(std::floor(most + slack));
+        begin[k] = std::int32_t(std::floor(box.lower[k] - slack));
+        end[k] = std::int32_t(std::floor(box.upper[k] + slack));
     }
     for (low[2] = begin[2]; low[2] <= end[2]; ++low[2]) {
         for (low[1] = begin[1]; low[1] <= end[1]; ++low[1]) {
