@@ -23,7 +23,7 @@ public:
 
     std::size_t size() const noexcept { return bones_.size(); }
 
-    /// A handle of a bone thinner than a cell: too few nodes feel it, wherever they lie.
+    /// A handle of a bone thinner than a cell, which too few nodes are near to.
     std::optional<std::uint32_t> too_thin() const noexcept {
         for (const PlacedBone<D>& bone : bones_) {
             if (bone.radius < 0.5) return bone.i;

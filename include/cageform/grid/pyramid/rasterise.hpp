@@ -101,7 +101,7 @@ void flood(GridDomain<T, D>& domain, std::size_t seed, CellTag tag) {
 /// nearest to the cell's centre), and the connected rest as interior or exterior, each part by one
 /// inside test.
 ///
-/// Watertight: an edge marks all cells it touches, those met in a corner included, so no walk from
+/// Watertight: an edge marks all cells it touches, those met in a corner included, so no path from
 /// cell to neighbouring cell, diagonals included, gets from the interior to the exterior. Cost
 /// O(#cells + #parts · #V + cells passed). Joshi et al. 2007, sec. 4, steps 1 and 2, which flood
 /// only the exterior, from a corner; deciding every part by itself serves holes and several outer
