@@ -282,9 +282,9 @@ int export_figure(const Arguments& given, const Coordinates& coordinates, const 
         cageform::SkinWeightsResult made;
         {
             ProgressBar bar("weights");
-            made = cageform::skin_weights(
-                bound.binding,
-                {.influences = given.influences, .threshold = given.threshold, .progress = bar.callback()});
+            made = cageform::skin_weights(bound.binding,
+                                          {.influences = given.influences, .threshold = given.threshold},
+                                          {.progress = bar.callback()});
         }
         const auto& skin = made.report;
         if (skin.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(skin.status));

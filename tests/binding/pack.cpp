@@ -264,25 +264,25 @@ TEST_CASE("packing does not depend on threads, tells its progress, and can be ca
     const auto binding = random_binding<float, 3>(3000, 40, 2);
     PackOptions options{.format = WeightFormat::int16, .largest = 8};
     const auto alone = pack(binding, options);
-    options.parallel = cageform::ThreadedFor{3};
-    const auto together = pack(binding, options);
+    cageform::Running running{cageform::ThreadedFor{3}};
+    const auto together = pack(binding, options, running);
     const auto a = alone.binding.bytes(), b = together.binding.bytes();
     REQUIRE(a.size() == b.size());
     CHECK(std::memcmp(a.data(), b.data(), a.size()) == 0);
     CHECK(alone.report.errors == together.report.errors);
 
     std::vector<double> told;
-    options.parallel = cageform::SerialFor{};
-    options.progress = [&told](double done) {
+    running.parallel = cageform::SerialFor{};
+    running.progress = [&told](double done) {
         told.push_back(done);
         return true;
     };
-    CHECK(pack(binding, options).report.status == Status::ok);
+    CHECK(pack(binding, options, running).report.status == Status::ok);
     CHECK(!told.empty());
     CHECK(std::is_sorted(told.begin(), told.end()));
     CHECK(told.back() <= 1);
-    options.progress = [](double) { return false; };
-    const auto stopped = pack(binding, options);
+    running.progress = [](double) { return false; };
+    const auto stopped = pack(binding, options, running);
     CHECK(stopped.report.status == Status::cancelled);
     CHECK(stopped.binding.bytes().empty());
 }

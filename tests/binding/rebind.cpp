@@ -576,9 +576,8 @@ TEMPLATE_TEST_CASE("nothing depends on threads or on the order of points; progre
     points.insert(points.begin(), figure.middles.begin(), figure.middles.end());
     const auto alone = rebind(old, points);
     REQUIRE(alone.report.status == Status::ok);
-    cageform::RebindOptions options;
-    options.parallel = cageform::ThreadedFor{3};
-    const auto together = rebind(old, points, options);
+    cageform::Running running{cageform::ThreadedFor{3}};
+    const auto together = rebind(old, points, {}, running);
     CHECK(same(alone.binding, together.binding));
     CHECK(alone.report.weight_change.value == together.report.weight_change.value);
     CHECK(alone.report.distance.point == together.report.distance.point);
@@ -594,11 +593,11 @@ TEMPLATE_TEST_CASE("nothing depends on threads or on the order of points; progre
     CHECK(different == 0);
 
     std::vector<double> told;
-    options.progress = [&told](double done) {
+    running.progress = [&told](double done) {
         told.push_back(done);
         return true;
     };
-    CHECK(same(rebind(old, points, options).binding, alone.binding));
+    CHECK(same(rebind(old, points, {}, running).binding, alone.binding));
     REQUIRE(told.size() > 3);
     CHECK(std::is_sorted(told.begin(), told.end()));
     CHECK(told.front() >= 0);
@@ -606,8 +605,8 @@ TEMPLATE_TEST_CASE("nothing depends on threads or on the order of points; progre
     for (std::size_t calls = 0; calls < told.size(); ++calls) {
         CAPTURE(calls);
         std::size_t left = calls;
-        options.progress = [&left](double) { return left-- != 0; };
-        const auto stopped = rebind(old, points, options);
+        running.progress = [&left](double) { return left-- != 0; };
+        const auto stopped = rebind(old, points, {}, running);
         CHECK(stopped.report.status == Status::cancelled);
         CHECK(stopped.binding.point_count() == 0);
     }

@@ -379,7 +379,8 @@ TEST_CASE("a skin of what cannot be one is refused", "[binding][skin_weights]") 
     CHECK(status({.influences = 0}) == Status::too_few_influences);
     CHECK(status({.influences = 65536}) == Status::too_many_handles);
     CHECK(status({.threshold = std::numeric_limits<double>::quiet_NaN()}) == Status::value_not_finite);
-    CHECK(status({.progress = [](double) { return false; }}) == Status::cancelled);
+    CHECK(cageform::skin_weights(binding, {}, {.progress = [](double) { return false; }}).report.status ==
+          Status::cancelled);
     BindingView<double, 2> large;
     large.weights.rows = 65536;
     CHECK(cageform::skin_weights(large).report.status == Status::too_many_handles);
@@ -392,7 +393,7 @@ TEST_CASE("a skin of what cannot be one is refused", "[binding][skin_weights]") 
 TEST_CASE("a skin does not depend on the threads", "[binding][skin_weights]") {
     const auto binding = random_binding<float, 3>(2);
     const auto one = cageform::skin_weights(binding),
-               some = cageform::skin_weights(binding, {.parallel = cageform::ThreadedFor{3}});
+               some = cageform::skin_weights(binding, {}, {.parallel = cageform::ThreadedFor{3}});
     CHECK(one.skin.joints == some.skin.joints);
     CHECK(one.skin.weights == some.skin.weights);
     CHECK(one.report.weight_error.value == some.report.weight_error.value);

@@ -1,4 +1,5 @@
-// The artefact between bind time and run time: a figure's points, expressed by the handles of a cage.
+// The artefact between bind time and run time: a figure's points, expressed by the handles of a
+// cage.
 #pragma once
 
 #include <cageform/core/blocks.hpp>
@@ -31,8 +32,9 @@ struct BindingView {
 
 /// A bound figure: for every point its place at rest and a weight per handle. Made by `bind`.
 ///
-/// A pose moves a point by the weighted sum of its handles' displacements, so the unmoved pose returns the
-/// bound points bit for bit, and where the weights miss the point at rest the residual is kept:
+/// A pose moves a point by the weighted sum of its handles' displacements, so the unmoved pose
+/// returns the bound points bit for bit, and where the weights miss the point at rest the residual
+/// is kept:
 ///
 ///     p' = p + Σ w_i (C'_i − C_i) = Σ w_i C'_i + (p − Σ w_i C_i)
 ///
@@ -73,7 +75,8 @@ public:
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");
     }
 
-    /// Gives the memory of weights and rest points away, to be filled anew; the binding is then empty.
+    /// Gives the memory of weights and rest points away, to be filled anew; the binding is then
+    /// empty.
     struct Memory {
         std::vector<Lanes<T>> weights, rest;
     };

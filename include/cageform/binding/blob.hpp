@@ -1,17 +1,23 @@
 // A packed binding in memory: what is written to a file, mapped, and cloned from where it lies.
 //
-// Little or big endian as the machine that made it, told by a tag; every part begins at a multiple of 64 bytes from the
-// beginning; offsets, no pointers. L = 64 / sizeof(T) points make a block (16 for float, 8 for double), B = ⌈#points / L⌉.
+// Little or big endian as the machine that made it, told by a tag; every part begins at a multiple
+// of 64 bytes from the beginning; offsets, no pointers. L = 64 / sizeof(T) points make a block (16
+// for float, 8 for double), B = ⌈#points / L⌉.
 //
 //     BlobHeader
-//     weights       #rows × L of the format: a row holds the weights of a block's points for one handle, block by block
-//     row_begin     B + 1 × uint32, row_handle  #rows × uint16     only of sparse bindings; else #rows = B · #handles
-//     order         #points × uint32: the point at each place      only where points are not in their own order
-//     scale         B × T, residual  B × (D + 1) × L × T, affine_fit  #handles × (D + 1) × T     not with scalar weights
+//     weights       #rows × L of the format: a row holds the weights of a block's points for one
+//                   handle, block by block
+//     row_begin     B + 1 × uint32    only of sparse bindings; else #rows = B · #handles
+//     row_handle    #rows × uint16    with row_begin
+//     order         #points × uint32: the point at each place; only where they are not in order
+//     scale         B × T             not with scalar weights
+//     residual      B × (D + 1) × L × T         with scale
+//     affine_fit    #handles × (D + 1) × T      with scale
 //     rest          B × D × L × T
 //     rest_handles  #handles × D × T
-//     handle_kinds  #handles × uint8: 0 a point, 1 a vector        only where some are vectors
-//     handle_faces  #vectors × D × uint32: the handles at a face's corners    only where the vectors belong to faces
+//     handle_kinds  #handles × uint8: 0 a point, 1 a vector; only where some are vectors
+//     handle_faces  #vectors × D × uint32: the handles at a face's corners; only where the vectors
+//                   belong to faces
 //
 // Version 1 has no vectors and is read as well.
 // The same bytes serve as buffers of a GPU (clone/glsl.hpp).
@@ -26,7 +32,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 for a part that is not there.
+/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 for a part that is not
+/// there.
 struct BlobHeader {
     static constexpr std::uint64_t magic_number = 0x6D726F6665676163u; // "cageform" in little endian
     static constexpr std::uint32_t current_version = 2, endian_tag = 0x01020304u;
@@ -46,10 +53,11 @@ struct BlobHeader {
 };
 static_assert(sizeof(BlobHeader) == 192);
 
-/// 64 bits that differ, surely where one word of eight bytes differs and most likely otherwise. No defence against forgery.
-/// `seed` chains several pieces. About 20 GB/s.
+/// 64 bits that differ, surely where one word of eight bytes differs and most likely otherwise. No
+/// defence against forgery. `seed` chains several pieces. About 20 GB/s.
 inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t seed = 0) noexcept {
-    // Eight sums beside each other, each step of which can be undone, so that no difference is lost on the way.
+    // Eight sums beside each other, each step of which can be undone, so that no difference is lost
+    // on the way.
     constexpr std::uint64_t prime = 0x9E3779B97F4A7C15u;
     std::uint64_t sums[8];
     for (std::size_t j = 0; j < 8; ++j) sums[j] = seed + (j + 1) * prime;
@@ -150,7 +158,8 @@ void for_each_blob_part(Header& header, const Visit& visit) noexcept {
     visit(header.handle_faces, header.vectors * (D * sizeof(std::uint32_t)), header.handle_faces != 0);
 }
 
-/// Whether there are as many vectors among the handles as a blob says, on faces whose corners are points.
+/// Whether there are as many vectors among the handles as a blob says, on faces whose corners are
+/// points.
 template <Scalar T, std::size_t D>
 Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noexcept {
     for (std::size_t i = 0; handles.kinds != nullptr && i < handles.count; ++i) {
@@ -165,7 +174,8 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noe
     return Status::ok;
 }
 
-/// Counts that 32 bits hold keep the products of `for_each_blob_part` below 2^64; rows of dense blobs are checked by division.
+/// Counts that 32 bits hold keep the products of `for_each_blob_part` below 2^64; rows of dense
+/// blobs are checked by division.
 template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
@@ -209,13 +219,16 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
 
 } // namespace detail
 
-/// Makes use of a blob where it lies, in a mapped file for instance; `data` must stay as it is while the binding is used.
+/// Makes use of a blob where it lies, in a mapped file for instance; `data` must stay as it is
+/// while the binding is used.
 ///
 ///   data     at least the blob, aligned to 64 bytes; what follows it is left alone
-///   returns  not_a_blob, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt, blob_malformed,
-///            blob_of_another_cage, blob_of_another_figure, or ok. A clone by what was opened never reads or writes out of
-///            bounds, whatever the bytes; with BlobCheck::all they are also those that were written.
-///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all everything once
+///   returns  not_a_blob, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
+///            blob_malformed, blob_of_another_cage, blob_of_another_figure, or ok. A clone by what
+///            was opened never reads or writes out of bounds, whatever the bytes; with
+///            BlobCheck::all they are also those that were written.
+///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all
+///            everything once
 template <Scalar T, std::size_t D>
 OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectation& expected = {}) noexcept {
     const auto refused = [](Status status) {
@@ -263,8 +276,9 @@ public:
     static constexpr std::size_t dimension = D;
 
     PackedBinding() = default;
-    /// Makes room for a blob: sets the offsets and the size of `header`, in which a part is wanted that is not zero. The
-    /// parts are zero, `writable` until `seal` ends it. std::bad_alloc where there is no memory.
+    /// Makes room for a blob: sets the offsets and the size of `header`, in which a part is wanted
+    /// that is not zero. The parts are zero, `writable` until `seal` ends it. std::bad_alloc where
+    /// there is no memory.
     explicit PackedBinding(BlobHeader header) {
         header.scalar_bytes = sizeof(T);
         header.dimension = D;

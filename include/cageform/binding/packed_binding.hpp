@@ -1,9 +1,11 @@
-// A binding as it is shipped: sparse, quantised, in an order of its own, in one relocatable piece of memory.
+// A binding as it is shipped: sparse, quantised, in an order of its own, in one relocatable piece
+// of memory.
 //
-// Points lie in blocks as in core/blocks.hpp. A block has a row of weights for every handle that any of its points listens
-// to (compressed rows), or for every handle (dense). What a format loses of Σ w and Σ w c is kept per point, as D + 1
-// numbers; the best affine fit to the handles' displacements, taken once a frame, makes up for it. So rest and affine poses
-// stay exact whatever is dropped or rounded:
+// Points lie in blocks as in core/blocks.hpp. A block has a row of weights for every handle that
+// any of its points listens to (compressed rows), or for every handle (dense). What a format loses
+// of Σ w and Σ w c is kept per point, as D + 1 numbers; the best affine fit to the handles'
+// displacements, taken once a frame, makes up for it. So rest and affine poses stay exact whatever
+// is dropped or rounded:
 //
 //     p' = p + s Σ q_i d_i + Σ_r e_r a_r,   d_i = C'_i − C_i,   a = Σ_i F_i d_i
 #pragma once
@@ -27,7 +29,8 @@ constexpr std::size_t weight_bytes(WeightFormat format) noexcept {
     return format == WeightFormat::scalar ? sizeof(T) : format == WeightFormat::int8 ? 1 : 2;
 }
 
-/// What `clone` reads of a packed binding; owns nothing. Pointers to what a binding does without are null.
+/// What `clone` reads of a packed binding; owns nothing. Pointers to what a binding does without
+/// are null.
 template <Scalar T, std::size_t D>
 struct PackedBindingView {
     using scalar = T;
@@ -59,8 +62,9 @@ struct PackedBindingView {
         , handle_kinds(dense.handle_kinds)
         , handle_faces(dense.handle_faces) {}
 
-    /// The same for a figure whose points were put into the order of the binding, once and for all: then nothing is scattered,
-    /// which a third of the time of sparse clones goes into. Point n of the output is point `order[n]` as bound.
+    /// The same for a figure whose points were put into the order of the binding, once and for all:
+    /// then nothing is scattered, which a third of the time of sparse clones goes into. Point n of
+    /// the output is point `order[n]` as bound.
     PackedBindingView in_order() const noexcept {
         auto view = *this;
         view.order = nullptr;

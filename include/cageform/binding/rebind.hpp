@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/detail/linear_shares.hpp>
 #include <cageform/binding/detail/point_tree.hpp>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -16,12 +15,11 @@ namespace cageform::inline CAGEFORM_ABI {
 struct RebindOptions {
     std::size_t neighbours = 0;  ///< old places to interpolate from, at least D + 1 of them; 0: 4 D
     double largest_distance = 2; ///< from the old figure, in its spacings; farther points are listed
-    ParallelFor parallel = SerialFor{};
-    Progress progress{};
 };
 
-/// How a rebind went. Lists hold indices of new points in ascending order. The spacing of the old figure near a point is
-/// the distance from the old place nearest to it to the D-th nearest place from there; places count once.
+/// How a rebind went. Lists hold indices of new points in ascending order. The spacing of the old
+/// figure near a point is the distance from the old place nearest to it to the D-th nearest place
+/// from there; places count once.
 struct RebindReport {
     Status status = Status::ok;
     std::size_t culprit = Extreme::none; ///< weight_not_finite: the old point
@@ -51,81 +49,16 @@ struct RebindResult {
 
 namespace detail {
 
-/// Shares s of some places q in the value at the origin: Σs = 1, Σsq = 0 where the places allow.
-///
-/// Moving least squares with weights that are singular at the places, φ = (R − |q|)² / |q|²: the linear function nearest to
-/// given values, at the origin. About the weighted mean m and with the principal axes v of the places, σ their extents,
-///
-///     s_j = φ_j / Σφ · (1 − Σ_v (m·v / σ) ((q_j − m)·v / σ)).
-///
-/// m·v / σ is held in ±12. Half a spacing off the places it is less; farther, and off a sheet of places, which say little
-/// about slopes across it, these would be noise times a distance.
-/// Lancaster, Salkauskas, Math. Comp. 37 (1981), 141: interpolating moving least squares.
-template <std::size_t D>
-class LinearShares {
-public:
-    /// `radius`: no place is farther. `rounding`: an extent of no more is none.
-    void compute(std::span<const Vec<double, D>> places, double radius, double rounding) {
-        shares_.resize(places.size());
-        double sum = 0;
-        Column mean = Column::Zero();
-        for (std::size_t j = 0; j < places.size(); ++j) {
-            // Nearer than this a place has all the share in double precision. What lies on the rim has a little, for
-            // there may be no others.
-            const double distance = std::max(length(places[j]) / radius, 1e-8);
-            const double open = 1.05 - std::min(distance, 1.0);
-            shares_[j] = open * open / (distance * distance);
-            sum += shares_[j];
-            mean += shares_[j] * column(places[j]);
-        }
-        mean /= sum;
-        Matrix square = Matrix::Zero();
-        for (std::size_t j = 0; j < places.size(); ++j) {
-            const Column d = column(places[j]) - mean;
-            shares_[j] /= sum;
-            square += shares_[j] * d * d.transpose();
-        }
-        // Of the squares only half the digits are left in extents.
-        const Eigen::SelfAdjointEigenSolver<Matrix> axes(square);
-        const double least =
-            std::max(rounding, 1e-6 * std::sqrt(std::max(axes.eigenvalues()[Eigen::Index(D) - 1], 0.0)));
-        Column slope = Column::Zero();
-        for (Eigen::Index n = 0; n < Eigen::Index(D); ++n) {
-            const double extent = std::sqrt(std::max(axes.eigenvalues()[n], 0.0));
-            if (!(extent > least)) continue;
-            const Column axis = axes.eigenvectors().col(n);
-            slope -= std::clamp(mean.dot(axis) / extent, -12.0, 12.0) / extent * axis;
-        }
-        sum = 0;
-        for (std::size_t j = 0; j < places.size(); ++j) {
-            shares_[j] *= 1 + slope.dot(column(places[j]) - mean);
-            sum += shares_[j];
-        }
-        for (double& share : shares_) share /= sum; // large slopes round Σs away from 1
-    }
-    double operator[](std::size_t place) const noexcept { return shares_[place]; }
-
-private:
-    using Column = Eigen::Matrix<double, int(D), 1>;
-    using Matrix = Eigen::Matrix<double, int(D), int(D)>;
-
-    static Column column(const Vec<double, D>& p) {
-        Column c;
-        for (std::size_t k = 0; k < D; ++k) c[Eigen::Index(k)] = p[k];
-        return c;
-    }
-
-    std::vector<double> shares_;
-};
-
 /// The state of one rebind.
 template <Scalar T, std::size_t D, PointRange R>
 class Rebinder {
 public:
-    Rebinder(const BindingView<T, D>& old, const R& points, const RebindOptions& options)
+    Rebinder(const BindingView<T, D>& old, const R& points, const RebindOptions& options,
+             const Running& running)
         : old_(old)
         , points_(points)
         , options_(options)
+        , running_(running)
         , handles_(old.handle_view())
         , restorer_(handles_)
         , count_(std::size(points))
@@ -141,14 +74,13 @@ public:
         if (status != Status::ok) return status;
         sources_.assign(count_, none);
         kinds_.assign(count_, Kind::interpolated);
-        status =
-            for_each_block(blocks, share_of_progress(0.2, 0.4), [this](std::size_t begin, std::size_t end) {
-                for (std::size_t b = begin; b < end; ++b) match(b);
-            });
+        status = for_each_block(blocks, running_.part(0.2, 0.4), [this](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b) match(b);
+        });
         if (status != Status::ok) return status;
         if (std::find(kinds_.begin(), kinds_.end(), Kind::interpolated) != kinds_.end()) plant_tree();
         pieces_.assign((blocks + piece_blocks - 1) / piece_blocks, {});
-        status = for_each_block(pieces_.size(), share_of_progress(0.4, 1),
+        status = for_each_block(pieces_.size(), running_.part(0.4, 1),
                                 [this, blocks](std::size_t begin, std::size_t end) {
                                     Scratch scratch;
                                     for (std::size_t piece = begin; piece < end; ++piece) {
@@ -176,21 +108,18 @@ private:
         BindPiece measures;
         Extreme distance;
     };
+    /// Where the weights of a new point go.
+    struct Slot {
+        std::size_t point;
+        Lanes<T>* rows;
+        std::size_t lane;
+    };
     struct Scratch {
         std::vector<typename Tree::Neighbour> found, around;
         std::vector<Vec<double, D>> places;
         LinearShares<D> shares;
         std::vector<double> row;
     };
-
-    Running share_of_progress(double from, double to) const {
-        Running options{options_.parallel};
-        if (options_.progress)
-            options.progress = [this, from, to](double done) {
-                return options_.progress(from + (to - from) * done);
-            };
-        return options;
-    }
 
     Vec<T, D> old_point(std::size_t i) const { return block_point<D>(old_.rest, i); }
     /// Exact, and of the order of one for old points.
@@ -210,7 +139,7 @@ private:
                 }
             }
         };
-        const Status status = for_each_block(blocks, share_of_progress(0, 0.2), look);
+        const Status status = for_each_block(blocks, running_.part(0, 0.2), look);
         if (status != Status::ok) return status;
         const auto spoilt = std::find(sound.begin(), sound.end(), char{0});
         if (spoilt != sound.end()) {
@@ -241,8 +170,8 @@ private:
         return std::lexicographical_compare(p.v, p.v + D, q.v, q.v + D);
     }
 
-    /// Reads the user's points and looks for old ones in their places; one of the same number has precedence. What is left
-    /// of the last block is filled with copies of the last point.
+    /// Reads the user's points and looks for old ones in their places; one of the same number has
+    /// precedence. What is left of the last block is filled with copies of the last point.
     void match(std::size_t block) {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             const std::size_t i = block * lanes + lane;
@@ -274,7 +203,8 @@ private:
             std::any_of(places_.begin(), places_.end(), [this](std::size_t i) { return bound_[i] == 0; });
     }
 
-    /// All weights of a block. Those that are copied are written last: restoring leaves no bit of them alone.
+    /// All weights of a block. Those that are copied are written last: restoring leaves no bit of
+    /// them alone.
     void fill(std::size_t block, Piece& piece, Scratch& scratch) {
         Lanes<T>* const rows = weights_.block(block);
         Lanes<T> target[D], bound;
@@ -286,7 +216,7 @@ private:
             Vec<T, D> place = handles_.count == 0 ? Vec<T, D>{} : handles_.rest[0];
             bound[lane] = T(0);
             if (i < count_ && kinds_[i] == Kind::interpolated) {
-                kinds_[i] = interpolate(i, rows, lane, place, piece, scratch);
+                kinds_[i] = interpolate({i, rows, lane}, place, piece, scratch);
                 if (is_interpolated(kinds_[i])) bound[lane] = T(1);
                 any = any || is_interpolated(kinds_[i]);
             }
@@ -322,9 +252,8 @@ private:
     }
 
     /// Writes the weights of a point, and into `target` what they are to reproduce.
-    Kind interpolate(std::size_t i, Lanes<T>* rows, std::size_t lane, Vec<T, D>& target, Piece& piece,
-                     Scratch& scratch) const {
-        const auto place = block_point<D>(BlockView<const T>(rest_), i);
+    Kind interpolate(const Slot& slot, Vec<T, D>& target, Piece& piece, Scratch& scratch) const {
+        const auto place = block_point<D>(BlockView<const T>(rest_), slot.point);
         const Vec<double, D> p = in_units(place);
         const auto any = [](std::size_t) { return true; };
         const auto is_bound = [this](std::size_t n) { return bound_[places_[n]] != 0; };
@@ -355,21 +284,21 @@ private:
             for (std::size_t h = 0; h < handles_.count; ++h)
                 scratch.row[h] += share * double(old_.weights(source, h));
         }
-        // What the old weights reproduce other than their own points, beyond rounding, the new ones do as well: points
-        // outside that follow the boundary do so at an offset.
+        // What the old weights reproduce other than their own points, beyond rounding, the new ones
+        // do as well: points outside that follow the boundary do so at an offset.
         Vec<double, D> offset = reached + p;
         Vec<double, D> rounding{};
         for (std::size_t h = 0; h < handles_.count; ++h) {
             const auto part = (scratch.row[h] * unit_) * vec_cast<double>(handles_.rest[h]);
             offset = offset - part;
             for (std::size_t k = 0; k < D; ++k) rounding[k] += std::fabs(part[k]);
-            rows[h][lane] = static_cast<T>(scratch.row[h]);
+            slot.rows[h][slot.lane] = static_cast<T>(scratch.row[h]);
         }
         const double size = length(p) + length(rounding);
         target = place;
         if (length(offset) > 64 * double(epsilon<T>) * size)
             target = vec_cast<T>(vec_cast<double>(place) - (1 / unit_) * offset);
-        piece.distance.raise({distance / spacing, i});
+        piece.distance.raise({distance / spacing, slot.point});
         return distance <= options_.largest_distance * spacing ? Kind::interpolated : Kind::far;
     }
 
@@ -401,6 +330,7 @@ private:
     const BindingView<T, D>& old_;
     const R& points_;
     const RebindOptions& options_;
+    const Running& running_;
     HandleView<T, D> handles_;
     LinearRestorer<T, D> restorer_;
     std::size_t count_, neighbours_;
@@ -417,42 +347,47 @@ private:
 
 } // namespace detail
 
-/// Moves a binding to a changed figure: points added, removed, put in another order, moved a little. The cage is the same, and
-/// its coordinates are not asked.
+/// Moves a binding to a changed figure: points added, removed, put in another order, moved a
+/// little. The cage is the same, and its coordinates are not asked.
 ///
 ///   binding  of points, not of vectors; views are read where they lie
-///   points   any PointRange of the same dimension, converted to the binding's scalar: the new figure
-///   weights  of a point that stands where an old one stood (its coordinates are equal): that one's, bit for bit. Of others:
-///            interpolated linearly from the nearest old places, then changed the least that restores Σw = 1 and Σwc = p. Where
-///            old points follow the boundary at an offset, new ones between them do. Linear weights are met to rounding up to
-///            half a spacing off the old figure, others to second order in its spacing: a figure twice as dense has errors a
-///            quarter as large. Slopes that the old places do not tell (off a sheet in space, far away) are those of the least
-///            change
-///   special  new points whose nearest old point is kept in place (all weights zero) are; old points that are not finite
-///            take no part; a bad new *point* is listed and kept in place, and is no reason to refuse the others
-///   returns  the binding and its report. Unless the report's status is ok the binding is empty; no points give a binding of
-///            none. The result depends neither on threads nor on the order of the points
-///   cost     O(#old (log #old + #handles)), and O(log #old + #handles) for a point that is matched, O(log #old +
-///            neighbours · #handles) for one that is not: 3 µs at 66 handles in space. Memory: the new binding, and some
-///            60 bytes for each old and new point
-///   fails    binding_empty: points, but none before; weight_not_finite (RebindReport::culprit); cancelled; out_of_memory
+///   points   any PointRange of the same dimension, converted to the binding's scalar: the new
+///            figure
+///   weights  of a point that stands where an old one stood (its coordinates are equal): that
+///            one's, bit for bit. Of others: interpolated linearly from the nearest old places,
+///            then changed the least that restores Σw = 1 and Σwc = p. Where old points follow the
+///            boundary at an offset, new ones between them do. Linear weights are met to rounding
+///            up to half a spacing off the old figure, others to second order in its spacing: a
+///            figure twice as dense has errors a quarter as large. Slopes that the old places do
+///            not tell (off a sheet in space, far away) are those of the least change
+///   special  new points whose nearest old point is kept in place (all weights zero) are; old
+///            points that are not finite take no part; a bad new *point* is listed and kept in
+///            place, and is no reason to refuse the others
+///   returns  the binding and its report. Unless the report's status is ok the binding is empty; no
+///            points give a binding of none. The result depends neither on threads nor on the order
+///            of the points
+///   cost     O(#old (log #old + #handles)), and O(log #old + #handles) for a point that is
+///            matched, O(log #old + neighbours · #handles) for one that is not: 3 µs at 66 handles
+///            in space. Memory: the new binding, and some 60 bytes for each old and new point
+///   fails    binding_empty: points, but none before; weight_not_finite (RebindReport::culprit);
+///            cancelled; out_of_memory
 template <Scalar T, std::size_t D, PointRange R>
     requires(range_dimension<R> == D)
 RebindResult<T, D> rebind(const BindingView<T, D>& binding, const R& points,
-                          const RebindOptions& options = {}) {
-    const auto start = std::chrono::steady_clock::now();
+                          const RebindOptions& options = {}, const Running& running = {}) {
     RebindResult<T, D> result;
-    RebindReport& report = result.report;
-    report.points = std::size(points);
-    report.status = detail::guard_memory(
-        [&] { return detail::Rebinder<T, D, R>(binding, points, options).run(result.binding, report); });
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.report.points = std::size(points);
+    detail::run_into(result.report, [&] {
+        return detail::Rebinder<T, D, R>(binding, points, options, running)
+            .run(result.binding, result.report);
+    });
     return result;
 }
 template <Scalar T, std::size_t D, PointRange R>
     requires(range_dimension<R> == D)
-RebindResult<T, D> rebind(const Binding<T, D>& binding, const R& points, const RebindOptions& options = {}) {
-    return rebind(binding.view(), points, options);
+RebindResult<T, D> rebind(const Binding<T, D>& binding, const R& points, const RebindOptions& options = {},
+                          const Running& running = {}) {
+    return rebind(binding.view(), points, options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

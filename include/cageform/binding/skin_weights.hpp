@@ -1,14 +1,13 @@
-// From a binding to a skin as engines and glTF have it: a few handles a point, with weights that are not negative.
+// From a binding to a skin as engines and glTF have it: a few handles a point, with weights that
+// are not negative.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
-
-#include <Eigen/Cholesky>
+#include <cageform/binding/detail/convex_weights.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,12 +16,11 @@ namespace cageform::inline CAGEFORM_ABI {
 struct SkinWeightsOptions {
     std::size_t influences = 4; ///< K, the most handles a point may have; glTF takes 4 a set
     double threshold = 0;       ///< lesser weights are left out as well, where the rest can do without
-    ParallelFor parallel = SerialFor{};
-    Progress progress{};
 };
 
-/// A skin: every handle is a joint that is only moved, p' = p + Σ w_k (C'_joint − C_joint). A point's entries lie side
-/// by side, in the order of falling weights; unused ones have weight 0 and joint 0.
+/// A skin: every handle is a joint that is only moved, p' = p + Σ w_k (C'_joint − C_joint). A
+/// point's entries lie side by side, in the order of falling weights; unused ones have weight 0 and
+/// joint 0.
 struct SkinWeights {
     std::size_t influences = 0;        ///< K
     std::vector<std::uint16_t> joints; ///< #points · K: handles
@@ -56,247 +54,15 @@ struct SkinWeightsResult {
 
 namespace detail {
 
-/// The weights of one point nearest to given ones, in the sense of least squares, among those that are not negative,
-/// belong to some handles, sum to 1 and reproduce a place q.
-///
-/// With the affine rows a_i of the handles in a frame at q they are w_i = max(0, w0_i + a_i·y) for the y of D + 1 numbers that makes
-/// Σ w_i a_i = (1, 0): Newton's method for the dual problem, which is smooth, convex and quadratic in pieces.
-/// Its penalty (the proximal term E) keeps equations solvable where q cannot be reproduced, and y then tells the
-/// nearest place that can; repeated about the last y it fades away where q can.
-template <std::size_t D>
-class ConvexWeights {
-public:
-    static constexpr double reproduced = 1e-7; ///< of the size: what weights in single precision resolve
-
-    /// Takes up a point: its weights, and the handles in a frame at q.
-    template <Scalar T, class Weight>
-    void load(const HandleView<T, D>& handles, const AffineFrame<double, D>& frame, const Weight& weight) {
-        columns_.resize(handles.count);
-        given_.resize(handles.count);
-        weights_.assign(handles.count, 0.0);
-        support_.resize(handles.count);
-        trial_.resize(handles.count);
-        needed_.assign(handles.count, 0);
-        for (std::size_t i = 0; i < handles.count; ++i) {
-            const auto row = frame.row(handles, i);
-            for (std::size_t r = 0; r <= D; ++r) columns_[i][long(r)] = row[r];
-            given_[i] = weight(i);
-            support_[i] = i;
-        }
-    }
-
-    /// The weights of at most `most` handles, in `weight(i)`; false where q is not reproduced. Handles are left out
-    /// from the least weight on, at most half of the surplus at once, where the others can do without: a good choice, not
-    /// the best of all. (Exchanging handles for weights still nearer to the given ones was tried: motions came out twice as
-    /// far off, for handles that are far away move differently.)
-    bool reduce(std::size_t most, double threshold) {
-        bool exact = start();
-        std::size_t at_once = support_.size();
-        for (;;) {
-            sort();
-            const bool too_many = support_.size() > most;
-            const auto is_least = [&](std::size_t i) { return !needed_[i] && weights_[i] < threshold; };
-            const std::size_t surplus =
-                too_many ? support_.size() - most
-                         : std::size_t(std::count_if(support_.begin(), support_.end(), is_least));
-            if (surplus == 0) return exact;
-            bool dropped = false;
-            at_once = std::min(2 * at_once, (surplus + 1) / 2);
-            while (!dropped) {
-                const auto least = without_least(at_once);
-                if (!least) break;
-                dropped = solve(trial_, true);
-                if (dropped) {
-                    accept(trial_);
-                } else if (at_once > 1) {
-                    at_once /= 2;
-                } else {
-                    needed_[*least] = 1; // and ever will be: the hull of fewer handles is no larger
-                    break;
-                }
-            }
-            if (dropped || !too_many || !all_needed()) continue;
-            // Too few for q: the nearest that some of them can do.
-            exact = false;
-            trial_.assign(support_.begin(), support_.end() - 1);
-            solve(trial_, false);
-            accept(trial_);
-        }
-    }
-
-    double weight(std::size_t i) const noexcept { return weights_[i]; }
-    /// The handles of weights other than 0, in the order of falling weights.
-    std::span<const std::size_t> support() const noexcept { return support_; }
-
-private:
-    static constexpr int N = int(D) + 1;
-    using Row = Eigen::Matrix<double, N, 1>;
-    using Square = Eigen::Matrix<double, N, N>;
-
-    /// All handles. Where these cannot reproduce q either, the nearest place that they can takes its stead.
-    bool start() {
-        bool sound = true;
-        Row sum = Row::Zero();
-        for (std::size_t i = 0; i < given_.size(); ++i) {
-            sound = sound && given_[i] >= 0;
-            sum += given_[i] * columns_[i];
-        }
-        sum[0] -= 1;
-        if (sound && sum.template lpNorm<Eigen::Infinity>() < 1e-12) {
-            found_ = given_;
-            accept(support_);
-            return true;
-        }
-        trial_ = support_;
-        if (solve(trial_, true)) {
-            accept(trial_);
-            return true;
-        }
-        solve(trial_, false);
-        Row place = Row::Zero();
-        for (std::size_t i = 0; i < given_.size(); ++i) place += found_[i] * columns_[i];
-        place[0] = 0;
-        for (Row& column : columns_) column -= place;
-        accept(trial_);
-        return false;
-    }
-
-    void sort() {
-        std::sort(support_.begin(), support_.end(), [this](std::size_t a, std::size_t b) {
-            return weights_[a] != weights_[b] ? weights_[a] > weights_[b] : a < b;
-        });
-    }
-    bool all_needed() const {
-        return std::all_of(support_.begin(), support_.end(), [this](std::size_t i) { return needed_[i]; });
-    }
-    /// Tries the support without its `count` least handles that are not needed; the first of them, or nothing where
-    /// there are none.
-    std::optional<std::size_t> without_least(std::size_t count) {
-        std::optional<std::size_t> least;
-        trial_.clear();
-        for (std::size_t n = support_.size(); n-- > 0;) {
-            const std::size_t i = support_[n];
-            if (count > 0 && !needed_[i]) {
-                --count;
-                if (!least) least = i;
-            } else {
-                trial_.push_back(i);
-            }
-        }
-        return least;
-    }
-    /// Takes the weights found over.
-    void accept(std::span<const std::size_t> over) {
-        std::vector<std::size_t>& kept = spare_;
-        kept.clear();
-        for (const std::size_t i : support_) weights_[i] = 0;
-        for (const std::size_t i : over) {
-            weights_[i] = found_[i];
-            if (found_[i] > 0) kept.push_back(i);
-        }
-        support_.swap(kept);
-    }
-
-    /// Weights over some handles, into `found_`. Exact ones, or false; or those of the nearest place.
-    bool solve(std::span<const std::size_t> over, bool exact) {
-        found_.assign(given_.size(), 0.0);
-        if (over.empty()) return false;
-        // E: small beside the equations, and large enough for y to keep digits where they have no solution.
-        Row penalty = Row::Constant(exact ? 1e-10 : 1e-6);
-        if (!exact) penalty[0] = 1e-9;
-        Row y = Row::Zero(), centre = Row::Zero();
-        y[0] = 1 / double(over.size());
-        for (const std::size_t i : over) y[0] -= given_[i] / double(over.size());
-        double missed = std::numeric_limits<double>::infinity();
-        for (int round = 0; round < 12; ++round) {
-            newton(over, penalty, centre, y);
-            const Row error = sum(over, y);
-            const double now = exact ? error.template lpNorm<Eigen::Infinity>() : std::fabs(error[0]);
-            if (now < 1e-14 || !(now < 0.9 * missed)) {
-                missed = std::min(missed, now);
-                break;
-            }
-            missed = now;
-            if (exact)
-                centre = y;
-            else
-                centre[0] = y[0];
-        }
-        double total = 0;
-        for (const std::size_t i : over) {
-            found_[i] = std::max(0.0, given_[i] + columns_[i].dot(y));
-            total += found_[i];
-        }
-        if (!(total > 0.5)) return false;
-        for (const std::size_t i : over) found_[i] /= total;
-        return missed <= reproduced;
-    }
-
-    /// Σ w a − (1, 0).
-    Row sum(std::span<const std::size_t> over, const Row& y) const {
-        Row total = Row::Zero();
-        total[0] = -1;
-        for (const std::size_t i : over) total += std::max(0.0, given_[i] + columns_[i].dot(y)) * columns_[i];
-        return total;
-    }
-    /// What the dual problem minimises: Σ w²/2 − y_0 + (y − centre)·E (y − centre)/2.
-    double objective(std::span<const std::size_t> over, const Row& penalty, const Row& centre,
-                     const Row& y) const {
-        double squares = 0;
-        for (const std::size_t i : over) {
-            const double w = std::max(0.0, given_[i] + columns_[i].dot(y));
-            squares += w * w;
-        }
-        const Row away = y - centre;
-        return 0.5 * squares - y[0] + 0.5 * away.dot(penalty.cwiseProduct(away));
-    }
-
-    void newton(std::span<const std::size_t> over, const Row& penalty, const Row& centre, Row& y) const {
-        double value = objective(over, penalty, centre, y);
-        for (int step = 0; step < 60; ++step) {
-            Square matrix = penalty.asDiagonal();
-            Row gradient = penalty.cwiseProduct(y - centre);
-            gradient[0] -= 1;
-            for (const std::size_t i : over) {
-                const double w = given_[i] + columns_[i].dot(y);
-                if (!(w > 0)) continue;
-                gradient += w * columns_[i];
-                matrix += columns_[i] * columns_[i].transpose();
-            }
-            const Row direction = -matrix.llt().solve(gradient);
-            const double fall = gradient.dot(direction);
-            if (!(fall < 0) || gradient.template lpNorm<Eigen::Infinity>() < 1e-15) return;
-            double length = 1;
-            for (;; length *= 0.5) {
-                const Row next = y + length * direction;
-                const double there = objective(over, penalty, centre, next);
-                if (there <= value + 1e-4 * length * fall) {
-                    y = next;
-                    value = there;
-                    break;
-                }
-                if (length < 1e-14) { // nothing but rounding is left to gain
-                    const Row whole = y + direction;
-                    if (objective(over, penalty, centre, whole) <= value) y = whole;
-                    return;
-                }
-            }
-        }
-    }
-
-    std::vector<Row> columns_;
-    std::vector<double> given_, weights_, found_;
-    std::vector<std::size_t> support_, trial_, spare_;
-    std::vector<char> needed_; // no other handles would do
-};
-
-/// The state of one making of a skin; as Binder, what a point finds out is kept apart and put together in the end.
+/// The state of one making of a skin; as Binder, what a point finds out is kept apart and put
+/// together in the end.
 template <Scalar T, std::size_t D>
 class Skinner {
 public:
-    Skinner(const BindingView<T, D>& binding, const SkinWeightsOptions& options)
+    Skinner(const BindingView<T, D>& binding, const SkinWeightsOptions& options, const Running& running)
         : binding_(binding)
         , options_(options)
+        , running_(running)
         , count_(binding.point_count()) {
         if (binding.handle_count() == 0) return;
         const auto bounds = bounds_of(std::span(binding.rest_handles, binding.handle_count()));
@@ -309,14 +75,13 @@ public:
         skin.joints.assign(count_ * most, 0);
         skin.weights.assign(count_ * most, 0.0F);
         points_.assign(count_, {});
-        const Status status = for_each_block(
-            count_, {options_.parallel, options_.progress}, [&](std::size_t begin, std::size_t end) {
-                ConvexWeights<D> solver;
-                for (std::size_t i = begin; i < end; ++i) {
-                    points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
-                                      std::span(skin.weights).subspan(i * most, most));
-                }
-            });
+        const Status status = for_each_block(count_, running_, [&](std::size_t begin, std::size_t end) {
+            ConvexWeights<D> solver;
+            for (std::size_t i = begin; i < end; ++i) {
+                points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
+                                  std::span(skin.weights).subspan(i * most, most));
+            }
+        });
         if (status != Status::ok) return status;
         gather(report);
         return Status::ok;
@@ -330,44 +95,53 @@ private:
         std::size_t used = 0;
     };
 
+    /// A place of the binding, and what its weights reproduce instead of it.
+    struct Place {
+        Vec<double, D> p, offset{}; ///< of what is reproduced, in units of the size
+        double whole = 0;           ///< Σ|w|
+        bool is_bound = false;
+    };
+
+    Place place_of(std::size_t i) const {
+        Place place{vec_cast<double>(block_point<D>(binding_.rest, i))};
+        for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
+            const double w = binding_.weights(i, h);
+            place.whole += std::fabs(w);
+            place.offset = place.offset + w * from(place.p, h);
+        }
+        place.is_bound =
+            is_finite(place.p) && is_finite(place.whole) && is_finite(place.offset) && place.whole != 0;
+        // Points that follow the nearest one of the boundary reproduce that one. A solver's
+        // residual or a rounding is not meant.
+        if (dot(place.offset, place.offset) < 1e-8) place.offset = {};
+        return place;
+    }
+
     PointResult make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
                      std::span<float> weights) const {
-        const std::size_t handles = binding_.handle_count();
-        const auto p = vec_cast<double>(block_point<D>(binding_.rest, i));
-        // What the binding itself reproduces: another place for points that follow the nearest one of the boundary. A
-        // solver's residual or a rounding is not meant.
-        Vec<double, D> offset{};
-        double whole = 0;
-        for (std::size_t h = 0; h < handles; ++h) {
-            const double w = binding_.weights(i, h);
-            whole += std::fabs(w);
-            offset = offset + w * from(p, h);
-        }
-        if (!is_finite(p) || !is_finite(whole) || !is_finite(offset) || whole == 0) return {};
-        if (dot(offset, offset) < 1e-8) offset = {};
-        solver.load(binding_.handle_view(), AffineFrame<double, D>{p + size_ * offset, size_},
+        const Place place = place_of(i);
+        if (!place.is_bound) return {};
+        solver.load(binding_.handle_view(), AffineFrame<double, D>{place.p + size_ * place.offset, size_},
                     [&](std::size_t h) { return double(binding_.weights(i, h)); });
-
         PointResult result;
         result.kind =
             solver.reduce(joints.size(), options_.threshold) ? Kind::reproduced : Kind::not_reproduced;
-        const auto support = solver.support();
-        for (std::size_t k = 0; k < support.size(); ++k) {
+        for (const std::size_t h : solver.support()) {
             constexpr double rounding = 0x1p-26; // of 1, to single precision
-            if (!(solver.weight(support[k]) > rounding)) break;
-            joints[k] = static_cast<std::uint16_t>(support[k]);
-            weights[k] = static_cast<float>(solver.weight(support[k]));
-            ++result.used;
+            if (!(solver.weight(h) > rounding)) break;
+            joints[result.used] = static_cast<std::uint16_t>(h);
+            weights[result.used++] = static_cast<float>(solver.weight(h));
         }
         if (result.used == 0) { // numbers too large to compute with
             result.kind = Kind::not_reproduced;
             result.used = 1;
-            for (std::size_t h = 1; h < handles; ++h) {
+            for (std::size_t h = 1; h < binding_.handle_count(); ++h) {
                 if (binding_.weights(i, h) > binding_.weights(i, joints[0]))
                     joints[0] = static_cast<std::uint16_t>(h);
             }
         }
-        // The largest makes up for all roundings; where the second was as large it may now be the lesser by one.
+        // The largest makes up for all roundings; where the second was as large it may now be the
+        // lesser by one.
         double others = 0;
         for (std::size_t k = 1; k < result.used; ++k) others += double(weights[k]);
         weights[0] = static_cast<float>(1 - others);
@@ -375,14 +149,19 @@ private:
             std::swap(weights[k], weights[k + 1]);
             std::swap(joints[k], joints[k + 1]);
         }
+        measure(i, place, joints, weights, result);
+        return result;
+    }
 
-        // The truth about what is stored.
-        Vec<double, D> missed = -1.0 * offset;
-        result.error = whole;
+    /// Compares the weights that are stored with the binding's.
+    void measure(std::size_t i, const Place& place, std::span<const std::uint16_t> joints,
+                 std::span<const float> weights, PointResult& result) const {
+        Vec<double, D> missed = -1.0 * place.offset;
+        result.error = place.whole;
         result.partition = -1;
         for (std::size_t k = 0; k < result.used; ++k) {
             const double w = weights[k], w0 = binding_.weights(i, joints[k]);
-            missed = missed + w * from(p, joints[k]);
+            missed = missed + w * from(place.p, joints[k]);
             result.partition += w;
             result.error += std::fabs(w - w0) - std::fabs(w0);
             result.added = std::max(result.added, w - w0);
@@ -390,7 +169,6 @@ private:
         result.partition = std::fabs(result.partition);
         result.error = std::max(result.error, 0.0);
         result.reproduction = size_ * std::sqrt(dot(missed, missed));
-        return result;
     }
 
     /// A handle as seen from a place, in units of the cage's size.
@@ -424,6 +202,7 @@ private:
 
     const BindingView<T, D>& binding_;
     const SkinWeightsOptions& options_;
+    const Running& running_;
     std::size_t count_;
     double size_ = 1;
     std::vector<PointResult> points_;
@@ -431,45 +210,46 @@ private:
 
 } // namespace detail
 
-/// The skin nearest to a binding: per point at most K weights, not negative, with Σw = 1 and Σwc = p, so that the
-/// rest pose and affine poses stay as they are.
+/// The skin nearest to a binding: per point at most K weights, not negative, with Σw = 1 and Σwc =
+/// p, so that the rest pose and affine poses stay as they are.
 ///
-///   influences  K. Any D + 1 are enough for a point in the hull of the handles (Carathéodory), so with K > D no
-///               point within a cage fails; outside the hull, and for a lesser K, Σwc is nearly the nearest to p that
-///               can be had, and the report lists the point
-///   weights     nearest to the binding's by least squares for the handles that are kept; these are chosen greedily,
-///               from the least weight on. A pose that moves no handle by more than d moves a point to within
-///               d · Σ|w − w0| of where the binding has it
+///   influences  K. Any D + 1 are enough for a point in the hull of the handles (Carathéodory), so
+///               with K > D no point within a cage fails; outside the hull, and for a lesser K, Σwc
+///               is nearly the nearest to p that can be had, and the report lists the point
+///   weights     nearest to the binding's by least squares for the handles that are kept; these are
+///               chosen greedily, from the least weight on. A pose that moves no handle by more
+///               than d moves a point to within d · Σ|w − w0| of where the binding has it
 ///   exact       but for rounding to single precision: 1e-7 of the cage's size
 ///   returns     the skin and its report; points that the binding keeps in place have no weights
-///   cost        a few Newton steps of O(#handles) for every time that handles are left out, log(#handles / K) times and
-///               more where the hull is narrow: 0.1 ms a point for 112 handles
-///   fails       too_few_influences; too_many_handles: more than 65535, or as many influences, as 16 bits count;
-///               value_not_finite: a threshold that is no number; cancelled; out_of_memory
+///   cost        a few Newton steps of O(#handles) for every time that handles are left out,
+///               log(#handles / K) times and more where the hull is narrow: 0.1 ms a point for 112
+///               handles
+///   fails       handles_not_points: a joint is a point; too_few_influences; too_many_handles: more
+///               than 65535, or as many influences, as 16 bits count; value_not_finite: a threshold
+///               that is no number; cancelled; out_of_memory
 template <Scalar T, std::size_t D>
-SkinWeightsResult skin_weights(const BindingView<T, D>& binding, const SkinWeightsOptions& options = {}) {
-    const auto start = std::chrono::steady_clock::now();
+SkinWeightsResult skin_weights(const BindingView<T, D>& binding, const SkinWeightsOptions& options = {},
+                               const Running& running = {}) {
     SkinWeightsResult result;
-    auto& report = result.report;
-    report.points = binding.point_count();
-    report.status = binding.handle_view().vector_count() > 0 ? Status::handles_not_points
-                    : options.influences < 1                 ? Status::too_few_influences
-                    : std::max(binding.handle_count(), options.influences) > 65535 ? Status::too_many_handles
-                    : !is_finite(options.threshold)                                ? Status::value_not_finite
-                                                                                   : Status::ok;
-    if (report.status != Status::ok) return result;
-    report.status = detail::guard_memory(
-        [&] { return detail::Skinner<T, D>(binding, options).run(result.skin, report); });
-    if (report.status != Status::ok) result.skin = {};
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.report.points = binding.point_count();
+    detail::run_into(result.report, [&] {
+        if (binding.handle_view().vector_count() > 0) return Status::handles_not_points;
+        if (options.influences < 1) return Status::too_few_influences;
+        if (std::max(binding.handle_count(), options.influences) > 65535) return Status::too_many_handles;
+        if (!is_finite(options.threshold)) return Status::value_not_finite;
+        return detail::Skinner<T, D>(binding, options, running).run(result.skin, result.report);
+    });
+    if (result.report.status != Status::ok) result.skin = {};
     return result;
 }
 template <Scalar T, std::size_t D>
-SkinWeightsResult skin_weights(const Binding<T, D>& binding, const SkinWeightsOptions& options = {}) {
-    return skin_weights(binding.view(), options);
+SkinWeightsResult skin_weights(const Binding<T, D>& binding, const SkinWeightsOptions& options = {},
+                               const Running& running = {}) {
+    return skin_weights(binding.view(), options, running);
 }
 
-/// The binding with the weights of a skin in the place of its own: `clone` then shows what an engine will.
+/// The binding with the weights of a skin in the place of its own: `clone` then shows what an
+/// engine will.
 ///
 ///   skin     of this binding
 ///   out      overwritten where the result is ok
@@ -494,9 +274,10 @@ Status skin_to_binding(const Binding<T, D>& binding, const SkinWeights& skin, Bi
     return skin_to_binding(binding.view(), skin, out);
 }
 
-/// A skin's weights as normalised integers, `std::uint8_t` or `std::uint16_t`. Those of a point sum to exactly 255 or 65535, and to
-/// 0 where it has none; each is within one of the number it stands for, and they still fall. The integers that are lacking after
-/// rounding down go to the largest remainders.
+/// A skin's weights as normalised integers, `std::uint8_t` or `std::uint16_t`. Those of a point sum
+/// to exactly 255 or 65535, and to 0 where it has none; each is within one of the number it stands
+/// for, and they still fall. The units that are missing after rounding down go to the largest
+/// remainders.
 ///
 ///   returns  #points · K, as in the skin; may throw std::bad_alloc
 /// glTF 2.0, sec. 3.7.3.3.
@@ -513,17 +294,17 @@ std::vector<Integer> to_normalised(const SkinWeights& skin) {
         for (std::size_t k = 0; k < skin.influences; ++k) sum += double(weights[k]);
         if (!(sum > 0)) continue;
         const auto exact = [&](std::size_t k) { return double(weights[k]) / sum * most; };
-        auto lacking = static_cast<std::size_t>(most);
+        auto missing = static_cast<std::size_t>(most);
         for (std::size_t k = 0; k < skin.influences; ++k) {
             order[k] = k;
             out[k] = static_cast<Integer>(exact(k));
-            lacking -= out[k];
+            missing -= out[k];
         }
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
             const double of_a = exact(a) - double(out[a]), of_b = exact(b) - double(out[b]);
             return of_a != of_b ? of_a > of_b : a < b;
         });
-        for (std::size_t n = 0; n < lacking && n < order.size(); ++n) ++out[order[n]];
+        for (std::size_t n = 0; n < missing && n < order.size(); ++n) ++out[order[n]];
     }
     return result;
 }

@@ -1,4 +1,5 @@
-// Before a clone by handles that are not all points: from a pose of the cage's vertices, or of bones, to one of all handles.
+// Before a clone by handles that are not all points: from a pose of the cage's vertices, or of
+// bones, to one of all handles.
 //
 //     pose_handles(binding, cage_pose, handles);      // faces' vectors follow their corners
 //     clone(binding, handles, out);
@@ -44,7 +45,8 @@ concept HasHandles = requires(const B& binding) {
 
 namespace detail {
 
-/// Whether what is made of coordinates of this size stays finite, in the scalars of a binding and of an output.
+/// Whether what is made of coordinates of this size stays finite, in the scalars of a binding and
+/// of an output.
 template <Scalar T, class Out, std::size_t D>
 bool can_be_posed(const Vec<T, D>& p) noexcept {
     using Narrow = std::conditional_t<std::is_same_v<T, float> || std::is_same_v<range_scalar_t<Out>, float>,
@@ -57,7 +59,8 @@ bool can_be_posed(const Vec<T, D>& p) noexcept {
     return true;
 }
 
-/// The vector of a face whose posed corners stand in `out`. One that has not moved keeps its handle bit for bit.
+/// The vector of a face whose posed corners stand in `out`. One that has not moved keeps its handle
+/// bit for bit.
 template <Scalar T, std::size_t D, class Out>
 Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, const HandleFace<D>& face,
                        const Out& out) noexcept {
@@ -79,14 +82,16 @@ Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, cons
 /// From a pose of the cage's vertices to a pose of all handles.
 ///
 ///   pose     a place for every handle that is a point, in their order
-///   out      at least #handles places that can be read again; may begin with `pose` itself, whose vertices are then moved to
-///            their handles
-///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors that belong to no face): `out`
-///            is then untouched. Or ok, and the faces without area
-///   cost     O(#handles), no allocation; 40 operations and two roots a face in space, two operations in the plane
+///   out      at least #handles places that can be read again; may begin with `pose` itself, whose
+///            vertices are then moved to their handles
+///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors that
+///            belong to no face): `out` is then untouched. Or ok, and the faces without area
+///   cost     O(#handles), no allocation; 40 operations and two roots a face in space, two
+///            operations in the plane
 ///
-/// The pose at rest gives the handles at rest bit for bit, so `clone` gives the bound points. A similarity takes every vector
-/// along, to rounding. A mirrored pose is allowed, but no similarity: normals point the other way.
+/// The pose at rest gives the handles at rest bit for bit, so `clone` gives the bound points. A
+/// similarity takes every vector along, to rounding. A mirrored pose is allowed, but no similarity:
+/// normals point the other way.
 template <HasHandles B, PointRange Pose, class Out>
     requires(B::dimension == 2 || B::dimension == 3)
 &&MutablePointRange<std::remove_reference_t<Out>> PoseReport pose_handles(const B& binding, const Pose& pose,
@@ -119,13 +124,14 @@ template <HasHandles B, PointRange Pose, class Out>
     return report;
 }
 
-/// From the moves of bones to a pose of their handles. A bone has D + 1 of them, side by side: a point, its origin o, and D
-/// vectors, its axes. With the weights ω and ω (p − o)_k a clone is linear blend skinning, Σ ω (A p + b).
+/// From the moves of bones to a pose of their handles. A bone has D + 1 of them, side by side: a
+/// point, its origin o, and D vectors, its axes. With the weights ω and ω (p − o)_k a clone is
+/// linear blend skinning, Σ ω (A p + b).
 ///
 ///   bones    as many as the binding has points among its handles
 ///   out      at least #handles places; may not overlap `bones`
-///   returns  handles_not_bones (the handles are in another order), pose_size_differs, pose_not_finite, output_too_small (`out`
-///            is then untouched), or ok
+///   returns  handles_not_bones (the handles are in another order), pose_size_differs,
+///            pose_not_finite, output_too_small (`out` is then untouched), or ok
 ///   cost     O(#handles), no allocation
 template <HasHandles B, class Out>
     requires MutablePointRange<std::remove_reference_t<Out>>

@@ -8,7 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The edge from `a` to `b` turned by −90°: the outward normal where the inside is on the left. Linear in the pose.
+/// The edge from `a` to `b` turned by −90°: the outward normal where the inside is on the left.
+/// Linear in the pose.
 template <Scalar T>
 Vec<T, 2> edge_handle(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
     return {b[1] - a[1], a[0] - b[0]};
@@ -42,13 +43,15 @@ struct TriangleEdges {
 
 } // namespace detail
 
-/// √area · s · n' of a triangle: the unit normal n' of its posed corners, and how much the pose lengthens it,
+/// √area · s · n' of a triangle: the unit normal n' of its posed corners, and how much the pose
+/// lengthens it,
 ///
-///     s = √(|U|²|v|² − 2 (U·V)(u·v) + |V|²|u|²) / (√8 area),   u, v two edges at rest, U, V the same edges posed
+///     s = √(|U|²|v|² − 2 (U·V)(u·v) + |V|²|u|²) / (√8 area),   u, v two edges at rest, U, V the
+///     same edges posed
 ///
-/// so that a similarity takes the handle along. With `posed` = `rest` the handle at rest. Zero where a triangle has no
-/// area. Finite where coordinates are below epsilon times the largest number.
-/// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 3.2.
+/// so that a similarity takes the handle along. With `posed` = `rest` the handle at rest. Zero
+/// where a triangle has no area. Finite where coordinates are below epsilon times the largest
+/// number. Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 3.2.
 template <Scalar T>
 Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec<T, 3>, 3>& posed) noexcept {
     const detail::TriangleEdges<T> before(rest), now(posed);

@@ -1,4 +1,5 @@
-// The handles of a cage, by which a figure is moved: points, and vectors such as scaled face normals or the axes of a bone.
+// The handles of a cage, by which a figure is moved: points, and vectors such as scaled face
+// normals or the axes of a bone.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -21,7 +22,8 @@ using HandleFace = std::array<std::uint32_t, D>;
 ///
 ///     Σ w_i κ_i = 1,   Σ w_i H_i = p,   κ = 1 for points and 0 for vectors
 ///
-/// and all handles are of one unit: the vector of a face is as long as the face is large (core/face_handles.hpp).
+/// and all handles are of one unit: the vector of a face is as long as the face is large
+/// (core/face_handles.hpp).
 template <Scalar T, std::size_t D>
 struct HandleView {
     const Vec<T, D>* rest = nullptr; ///< #handles

@@ -10,8 +10,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A kd-tree: halved at the median along the longest side, again and again. Squares of distances are taken, so coordinates
-/// should be of the order of one. Built in O(n log n); a search takes O(log n + count) as a rule.
+/// A kd-tree: halved at the median along the longest side, again and again. Squares of distances
+/// are taken, so coordinates should be of the order of one. Built in O(n log n); a search takes
+/// O(log n + count) as a rule.
 template <std::size_t D>
 class PointTree {
 public:
@@ -34,8 +35,8 @@ public:
         for (const std::size_t i : order_) places_.push_back(points[i]);
     }
 
-    /// The `count` points nearest to `p` of those wanted(point), the nearest first, the lesser index of two as near; fewer
-    /// where there are not so many.
+    /// The `count` points nearest to `p` of those wanted(point), the nearest first, the lesser
+    /// index of two as near; fewer where there are not so many.
     template <class Wanted>
     void nearest(const Vec<double, D>& p, std::size_t count, const Wanted& wanted,
                  std::vector<Neighbour>& found) const {

@@ -1,4 +1,5 @@
-// The rows (κ, H) of a cage's handles, in which linear precision is stated for handles of both kinds.
+// The rows (κ, H) of a cage's handles, in which linear precision is stated for handles of both
+// kinds.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -47,7 +48,8 @@ AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
     return {T(0.5) * (bounds.lower + bounds.upper), std::fmax(bounds.diagonal(), longest)};
 }
 
-/// The rows a_i of all handles in a frame. Weights have linear precision at a place p, or move a vector t, where
+/// The rows a_i of all handles in a frame. Weights have linear precision at a place p, or move a
+/// vector t, where
 ///
 ///     Σ w_i a_i = (1, (p − centre) / size),   Σ w_i a_i = (0, t / size).
 template <Scalar T, std::size_t D>

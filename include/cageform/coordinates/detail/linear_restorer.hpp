@@ -9,11 +9,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of a block; or, of weights
-/// that move a vector t, Σwκ = 0 and ΣwH = t.
+/// The least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of a
+/// block; or, of weights that move a vector t, Σwκ = 0 and ΣwH = t.
 ///
-/// With A = [a_0 … a_{m−1}] of the affine rows of the handles the change is Aᵀ(AAᵀ)⁻¹ r, r the residual of the row sums;
-/// AAᵀ is (D+1)² and the same for all points.
+/// With A = [a_0 … a_{m−1}] of the affine rows of the handles the change is Aᵀ(AAᵀ)⁻¹ r, r the
+/// residual of the row sums; AAᵀ is (D+1)² and the same for all points.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
@@ -29,8 +29,8 @@ public:
         }
     }
 
-    /// `row` holds the weights of a block of points; `bound` is one in lanes to treat and zero in others. Measures alone
-    /// unless `restore`.
+    /// `row` holds the weights of a block of points; `bound` is one in lanes to treat and zero in
+    /// others. Measures alone unless `restore`.
     Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
         Simd wanted[D + 1];
         wanted[0] = Simd(T(1));
@@ -58,7 +58,8 @@ private:
     /// `wanted`: Σ w a. `unit` is what sums are to be accurate relative to.
     Result run_to(const Simd* wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
-        // Two roundings of the cage's size are not worth a change: exact zeros on edges would be lost.
+        // Two roundings of the cage's size are not worth a change: exact zeros on edges would be
+        // lost.
         const Simd enough = Simd(4 * epsilon<T>) * unit;
         const Simd treat = Simd::load(bound);
         Simd missing[D + 1], change(T(0));

@@ -1,0 +1,54 @@
+// An order of points in which those of a block lie near each other.
+#pragma once
+
+#include <cageform/core/blocks.hpp>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Puts points that lie near each other into the same block: the index of the point at each place.
+/// The whole is halved along its longest side, at a multiple of a block, again and again. O(n log
+/// n).
+template <Scalar T, std::size_t D>
+std::vector<std::uint32_t> order_by_place(const BlockView<const T>& points) {
+    std::vector<std::uint32_t> order(points.points);
+    std::iota(order.begin(), order.end(), 0u);
+    const auto coordinate = [&points](std::uint32_t i, std::size_t axis) {
+        const T x = points(i, axis);
+        return is_finite(x) ? x : T(0); // such a point is kept in place, wherever it lies
+    };
+    std::vector<std::array<std::size_t, 2>> parts{{0, order.size()}};
+    while (!parts.empty()) {
+        const auto [begin, end] = parts.back();
+        parts.pop_back();
+        const std::size_t blocks = block_count<T>(end - begin);
+        if (blocks <= 1) continue;
+        Vec<T, D> low{}, high{};
+        for (std::size_t n = begin; n < end; ++n) {
+            for (std::size_t k = 0; k < D; ++k) {
+                const T x = coordinate(order[n], k);
+                low[k] = n == begin ? x : std::min(low[k], x);
+                high[k] = n == begin ? x : std::max(high[k], x);
+            }
+        }
+        std::size_t axis = 0;
+        for (std::size_t k = 1; k < D; ++k) {
+            if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+        }
+        const std::size_t middle = begin + blocks / 2 * lane_count<T>;
+        const auto at = [&order](std::size_t n) { return order.begin() + std::ptrdiff_t(n); };
+        std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
+            const T x = coordinate(a, axis), y = coordinate(b, axis);
+            return x != y ? x < y : a < b;
+        });
+        parts.push_back({begin, middle});
+        parts.push_back({middle, end});
+    }
+    return order;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
