@@ -8,6 +8,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
+#include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/harmonic.hpp>

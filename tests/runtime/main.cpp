@@ -6,6 +6,7 @@
 #include <cageform/clone/glsl.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
+#include <cageform/clone/pose_handles.hpp>
 #include <cageform/fwd.hpp>
 
 #include <array>
@@ -187,6 +188,31 @@ void check_displacements() {
     expect(cageform::glsl::blob[0] != 0 && cageform::glsl::compute[0] != 0, "the text of the shaders");
 }
 
+/// A triangle's three corners and the vector of its face.
+void check_pose_handles() {
+    const std::array<Vec<float, 3>, 3> corners{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}};
+    const std::array<Vec<float, 3>, 4> rest{corners[0], corners[1], corners[2],
+                                            cageform::face_handle(corners, corners)};
+    const std::array<cageform::HandleKind, 4> kinds{{{}, {}, {}, cageform::HandleKind::vector}};
+    const cageform::HandleFace<3> face{0, 1, 2};
+    cageform::BindingView<float, 3> binding;
+    binding.weights.rows = 4;
+    binding.rest_handles = rest.data();
+    binding.handle_kinds = kinds.data();
+    binding.handle_faces = &face;
+    std::array<Vec<float, 3>, 4> handles{};
+    expect(cageform::pose_handles(binding, corners, handles).status == Status::ok, "the rest pose");
+    expect(handles == rest, "the rest pose of all handles bit for bit");
+    const std::array<Vec<float, 3>, 3> turned{{{0, 0, 0}, {0, 4, 0}, {0, 0, 4}}}; // and twice as large
+    expect(cageform::pose_handles(binding, turned, handles).status == Status::ok, "a similarity");
+    expect(handles[3][0] > 2.828f && handles[3][0] < 2.829f && handles[3][1] == 0, "takes the normal along");
+    auto bad = turned;
+    bad[1][2] = std::bit_cast<float>(0x7fc00000u); // not a number
+    const auto before = handles;
+    expect(cageform::pose_handles(binding, bad, handles).status == Status::pose_not_finite, "NaN is refused");
+    expect(handles == before, "and leaves the handles alone");
+}
+
 } // namespace
 
 int main() {
@@ -237,6 +263,7 @@ int main() {
     check_ranges<double, 3>();
     check_normals();
     check_displacements();
+    check_pose_handles();
 #if defined(CAGEFORM_TEST_MIN_MAX) && !(defined(min) && defined(max))
 #error "a standard header has undefined the macros: this file checks nothing"
 #endif
