@@ -3,6 +3,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/grid/detail/placed_facet.hpp>
+#include <cageform/grid/pyramid/papers_lattice.hpp>
 
 #include <algorithm>
 #include <vector>
