@@ -123,13 +123,13 @@ public:
     /// Of a Polygon or a CellComplex. Corners without room for a fit are left as they are: the grid
     /// is too coarse for them anyway.
     template <class Cage>
-    CornerFunctions(const Cage& cage, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem)
-        : vertices_(lattice.in_cells(cage.vertices())) {
-        const auto neighbours = neighbours_of_vertices(cage);
+    CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem)
+        : vertices_(lattice.in_cells(whole.vertices())) {
+        const auto neighbours = neighbours_of_vertices(whole);
         for (std::size_t i = 0; i < vertices_.size(); ++i) {
             const auto& of_i = neighbours[i];
             if (of_i.empty()) continue;
-            const double radius = room_about(i, cage, lattice.spacing);
+            const double radius = room_about(i, whole, lattice.spacing);
             if (radius < least_radius) continue;
             for (std::size_t n = 0; n + 1 < of_i.size(); ++n) {
                 const std::size_t after = of_i[n], before = of_i[n + 1];

@@ -59,14 +59,14 @@ public:
 
     /// Of a Polygon, a TriangleMesh or a CellComplex.
     template <class Cage>
-    SimplexBoundary(const Cage& cage, const Lattice<double, D>& lattice)
+    SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice)
         : lattice_(lattice)
-        , bones_(interior_cells(cage).bones, lattice.in_cells(cage.vertices()), lattice) {
-        const auto vertices = lattice.in_cells(cage.vertices());
-        for_each_facet(boundary_of(cage), [&](const auto& facet) {
+        , bones_(interior_cells(whole).bones, lattice.in_cells(whole.vertices()), lattice) {
+        const auto vertices = lattice.in_cells(whole.vertices());
+        for_each_facet(boundary_of(whole), [&](const auto& facet) {
             facets_.emplace_back(facet, std::span<const Vec<double, D>>(vertices), true);
         });
-        const auto& cells = interior_cells(cage);
+        const auto& cells = interior_cells(whole);
         for (const auto& facet : cells.facets)
             facets_.emplace_back(facet, std::span<const Vec<double, D>>(vertices), false);
     }
