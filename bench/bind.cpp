@@ -247,14 +247,14 @@ struct MeshProblem {
 
     /// All functions, each block's values lost to the next; returns the most cycles.
     std::size_t solve() const {
-        const cageform::Multigrid<3> multigrid(grid->problem().nodes, grid->problem().cuts, {});
+        const cageform::grid::Multigrid<3> multigrid(grid->problem().nodes, grid->problem().cuts, {});
         const auto slots = multigrid.source_slots();
         const auto fill = [&](std::size_t first, std::size_t count, auto& source) {
             grid->add_data(first, count, slots, std::span(source));
         };
-        const cageform::CycleGoal goal{problem.cage.size(), 1e-6, 60};
+        const cageform::grid::CycleGoal goal{problem.cage.size(), 1e-6, 60};
         cageform::SolverReport report;
-        (void)solve_groups(cageform::MultigridGroups{multigrid, goal, fill}, report,
+        (void)solve_groups(cageform::grid::MultigridGroups{multigrid, goal, fill}, report,
                            [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); });
         return report.cycles;
     }

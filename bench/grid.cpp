@@ -18,11 +18,11 @@
 
 namespace {
 
-using cageform::CellTag;
-using cageform::CutLink;
-using cageform::Multigrid;
-using cageform::NodeRuns;
 using cageform::Vec;
+using cageform::grid::CellTag;
+using cageform::grid::CutLink;
+using cageform::grid::Multigrid;
+using cageform::grid::NodeRuns;
 
 /// Cells inside a figure of the extent [−1.5, 1.5]^D.
 template <std::size_t D>
@@ -102,8 +102,8 @@ void multigrid(benchmark::State& state) {
                 for (std::size_t k = 0; k < count; ++k) row[k] += problem.data(first + k, c);
             }
         };
-        const cageform::MultigridGroups groups{solver, cageform::CycleGoal{problem.functions, 1e-6, 60},
-                                               fill};
+        const cageform::grid::MultigridGroups groups{
+            solver, cageform::grid::CycleGoal{problem.functions, 1e-6, 60}, fill};
         const auto use = [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); };
         report = {};
         if (solve_groups(groups, report, use, running) != cageform::Status::ok)
@@ -118,12 +118,12 @@ void multigrid(benchmark::State& state) {
 template <std::size_t D>
 void papers_sweeps(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
-    cageform::AveragingOptions options;
+    cageform::grid::AveragingOptions options;
     options.tolerance = 1e-5;
     std::vector<double> field(problem.box.size());
     std::size_t sweeps = 0;
     for (auto _ : state) {
-        cageform::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
+        cageform::grid::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
         sweeps = 0;
         for (std::size_t k = 0; k < problem.functions; ++k) {
             std::fill(field.begin(), field.end(), 0.0);

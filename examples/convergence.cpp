@@ -38,7 +38,7 @@ std::string with_digits(const char* format, double x) {
 
 /// The largest error estimate of all functions after each cycle, at `resolution` cells.
 Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resolution) {
-    using cageform::Multigrid;
+    using cageform::grid::Multigrid;
     const auto bounds = cageform::bounds_of(cage.vertices());
     const auto extent = bounds.upper - bounds.lower;
     cageform::Lattice<double, 2> lattice;
@@ -47,8 +47,8 @@ Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resoluti
     for (std::size_t k = 0; k < 2; ++k)
         lattice.cells[k] = std::size_t(std::ceil(extent[k] / lattice.spacing)) + 1;
 
-    const cageform::SimplexBoundary<2> boundary(cage, lattice);
-    const auto problem = cageform::embed(boundary, boundary.crossings());
+    const cageform::grid::SimplexBoundary<2> boundary(cage, lattice);
+    const auto problem = cageform::grid::embed(boundary, boundary.crossings());
     const Multigrid<2> multigrid(problem.nodes, problem.cuts, {});
     const auto slot = multigrid.source_slots();
 

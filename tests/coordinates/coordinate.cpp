@@ -352,7 +352,7 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
     cage.for_each_edge(
         [&](std::size_t i, std::size_t j) { longest = std::max(longest, distance(cage[i], cage[j])); });
     const double height = 2 * area / longest;
-    const double spacing = diagonal / double(resolution - 2 * cageform::papers_margin); // at most
+    const double spacing = diagonal / double(resolution - 2 * cageform::grid::papers_margin); // at most
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i, text(expected.rows[i]), text(mean.rows[i]), text(harmonic.rows[i]));
         CHECK(mean.states[i] == PointState::inside);

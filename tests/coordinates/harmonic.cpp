@@ -11,8 +11,8 @@
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicOptions;
-using cageform::Interpolation;
 using cageform::Polygon;
+using cageform::grid::Interpolation;
 
 namespace {
 
@@ -37,7 +37,7 @@ constexpr std::array oracles{"triangle",
 /// The side of a cell.
 template <class T>
 double spacing(const Polygon<T>& cage, std::size_t resolution) {
-    return double(cageform::lattice_about(cageform::bounds_of(cage.vertices()), resolution).spacing);
+    return double(cageform::grid::lattice_about(cageform::bounds_of(cage.vertices()), resolution).spacing);
 }
 
 template <class T>

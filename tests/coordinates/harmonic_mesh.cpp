@@ -13,7 +13,7 @@ using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
-using cageform::SimplexBoundary;
+using cageform::grid::SimplexBoundary;
 
 namespace {
 

@@ -79,7 +79,7 @@ public:
 
     std::size_t groups() const { return (grid_.cage().size() + width - 1) / width; }
     Block make_block() const { return {std::vector<std::array<double, width>>(count())}; }
-    Status solve(std::size_t group, Block& block, cageform::GroupWork& work) const {
+    Status solve(std::size_t group, Block& block, cageform::grid::GroupWork& work) const {
         const auto [first, handles] = handles_of(group);
         for (auto& values : block.values) values.fill(0.0);
         grid_.add_data(first, handles, slots_, std::span(block.values));
@@ -136,7 +136,7 @@ TEST_CASE("the library's solvers and one of one's own are models of the seam", "
     STATIC_REQUIRE(is_model<DirectSolver<TriangleMesh<double>>>);
     STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<float>>);
     STATIC_REQUIRE(!cageform::DifferentiableSolver<cageform::PyramidSolver<float>>);
-    STATIC_REQUIRE(!cageform::CageSolver<cageform::Multigrid<2>>);
+    STATIC_REQUIRE(!cageform::CageSolver<cageform::grid::Multigrid<2>>);
     STATIC_REQUIRE(cageform::GradientCoordinates<Direct<Polygon<double>>>);
 }
 

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
-using cageform::AveragingOptions;
-using cageform::AveragingOutcome;
-using cageform::AveragingPyramid;
 using cageform::CellBox;
-using cageform::CellTag;
 using cageform::epsilon;
-using cageform::Stencil;
+using cageform::grid::AveragingOptions;
+using cageform::grid::AveragingOutcome;
+using cageform::grid::AveragingPyramid;
+using cageform::grid::CellTag;
+using cageform::grid::Stencil;
 using cageform_tests::Random;
 
 namespace {

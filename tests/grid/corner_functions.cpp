@@ -4,7 +4,7 @@
 
 #include <cageform/grid/corner_functions.hpp>
 
-using cageform::Corner;
+using cageform::grid::Corner;
 using cageform_tests::Random;
 using cageform_tests::Vec;
 

@@ -8,10 +8,10 @@
 
 using cageform::BoundaryValue;
 using cageform::Lattice;
-using cageform::NodeRuns;
 using cageform::PointState;
 using cageform::Polygon;
-using cageform::SimplexBoundary;
+using cageform::grid::NodeRuns;
+using cageform::grid::SimplexBoundary;
 using cageform_tests::Random;
 using cageform_tests::random_inside;
 using cageform_tests::random_rings;
@@ -45,17 +45,17 @@ Vec<double, 2> place(const Polygon<double>& cage, const BoundaryValue<2>& value)
 
 /// A polygon's boundary with nodes whose values are given besides.
 struct WithFixedNodes : SimplexBoundary<2> {
-    WithFixedNodes(const SimplexBoundary<2>& boundary, std::vector<cageform::FixedNode<2>> nodes)
+    WithFixedNodes(const SimplexBoundary<2>& boundary, std::vector<cageform::grid::FixedNode<2>> nodes)
         : SimplexBoundary<2>(boundary)
         , fixed(std::move(nodes)) {}
-    std::vector<cageform::FixedNode<2>> fixed_nodes() const { return fixed; }
+    std::vector<cageform::grid::FixedNode<2>> fixed_nodes() const { return fixed; }
 
-    std::vector<cageform::FixedNode<2>> fixed;
+    std::vector<cageform::grid::FixedNode<2>> fixed;
 };
 
 void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& lattice) {
     SimplexBoundary<2> boundary(cage, lattice);
-    const auto problem = cageform::embed(boundary, boundary.crossings());
+    const auto problem = cageform::grid::embed(boundary, boundary.crossings());
     // Nodes are those inside, but for some on the boundary.
     std::size_t wrong = 0;
     for (std::int32_t y = 0; y < size_of(lattice)[1]; ++y) {
@@ -131,9 +131,9 @@ namespace {
 struct Nowhere {
     static constexpr std::size_t dimension = 2;
     Lattice<double, 2> lattice() const { return {{{4, 4}}, {}, 1}; }
-    cageform::Crossings<2> crossings() const { return {}; }
+    cageform::grid::Crossings<2> crossings() const { return {}; }
     BoundaryValue<2> nearest(const Index&) const { return {}; }
-    std::vector<cageform::FixedNode<2>> fixed_nodes() const { return {}; }
+    std::vector<cageform::grid::FixedNode<2>> fixed_nodes() const { return {}; }
     std::optional<std::uint32_t> too_thin_bone() const { return {}; }
 };
 struct WithoutFixedNodes : Nowhere {
@@ -143,21 +143,21 @@ struct WithoutNearest : SimplexBoundary<2> {
     using SimplexBoundary<2>::SimplexBoundary;
     double nearest(const Index&) const { return 0; } // no data
 };
-struct WithoutSample : cageform::BoxBoundary<float> {
-    using cageform::BoxBoundary<float>::BoxBoundary;
+struct WithoutSample : cageform::grid::BoxBoundary<float> {
+    using cageform::grid::BoxBoundary<float>::BoxBoundary;
     void sample() const {}
 };
 
 } // namespace
 
 TEST_CASE("what a boundary has to tell is a concept in two parts", "[grid][embed][concepts]") {
-    using cageform::EmbeddableBoundary;
-    using cageform::GridBoundary;
-    using cageform::SampledBoundary;
+    using cageform::grid::EmbeddableBoundary;
+    using cageform::grid::GridBoundary;
+    using cageform::grid::SampledBoundary;
     STATIC_REQUIRE(GridBoundary<SimplexBoundary<2>>);
     STATIC_REQUIRE(GridBoundary<SimplexBoundary<3>>);
-    STATIC_REQUIRE(GridBoundary<cageform::BoxBoundary<double>>);
-    STATIC_REQUIRE(GridBoundary<cageform::GridBoundaryOf<cageform::CellComplex<float, 3>>::type>);
+    STATIC_REQUIRE(GridBoundary<cageform::grid::BoxBoundary<double>>);
+    STATIC_REQUIRE(GridBoundary<cageform::grid::GridBoundaryOf<cageform::CellComplex<float, 3>>::type>);
     STATIC_REQUIRE(EmbeddableBoundary<Nowhere>);
     STATIC_REQUIRE(!SampledBoundary<Nowhere>);
     STATIC_REQUIRE(!EmbeddableBoundary<WithoutFixedNodes>);
@@ -189,7 +189,7 @@ TEST_CASE("edges on lattice lines and corners on nodes are on the boundary", "[g
         check_embedding(cage, lattice_over(cage, 8 / spacing, 1));
     }
     SimplexBoundary<2> boundary(cage, lattice_over(cage, 8, 0));
-    const auto problem = cageform::embed(boundary, boundary.crossings());
+    const auto problem = cageform::grid::embed(boundary, boundary.crossings());
     CHECK(problem.nodes.count() == 7 * 3 + 3 * 4);
     for (const auto& cut : problem.cuts) CHECK(cut.weight == 1);
     const std::vector<Vec<double, 2>> diamond{{4, 0}, {8, 4}, {4, 8}, {0, 4}};
@@ -202,7 +202,7 @@ TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[gri
                                              {1, 0.56}, {1, 1}, {0, 1}};
     const Polygon<double> cage(spiked);
     const auto unseen = [&](double cells) {
-        const auto seen = cageform::seen_handles<2>(
+        const auto seen = cageform::grid::seen_handles<2>(
             SimplexBoundary<2>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size());
         return std::count(seen.begin(), seen.end(), false);
     };
@@ -215,15 +215,15 @@ TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to"
     const auto lattice = lattice_over(cage, 40, 0.37);
     const SimplexBoundary<2> boundary(cage, lattice);
     const auto crossings = boundary.crossings();
-    const auto plain = cageform::embed(boundary, crossings);
+    const auto plain = cageform::grid::embed(boundary, crossings);
     Random random(2);
-    std::vector<cageform::FixedNode<2>> fixed;
+    std::vector<cageform::grid::FixedNode<2>> fixed;
     plain.nodes.for_each([&](const Index& index, std::uint32_t) {
         if (random.below(9) == 0) fixed.push_back({index, {{7, 9}, {0.25, 0.75}}});
     });
     REQUIRE(fixed.size() > 20);
     std::reverse(fixed.begin(), fixed.end()); // in any order
-    const auto problem = cageform::embed(WithFixedNodes{boundary, fixed}, crossings);
+    const auto problem = cageform::grid::embed(WithFixedNodes{boundary, fixed}, crossings);
     CHECK(problem.nodes.count() + fixed.size() == plain.nodes.count());
     for (const auto& node : fixed) CHECK(problem.nodes.find(node.index) == NodeRuns<2>::none);
     std::size_t links = 0;

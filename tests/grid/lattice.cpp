@@ -12,9 +12,9 @@ using cageform::bounds_of;
 using cageform::CellBox;
 using cageform::epsilon;
 using cageform::Lattice;
-using cageform::lattice_about;
-using cageform::papers_margin;
 using cageform::Vec;
+using cageform::grid::lattice_about;
+using cageform::grid::papers_margin;
 using cageform_tests::Random;
 using cageform_tests::random_star;
 

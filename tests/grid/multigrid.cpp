@@ -10,9 +10,9 @@
 
 #include <bit>
 
-using cageform::CutLink;
-using cageform::Multigrid;
-using cageform::NodeRuns;
+using cageform::grid::CutLink;
+using cageform::grid::Multigrid;
+using cageform::grid::NodeRuns;
 using cageform_tests::Random;
 
 namespace {

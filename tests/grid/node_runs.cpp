@@ -6,7 +6,7 @@
 
 #include <set>
 
-using cageform::NodeRuns;
+using cageform::grid::NodeRuns;
 using cageform_tests::Random;
 
 namespace {

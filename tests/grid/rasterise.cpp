@@ -10,20 +10,20 @@
 #include <string>
 
 using cageform::bounds_of;
-using cageform::CellTag;
 using cageform::check;
 using cageform::epsilon;
-using cageform::GridDomain;
 using cageform::Lattice;
-using cageform::lattice_about;
 using cageform::locate;
 using cageform::nearest_on_edge;
 using cageform::PointState;
 using cageform::Polygon;
-using cageform::rasterise;
 using cageform::Status;
 using cageform::Vec;
 using cageform::vec_cast;
+using cageform::grid::CellTag;
+using cageform::grid::GridDomain;
+using cageform::grid::lattice_about;
+using cageform::grid::rasterise;
 using cageform_tests::Points2;
 using cageform_tests::Random;
 using cageform_tests::random_star;

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <set>
 
-using cageform::CellTag;
 using cageform::epsilon;
-using cageform::Interpolation;
 using cageform::Lattice;
-using cageform::sample_stencil;
-using cageform::SampleStencil;
 using cageform::Vec;
+using cageform::grid::CellTag;
+using cageform::grid::Interpolation;
+using cageform::grid::sample_stencil;
+using cageform::grid::SampleStencil;
 using cageform_tests::Random;
 
 namespace {

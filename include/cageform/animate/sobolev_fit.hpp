@@ -183,8 +183,8 @@ private:
     detail::FitProblem problem_;
 };
 
-/// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals,
-/// one linear system.
+/// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals
+/// and a small linear system for each piece; one for all where conditions tie them together.
 inline BezierFit fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
                             const FitOptions& options = {}) {
     return SobolevFitter(curve, options).fit(parameters);

@@ -16,7 +16,7 @@ enum class OutsidePoints : std::uint8_t {
 
 /// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least
 /// change, in the sense of least squares over the handles, that restores both. Affine poses are
-/// then exact; a weight near zero may turn negative by at most BindReport::weight_change.
+/// then exact; a weight near zero may turn negative, by about BindReport::weight_change.
 enum class LinearPrecision : std::uint8_t { restore, leave };
 
 struct BindOptions {
@@ -52,7 +52,7 @@ struct BindReport {
     Extreme partition_error;             ///< largest |Σw − 1| of the finished weights
     Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, in the units of the cage; p is
                                 ///< the boundary point for OutsidePoints::nearest_boundary
-    Extreme weight_change;      ///< largest change of a weight by LinearPrecision::restore
+    Extreme weight_change;      ///< largest change of a weight by a round of LinearPrecision::restore
     Extreme residual_restored; ///< largest |Σwc − p| before it
     Extreme least_weight;      ///< negative weights are no fault of closed forms
     double seconds = 0;        ///< wall-clock time, the solver's included

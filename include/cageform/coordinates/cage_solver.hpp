@@ -39,13 +39,13 @@ struct SolverMemory {
     std::size_t block = 0;     ///< for one group of functions: on each thread
 };
 
-/// A solver of the functions of a cage's handles. A GroupSolver; its groups are handles in order,
-/// as many in each.
+/// A solver of the functions of a cage's handles. A GroupSolver; group g holds the handles from
+/// g · n on, n of them, the last group perhaps fewer.
 ///
 ///   Problem                    the CageProblem it solves
 ///   make(problem, report, made)
-///                              puts into `made` what no function's data enters (grid, hierarchy)
-///                              and into `report` the cells, or refuses by a status. The problem
+///                              makes all that does not depend on boundary data (grid, hierarchy)
+///                              and puts into `report` the cells, or refuses by a status. The problem
 ///                              outlives what is made
 ///   memory()                   what that takes, and a block
 ///   Functions, keep(block)     the functions of a solved group
@@ -58,7 +58,7 @@ struct SolverMemory {
 ///                              block or what is kept. Different groups are sampled at once
 ///   finish(samples, rows)      what is left to do when all groups are sampled
 template <class S>
-concept CageSolver = GroupSolver<S> &&
+concept CageSolver = grid::GroupSolver<S> &&
     requires(const S& solver, const typename S::Problem& problem, std::optional<S>& made,
              SolverReport& report, const typename S::Block& block, const typename S::Functions& functions,
              typename S::Samples& samples, const detail::Batch<typename S::Problem::scalar>& batch,

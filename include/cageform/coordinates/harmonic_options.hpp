@@ -20,12 +20,12 @@ struct MultigridOptions {
 
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
-    std::size_t resolution = 128; ///< cells along the cage's longest side; 8 … 16384
+    std::size_t resolution = 128; ///< cells along the cage's longest side: 8 … 16384, in space 8 … 1024
     MultigridOptions multigrid{};
 
     // Of the averaging pyramid alone; its resolution counts a margin of four cells.
-    AveragingOptions averaging{.tolerance = 1e-6};
-    Interpolation interpolation = Interpolation::multilinear;
+    grid::AveragingOptions averaging{.tolerance = 1e-6};
+    grid::Interpolation interpolation = grid::Interpolation::multilinear;
     std::size_t handles_at_once = 16; ///< functions solved and sampled together
 };
 

@@ -16,7 +16,7 @@ template <class C>
 class MultigridSolver {
     using T = typename C::scalar;
     static constexpr std::size_t D = C::dimension;
-    static constexpr std::size_t width = Multigrid<D>::width;
+    static constexpr std::size_t width = grid::Multigrid<D>::width;
 
 public:
     using Problem = CageProblem<C, HarmonicOptions>;
@@ -46,35 +46,39 @@ public:
     // ------------------------------------------------------------------------------------
 
     struct Block {
-        typename Multigrid<D>::Block cycled;
-        CornerFunctions::Coefficients at_corners;
+        typename grid::Multigrid<D>::Block cycled;
+        grid::CornerFunctions::Coefficients at_corners;
 
-        typename Multigrid<D>::Values value(std::uint32_t node) const noexcept { return cycled.value(node); }
+        typename grid::Multigrid<D>::Values value(std::uint32_t node) const noexcept {
+            return cycled.value(node);
+        }
     };
     std::size_t groups() const noexcept { return (grid_.cage().size() + width - 1) / width; }
     Block make_block() const { return {multigrid_.make_block(), {}}; }
 
-    Status solve(std::size_t group, Block& block, GroupWork& work) const {
+    Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
         const auto [first, count] = handles_of(group);
         auto& source = block.cycled.source;
         for (auto& values : source) values.fill(0.0);
         grid_.add_data(first, count, slots_, std::span(source));
         block.at_corners = corners_.start(first, source);
-        const CycleGoal goal{count, options_.tolerance, options_.max_cycles};
-        return run_cycles(multigrid_, block.cycled, goal, work, [&, first = first] {
+        const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
+        return grid::run_cycles(multigrid_, block.cycled, goal, work, [&, first = first] {
             // The corners' coefficients follow the solution and the solution them.
             const auto fitted = corners_.fit(first, block, block.at_corners);
             const double change = corners_.difference(fitted, block.at_corners);
-            Multigrid<D>::disturb(block.cycled, corners_.replace(block.at_corners, fitted, source));
+            grid::Multigrid<D>::disturb(block.cycled, corners_.replace(block.at_corners, fitted, source));
             return change;
         });
     }
 
     struct Functions {
-        std::vector<typename Multigrid<D>::Values> values; ///< by node
-        CornerFunctions::Coefficients at_corners;
+        std::vector<typename grid::Multigrid<D>::Values> values; ///< by node
+        grid::CornerFunctions::Coefficients at_corners;
 
-        const typename Multigrid<D>::Values& value(std::uint32_t node) const noexcept { return values[node]; }
+        const typename grid::Multigrid<D>::Values& value(std::uint32_t node) const noexcept {
+            return values[node];
+        }
     };
     Functions keep(const Block& block) const {
         Functions functions{{}, block.at_corners};
@@ -123,8 +127,8 @@ public:
 
 private:
     /// Of polygons alone.
-    static CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<C>& grid,
-                                      [[maybe_unused]] const MultigridOptions& options) {
+    static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<C>& grid,
+                                            [[maybe_unused]] const MultigridOptions& options) {
         if constexpr (D == 2) {
             if (options.corner_functions) return {grid.cage(), grid.lattice(), grid.problem()};
         }
@@ -137,8 +141,8 @@ private:
 
     detail::EmbeddedCage<C> grid_;
     MultigridOptions options_;
-    CornerFunctions corners_;
-    Multigrid<D> multigrid_;
+    grid::CornerFunctions corners_;
+    grid::Multigrid<D> multigrid_;
     std::vector<std::uint32_t> slots_; ///< of each node in Block::source
 };
 

@@ -20,21 +20,22 @@ public:
         if (resolution < 8 || resolution > 16384) return Status::resolution_not_supported;
         if (!(problem.options.averaging.tolerance > 0)) return Status::tolerance_not_positive;
         made.emplace(problem);
-        const GridDomain<T, 2>& domain = made->domain_;
+        const grid::GridDomain<T, 2>& domain = made->domain_;
         report.crowded_cells = domain.crowded_cells;
-        report.cells = std::size_t(std::count(domain.tags.begin(), domain.tags.end(), CellTag::interior));
+        report.cells =
+            std::size_t(std::count(domain.tags.begin(), domain.tags.end(), grid::CellTag::interior));
         return Status::ok;
     }
 
     explicit PyramidSolver(const Problem& problem)
         : problem_(problem)
-        , domain_(rasterise(problem.cage,
-                            lattice_about(bounds_of(problem.cage.vertices()), problem.options.resolution))) {}
+        , domain_(grid::rasterise(problem.cage, grid::lattice_about(bounds_of(problem.cage.vertices()),
+                                                                    problem.options.resolution))) {}
 
     /// At most: a pyramid has four thirds of the cells of its finest level.
     SolverMemory memory() const noexcept {
         const std::size_t cells = domain_.tags.size();
-        constexpr std::size_t of_pyramid = sizeof(T) + sizeof(CellTag) + 2 * sizeof(std::size_t);
+        constexpr std::size_t of_pyramid = sizeof(T) + sizeof(grid::CellTag) + 2 * sizeof(std::size_t);
         return {cells + domain_.places.size() * (sizeof(std::size_t) + sizeof(BoundaryPoint<T>)),
                 cells * (width() * sizeof(T) + of_pyramid * 4 / 3)};
     }
@@ -44,17 +45,17 @@ public:
 
     using Functions = std::vector<std::vector<T>>; ///< the cells of each
     struct Block {
-        AveragingPyramid<T, 2> pyramid;
+        grid::AveragingPyramid<T, 2> pyramid;
         Functions functions;
 
         operator const Functions&() const noexcept { return functions; }
     };
     std::size_t groups() const noexcept { return (problem_.cage.size() + width() - 1) / width(); }
     Block make_block() const {
-        return {AveragingPyramid<T, 2>(domain_.lattice, domain_.tags, problem_.options.averaging), {}};
+        return {grid::AveragingPyramid<T, 2>(domain_.lattice, domain_.tags, problem_.options.averaging), {}};
     }
 
-    Status solve(std::size_t group, Block& block, GroupWork& work) const {
+    Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
         const std::size_t first = group * width(), count = std::min(width(), problem_.cage.size() - first);
         block.functions.assign(count, std::vector<T>(domain_.tags.size(), T(0)));
         for (std::size_t n = 0; n < count; ++n) {
@@ -83,7 +84,7 @@ public:
     // -----------------------------------------------------------------------------------
 
     struct Sample {
-        SampleStencil<T, 2> stencil;        ///< of a point inside
+        grid::SampleStencil<T, 2> stencil;  ///< of a point inside
         std::optional<BoundaryPoint<T>> on; ///< for a point on the boundary
     };
     struct Samples {
@@ -100,8 +101,9 @@ public:
             state = locate(problem_.cage, p, problem_.tolerance);
             if (state == PointState::on_boundary) sample.on = nearest_on_boundary(problem_.cage, p);
             if (state != PointState::inside) continue;
-            sample.stencil = sample_stencil(domain_.lattice, std::span<const CellTag>(domain_.tags), p,
-                                            problem_.options.interpolation);
+            sample.stencil =
+                grid::sample_stencil(domain_.lattice, std::span<const grid::CellTag>(domain_.tags), p,
+                                     problem_.options.interpolation);
             if (sample.stencil.count == 0) state = PointState::unreached;
         }
         return samples;
@@ -128,7 +130,7 @@ private:
     }
 
     const Problem& problem_;
-    GridDomain<T, 2> domain_;
+    grid::GridDomain<T, 2> domain_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

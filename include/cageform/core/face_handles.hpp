@@ -1,4 +1,5 @@
-// The vectors that faces of a cage are handles by: normals, as long as the face is large.
+// The vectors that faces of a cage are handles by: normals, of the length of the edge
+// in the plane and the root of the area in space.
 #pragma once
 
 #include <cageform/core/vec.hpp>

@@ -5,6 +5,7 @@
 #include <cageform/grid/grid_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// The bones of a cage, balls and in space capsules. All positions and distances are in units of
 /// the lattice.
@@ -177,5 +178,7 @@ private:
     Lattice<double, D> lattice_;
     std::vector<PlacedBone<D>> bones_;
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -5,6 +5,7 @@
 #include <cageform/grid/grid_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// A box in units of a lattice. Node i of the lattice lies at i.
 template <Scalar T>
@@ -128,5 +129,7 @@ template <Scalar T>
 struct GridBoundaryOf<Box<T>> {
     using type = BoxBoundary<T>;
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

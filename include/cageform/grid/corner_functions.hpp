@@ -21,6 +21,7 @@
 #include <numbers>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// The functions of one corner. Lengths in units of the lattice.
 class Corner {
@@ -115,7 +116,7 @@ public:
     static constexpr std::size_t width = Multigrid<2>::width;
     using Row = Multigrid<2>::Values;
 
-    /// Coefficients of sixteen functions at every corner: those of s_1 … s_most.
+    /// Coefficients of sixteen functions at every corner: entry 0 of w, entry k of s_k.
     using Coefficients = std::vector<std::array<Row, Corner::most + 1>>;
 
     CornerFunctions() = default;
@@ -439,5 +440,7 @@ private:
     std::vector<Vec<double, 2>> vertices_;
     std::vector<Treated> corners_;
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -8,6 +8,7 @@
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// The value at a point as a mean of values at nodes and on the boundary; serves any number of
 /// fields.
@@ -58,5 +59,7 @@ struct Hit {
     double position; ///< on the ray's axis
     BoundaryValue<D> value;
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -21,17 +21,17 @@ namespace detail {
 template <std::size_t D>
 struct UnknownCells {
     std::size_t grid_size;
-    NodeRuns<D> nodes;
+    grid::NodeRuns<D> nodes;
     std::vector<std::size_t> cells; ///< of the nodes
-    std::vector<CutLink> cuts;
+    std::vector<grid::CutLink> cuts;
     std::vector<std::size_t> given;               ///< the cell at the end of each cut link
     std::size_t without_rim = SolverReport::none; ///< the first unknown cell at the end of the grid
 
     UnknownCells(const CellBox<D>& grid, std::span<const std::uint8_t> is_given)
         : grid_size(grid.size()) {
-        typename NodeRuns<D>::Index counts;
+        typename grid::NodeRuns<D>::Index counts;
         for (std::size_t k = 0; k < D; ++k) counts[k] = std::int32_t(grid.cells[k]);
-        nodes = NodeRuns<D>(counts);
+        nodes = grid::NodeRuns<D>(counts);
         for (std::size_t row = 0; row < grid_size; row += grid.cells[0]) {
             for (std::size_t x = 0; x < grid.cells[0];) {
                 std::size_t end = x;
@@ -75,7 +75,7 @@ struct FieldRange {
 template <std::size_t D, Scalar T>
 Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const DirichletOptions& options,
                     SolverReport& report, const Running& running) {
-    const Multigrid<D> multigrid(unknown.nodes, unknown.cuts, {});
+    const grid::Multigrid<D> multigrid(unknown.nodes, unknown.cuts, {});
     report.bytes = multigrid.bytes() + multigrid.block_bytes();
     const auto slots = multigrid.source_slots();
     const std::size_t size = unknown.grid_size, fields = values.size() / size, count = unknown.cells.size();
@@ -102,8 +102,9 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
         }
     };
     // Errors are of values in [−1, 1], whose range is 2.
-    const CycleGoal goal{fields, 2 * options.tolerance, options.max_cycles};
-    const Status status = solve_groups(MultigridGroups{multigrid, goal, fill}, report, take, running);
+    const grid::CycleGoal goal{fields, 2 * options.tolerance, options.max_cycles};
+    const Status status =
+        grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
     report.error_estimate *= 0.5;
     report.error_bound *= 0.5;
     if (status != Status::ok) return status;

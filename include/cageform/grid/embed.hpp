@@ -10,6 +10,7 @@
 #include <limits>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// The unknown nodes of a boundary value problem and their links to the data.
 template <std::size_t D>
@@ -19,11 +20,13 @@ struct EmbeddedProblem {
     std::vector<BoundaryValue<D>> values; ///< parallel to `cuts`
 };
 
+} // namespace grid
+
 namespace detail {
 
 /// f(before, after) for neighbouring crossings of a line with the inside between them.
 template <std::size_t D, class F>
-void for_each_inner_interval(const std::vector<Crossing<D>>& crossings, F&& f) {
+void for_each_inner_interval(const std::vector<grid::Crossing<D>>& crossings, F&& f) {
     bool inside = false;
     for (std::size_t i = 0; i < crossings.size(); ++i) {
         if (i > 0 && crossings[i].line == crossings[i - 1].line) {
@@ -36,9 +39,10 @@ void for_each_inner_interval(const std::vector<Crossing<D>>& crossings, F&& f) {
 }
 /// The nodes strictly between two crossings: [first, second).
 template <std::size_t D>
-std::pair<std::int32_t, std::int32_t> nodes_between(const Crossing<D>& a, const Crossing<D>& b) noexcept {
-    return {std::int32_t(std::floor(a.position + on_boundary_distance)) + 1,
-            std::int32_t(std::ceil(b.position - on_boundary_distance))};
+std::pair<std::int32_t, std::int32_t> nodes_between(const grid::Crossing<D>& a,
+                                                    const grid::Crossing<D>& b) noexcept {
+    return {std::int32_t(std::floor(a.position + grid::on_boundary_distance)) + 1,
+            std::int32_t(std::ceil(b.position - grid::on_boundary_distance))};
 }
 
 /// A crossing among the nodes of its line: on a node, or between two.
@@ -48,20 +52,20 @@ struct NodesAbout {
 
     explicit NodesAbout(double position) noexcept {
         const double nearest = std::round(position);
-        on_node = std::fabs(position - nearest) <= on_boundary_distance;
+        on_node = std::fabs(position - nearest) <= grid::on_boundary_distance;
         below = std::int32_t(on_node ? nearest - 1 : std::floor(position));
         above = on_node ? below + 2 : below + 1;
     }
 };
 
 /// Makes the equations of `embed`, step by step.
-template <EmbeddableBoundary B>
+template <grid::EmbeddableBoundary B>
 class Embedding {
 public:
     static constexpr std::size_t D = B::dimension;
-    using Index = typename NodeRuns<D>::Index;
+    using Index = typename grid::NodeRuns<D>::Index;
 
-    Embedding(const B& boundary, const Crossings<D>& crossings)
+    Embedding(const B& boundary, const grid::Crossings<D>& crossings)
         : boundary_(boundary)
         , crossings_(crossings)
         , nodes_(boundary.lattice().counts())
@@ -69,11 +73,11 @@ public:
         std::sort(fixed_.begin(), fixed_.end(), before_node);
     }
 
-    EmbeddedProblem<D> make() {
+    grid::EmbeddedProblem<D> make() {
         find_nodes();
         cut_links_at_crossings();
         cut_links_to_other_nodes();
-        EmbeddedProblem<D> problem;
+        grid::EmbeddedProblem<D> problem;
         for (const Cut& cut : cuts_) {
             problem.cuts.push_back(cut.link);
             problem.values.push_back(cut.value);
@@ -85,11 +89,11 @@ public:
 private:
     using Place = std::pair<std::uint32_t, std::int32_t>; ///< row and position in it
     struct Cut {
-        CutLink link;
+        grid::CutLink link;
         BoundaryValue<D> value;
     };
 
-    static bool before_node(const FixedNode<D>& a, const FixedNode<D>& b) noexcept {
+    static bool before_node(const grid::FixedNode<D>& a, const grid::FixedNode<D>& b) noexcept {
         return a.index < b.index;
     }
     /// By link; of one link the shortest first.
@@ -123,18 +127,19 @@ private:
         const auto left_out = no_unknowns();
         std::uint32_t row = 0;
         auto next = left_out.begin();
-        for_each_inner_interval<D>(crossings_[0], [&](const Crossing<D>& a, const Crossing<D>& b) {
-            for (; row < a.line; ++row) nodes_.end_row();
-            auto [x, end] = nodes_between(a, b);
-            x = std::max(x, 0);
-            end = std::min(end, nodes_.size()[0]);
-            next = std::lower_bound(next, left_out.end(), Place(a.line, x));
-            for (; next != left_out.end() && *next < Place(a.line, end); ++next) {
-                nodes_.add_run(x, next->second);
-                x = next->second + 1;
-            }
-            nodes_.add_run(x, end);
-        });
+        for_each_inner_interval<D>(crossings_[0],
+                                   [&](const grid::Crossing<D>& a, const grid::Crossing<D>& b) {
+                                       for (; row < a.line; ++row) nodes_.end_row();
+                                       auto [x, end] = nodes_between(a, b);
+                                       x = std::max(x, 0);
+                                       end = std::min(end, nodes_.size()[0]);
+                                       next = std::lower_bound(next, left_out.end(), Place(a.line, x));
+                                       for (; next != left_out.end() && *next < Place(a.line, end); ++next) {
+                                           nodes_.add_run(x, next->second);
+                                           x = next->second + 1;
+                                       }
+                                       nodes_.add_run(x, end);
+                                   });
         for (; row < nodes_.rows(); ++row) nodes_.end_row();
     }
 
@@ -147,7 +152,7 @@ private:
                 const auto cut = [&](std::int32_t x, bool up, double theta) {
                     const auto node = nodes_.find(boundary_.lattice().on_line(axis, crossing.line, x));
                     const auto direction = std::uint8_t(2 * axis + (up ? 1 : 0));
-                    if (node != NodeRuns<D>::none)
+                    if (node != grid::NodeRuns<D>::none)
                         cuts_.push_back({{node, direction, 1 / theta}, crossing.value});
                 };
                 const NodesAbout about(crossing.position);
@@ -177,19 +182,20 @@ private:
         std::sort(cuts_.begin(), cuts_.end(), before);
     }
     BoundaryValue<D> value_at(const Index& node) const noexcept {
-        const FixedNode<D> key{node, {}};
+        const grid::FixedNode<D> key{node, {}};
         const auto at = std::lower_bound(fixed_.begin(), fixed_.end(), key, before_node);
         return at != fixed_.end() && at->index == node ? at->value : boundary_.nearest(node);
     }
 
     const B& boundary_;
-    const Crossings<D>& crossings_;
-    NodeRuns<D> nodes_;
-    std::vector<FixedNode<D>> fixed_; ///< sorted by index
-    std::vector<Cut> cuts_;           ///< sorted, once a step is done
+    const grid::Crossings<D>& crossings_;
+    grid::NodeRuns<D> nodes_;
+    std::vector<grid::FixedNode<D>> fixed_; ///< sorted by index
+    std::vector<Cut> cuts_;                 ///< sorted, once a step is done
 };
 
 } // namespace detail
+namespace grid {
 
 /// Nodes inside by the even-odd rule along axis 0, links cut along all axes.
 ///
@@ -219,5 +225,7 @@ std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handle
     }
     return seen;
 }
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

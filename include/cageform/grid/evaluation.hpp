@@ -28,7 +28,7 @@ struct SolverReport {
     std::size_t crowded_cells = 0;  ///< cells that hold edges without a common vertex
 
     // Of what is refused.
-    std::size_t unseen_handle = none;      ///< grid_too_coarse: the first handle that no node feels
+    std::size_t unseen_handle = none;      ///< grid_too_coarse: the first handle whose data meets no link
     std::size_t sufficient_resolution = 0; ///< and a resolution at which all are; 0: none is offered
     std::size_t culprit = none; ///< rim_not_given, value_not_finite: the place (grid/dirichlet.hpp)
 

@@ -14,6 +14,7 @@
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// A lattice line meets the boundary. In units of the lattice: node i of an axis lies at i.
 template <std::size_t D>
@@ -88,5 +89,7 @@ concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
 /// other types.
 template <class Cage>
 struct GridBoundaryOf;
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -21,6 +21,7 @@
 #include <cageform/grid/detail/tridiagonal.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// The hierarchy for one set of unknowns; serves any number of right-hand sides and threads.
 template <std::size_t D>
@@ -158,7 +159,7 @@ public:
         for (const auto& level : levels_) n += level.bytes();
         return n;
     }
-    /// At most; with three cycles a row for each unknown less.
+    /// At most: with fewer than four cycles the low part is not allocated, a row less an unknown.
     std::size_t block_bytes() const noexcept {
         if constexpr (D == 1) return (unknowns_ + source_count()) * sizeof(Values);
         std::size_t rows = levels_[0].irregular.size() + 2 * std::size_t(unknowns_);
@@ -205,8 +206,9 @@ private:
 
     // ---- cycles ---------------------------------------------------------------------------------
 
-    /// A W-cycle for the equations of a coarse level, from zero: twice pre-relax, residual, restrict,
-    /// recurse, prolong, post-relax. A V-cycle would do less, but these levels are small, and thin
+    /// A W-cycle for the equations of a coarse level, from zero: pre-relax, residual, restrict,
+    /// recurse, prolong, post-relax, and all of it once more; the post-relaxation of the first half
+    /// and the pre-relaxation of the second are one pass of two sweeps. A V-cycle would do less, but these levels are small, and thin
     /// parts of the domain need them solved well.
     void w_cycle(Block& block, std::size_t l) const noexcept {
         if (l == coarsest()) return solve_coarsest(block);
@@ -347,7 +349,7 @@ private:
 
     static constexpr std::uint32_t dense_unknowns = 160; ///< at most, to solve a level at once
     static constexpr std::size_t finest_sweeps = 7;
-    static constexpr std::size_t refine_every = 2; ///< cycles, from the second on: float's digits
+    static constexpr std::size_t refine_every = 2; ///< before cycles 2, 4, …: float gains no more between
 
     std::uint32_t unknowns_;
     double reach_ = 1;                      ///< error of an interior node per residual at most
@@ -357,5 +359,7 @@ private:
     std::vector<std::uint32_t> source_nodes_;
     std::vector<Nearest> inner_neighbours_; ///< of the last source nodes: those without cut links
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

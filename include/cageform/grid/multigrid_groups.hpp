@@ -5,6 +5,7 @@
 #include <cageform/grid/solve_groups.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// When the cycles of some functions end.
 struct CycleGoal {
@@ -76,5 +77,7 @@ struct MultigridGroups {
 };
 template <std::size_t D, class Fill>
 MultigridGroups(const Multigrid<D>&, CycleGoal, Fill) -> MultigridGroups<D, Fill>;
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

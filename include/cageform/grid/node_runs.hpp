@@ -11,6 +11,7 @@
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// Nodes numbered row by row (rows run along axis 0), and back from a place to its number.
 template <std::size_t D>
@@ -156,5 +157,7 @@ private:
     std::vector<Run> runs_;
     std::uint32_t count_ = 0;
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

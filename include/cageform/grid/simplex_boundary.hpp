@@ -14,7 +14,7 @@ namespace detail {
 template <std::size_t D>
 class PartsByCell {
 public:
-    using Index = typename NodeRuns<D>::Index;
+    using Index = typename grid::NodeRuns<D>::Index;
     struct Pass {
         std::uint64_t cell;
         std::uint32_t part;
@@ -47,6 +47,7 @@ private:
 };
 
 } // namespace detail
+namespace grid {
 
 /// The edges of a polygon or the triangles of a mesh, and the cells inside, on a lattice of at most
 /// 1024 cells a side (in the plane 16384). A part of it is a facet or, numbered after the facets, a
@@ -216,5 +217,7 @@ template <Scalar T, std::size_t D>
 struct GridBoundaryOf<CellComplex<T, D>> {
     using type = SimplexBoundary<D>;
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

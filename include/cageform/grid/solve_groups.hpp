@@ -48,6 +48,7 @@ private:
 };
 
 } // namespace detail
+namespace grid {
 
 /// What a solver is handed with each group of functions.
 struct GroupWork {
@@ -62,7 +63,8 @@ struct GroupWork {
 ///
 ///   Block                      the memory that a group is solved in; made once a thread, used for
 ///                              one group after another
-///   groups()                   their number
+///   make_block()               such memory
+///   groups()                   the number of groups
 ///   solve(group, block, work)  solves the functions of a group; ok, not_converged, or cancelled
 ///                              when work.keep_going(), asked now and then, says so
 template <class S>
@@ -119,5 +121,7 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
     report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return status;
 }
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

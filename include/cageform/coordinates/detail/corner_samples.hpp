@@ -12,11 +12,11 @@ template <Scalar T>
 class CornerSamples {
 public:
     /// Of point `i`, at `p` in units of the lattice, that `stencil` is of.
-    void add(const CornerFunctions& corners, std::size_t i, const Vec<double, 2>& p,
-             const CutStencil<2>& stencil, const NodeRuns<2>& nodes) {
+    void add(const grid::CornerFunctions& corners, std::size_t i, const Vec<double, 2>& p,
+             const grid::CutStencil<2>& stencil, const grid::NodeRuns<2>& nodes) {
         const auto place = [&](std::uint32_t node) { return node_position<2>(nodes.index(node)); };
         const auto correction = corners.correction(p, stencil, place);
-        if (correction.corner != CornerFunctions::Correction::none) points_.push_back({i, correction});
+        if (correction.corner != grid::CornerFunctions::Correction::none) points_.push_back({i, correction});
     }
     /// Makes place for the corrections of all functions.
     void reserve(std::size_t handles) {
@@ -25,11 +25,11 @@ public:
     }
 
     /// Those of functions `first` … first + count − 1.
-    void sample(const CornerFunctions::Coefficients& coefficients, std::size_t first,
+    void sample(const grid::CornerFunctions::Coefficients& coefficients, std::size_t first,
                 std::size_t count) noexcept {
         for (std::size_t n = 0; n < points_.size(); ++n) {
-            std::array<double, CornerFunctions::width> more{};
-            CornerFunctions::apply(points_[n].correction, coefficients, more);
+            std::array<double, grid::CornerFunctions::width> more{};
+            grid::CornerFunctions::apply(points_[n].correction, coefficients, more);
             for (std::size_t k = 0; k < count; ++k)
                 parts_[n * handles_ + first + k] = static_cast<T>(more[k]);
         }
@@ -59,7 +59,7 @@ public:
 private:
     struct Corrected {
         std::size_t point;
-        CornerFunctions::Correction correction;
+        grid::CornerFunctions::Correction correction;
     };
     std::size_t handles_ = 0;
     std::vector<Corrected> points_;

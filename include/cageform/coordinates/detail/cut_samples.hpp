@@ -16,7 +16,7 @@ public:
     explicit CutSamples(std::size_t first = 0)
         : first_(first) {}
 
-    void add(const CutStencil<D>& stencil) {
+    void add(const grid::CutStencil<D>& stencil) {
         nodes_.insert(nodes_.end(), stencil.nodes.begin(), stencil.nodes.begin() + stencil.node_count);
         places_.insert(places_.end(), stencil.places.begin(), stencil.places.begin() + stencil.place_count);
         ends_.push_back({std::uint32_t(nodes_.size()), std::uint32_t(places_.size())});
@@ -55,8 +55,8 @@ private:
         std::uint32_t nodes, places;
     };
     std::size_t first_;
-    std::vector<typename CutStencil<D>::Node> nodes_;
-    std::vector<typename CutStencil<D>::Place> places_;
+    std::vector<typename grid::CutStencil<D>::Node> nodes_;
+    std::vector<typename grid::CutStencil<D>::Place> places_;
     std::vector<Ends> ends_; ///< of each point's nodes and places
 };
 

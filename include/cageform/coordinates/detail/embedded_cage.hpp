@@ -20,7 +20,7 @@ Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution
     Lattice<double, D> lattice;
     lattice.spacing = longest / double(resolution);
     for (std::size_t k = 0; k < D; ++k) {
-        const double links = std::ceil(extent[k] / lattice.spacing - on_boundary_distance);
+        const double links = std::ceil(extent[k] / lattice.spacing - grid::on_boundary_distance);
         lattice.cells[k] = std::size_t(links) + 1;
         lattice.origin[k] = lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
     }
@@ -32,7 +32,7 @@ template <class C>
 class EmbeddedCage {
     using T = typename C::scalar;
     static constexpr std::size_t D = C::dimension;
-    using Boundary = typename GridBoundaryOf<C>::type;
+    using Boundary = typename grid::GridBoundaryOf<C>::type;
 
 public:
     static constexpr std::size_t least_resolution = 8, most_resolution = D == 2 ? 16384 : 1024;
@@ -68,17 +68,17 @@ public:
         return Status::grid_too_coarse;
     }
 
-    EmbeddedCage(const C& cage, T tolerance, Boundary boundary, const Crossings<D>& crossings)
+    EmbeddedCage(const C& cage, T tolerance, Boundary boundary, const grid::Crossings<D>& crossings)
         : cage_(&cage)
         , tolerance_(tolerance)
         , boundary_(std::move(boundary))
-        , problem_(embed(boundary_, crossings)) {
+        , problem_(grid::embed(boundary_, crossings)) {
         boundary_.index_cells(1e-6 + 2 * double(tolerance) / lattice().spacing);
     }
 
     const C& cage() const noexcept { return *cage_; }
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
-    const EmbeddedProblem<D>& problem() const noexcept { return problem_; }
+    const grid::EmbeddedProblem<D>& problem() const noexcept { return problem_; }
 
     /// Adds the data of `count` functions from `first` on to `source`, at slots[node] of each node.
     template <class Values>
@@ -97,13 +97,13 @@ public:
     /// `locate`; but where no boundary passes a point's cell, the cell's nodes tell.
     PointState state_of(const Vec<T, D>& p) const noexcept {
         const auto at = in_cells(p);
-        typename NodeRuns<D>::Index low;
+        typename grid::NodeRuns<D>::Index low;
         for (std::size_t k = 0; k < D; ++k) {
             if (!(at[k] >= 0 && at[k] < double(lattice().cells[k]))) return locate(*cage_, p, tolerance_);
             low[k] = std::int32_t(at[k]);
         }
         if (boundary_.is_cut(low)) return locate(*cage_, p, tolerance_);
-        return problem_.nodes.find(low) != NodeRuns<D>::none ? PointState::inside : PointState::outside;
+        return problem_.nodes.find(low) != grid::NodeRuns<D>::none ? PointState::inside : PointState::outside;
     }
     double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return boundary_.free_distance(in_cells(p), axis, up, limit);
@@ -114,8 +114,8 @@ public:
 
     /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
     /// outside and beyond the batch.
-    CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
-        CutStencil<D> stencil;
+    grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
+        grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
         const auto p = block_point<D>(batch.points, i);
         const PointState state = batch.states[i] = state_of(p);
@@ -131,8 +131,8 @@ private:
     /// The first handle that no node feels.
     template <class Problem>
     static std::size_t first_unseen(const Problem& problem, const Boundary& boundary,
-                                    const Crossings<D>& crossings) {
-        auto seen = seen_handles<D>(crossings, problem.cage.size());
+                                    const grid::Crossings<D>& crossings) {
+        auto seen = grid::seen_handles<D>(crossings, problem.cage.size());
         if (const auto thin = boundary.too_thin_bone()) seen[*thin] = false;
         for (const CageFault& fault : problem.report.faults) { // warnings
             if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
@@ -144,7 +144,7 @@ private:
     const C* cage_;
     T tolerance_;
     Boundary boundary_;
-    EmbeddedProblem<D> problem_;
+    grid::EmbeddedProblem<D> problem_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

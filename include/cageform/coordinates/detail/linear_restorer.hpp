@@ -58,8 +58,7 @@ private:
     /// `wanted`: Σ w a. `unit` is what sums are to be accurate relative to.
     Result run_to(const Simd* wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
-        // Two roundings of the cage's size are not worth a change: exact zeros on edges would be
-        // lost.
+        // Below 4 epsilon nothing is changed: exact zeros on edges would be lost.
         const Simd enough = Simd(4 * epsilon<T>) * unit;
         const Simd treat = Simd::load(bound);
         Simd missing[D + 1], change(T(0));

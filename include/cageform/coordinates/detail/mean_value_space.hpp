@@ -110,7 +110,7 @@ bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
     return U(K(0)) < begin * end && K(100) * rr < begin * begin && K(100) * rr < end * end;
 }
 
-/// G of `seen_edge`, −2 dg/d(R²), by the series of g = Σ_k (−1)^k/(2k + 1) R^2k (begin^−(2k+1) − end^−(2k+1)).
+/// G of `angle_over_distance`, −2 dg/d(R²), by the series of g = Σ_k (−1)^k/(2k + 1) R^2k (begin^−(2k+1) − end^−(2k+1)).
 template <class X>
 X radial_beyond_ends(X rr, X begin, X end) noexcept {
     constexpr int terms = sizeof(X) > 8 ? 10 : 8;
@@ -130,7 +130,7 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
 ///
 ///   ∇g = τ (1/r² − 1/q²) + R⃗ G,   G = (g + end/q² − begin/r²)/R²
 template <class N, class S>
-N seen_edge(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<ValueOf<N>, 3>& p) noexcept {
+N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<ValueOf<N>, 3>& p) noexcept {
     using X = ValueOf<N>;
     Vec<X, 3> u, t;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -251,18 +251,18 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     const X zero(S(0)), one(S(1)), half(S(0.5)), least(least_divisor<S>);
     const N height = linear<N>(face.offset, face.normal, p);
     std::array<N, 3> rho, w;
-    N m = zero;
+    N height_times_s = zero; // S is the sum of the weights of the face's corners
     for (std::size_t k = 0; k < 3; ++k) {
         rho[k] = linear<N>(face.across_offset[k], face.across[k], p);
-        m = m + g[k] * rho[k];
+        height_times_s = height_times_s + g[k] * rho[k];
     }
-    m = half * m;
+    height_times_s = half * height_times_s;
     const X distance = abs(value_of(height));
     const X inmost = (min)(value_of(rho[0]), (min)(value_of(rho[1]), value_of(rho[2])));
     special = select(both(distance <= X(limits.near), X(-limits.near) <= inmost), one, special);
     const X near_plane = X(limits.beside) * (max)(one, -inmost);
-    const auto beside = both(distance < near_plane, both(inmost < zero, value_of(m) < half));
-    N s = m / select(distance <= least, N(least), height);
+    const auto beside = both(distance < near_plane, both(inmost < zero, value_of(height_times_s) < half));
+    N s = height_times_s / select(distance <= least, N(least), height);
     if constexpr (std::is_floating_point_v<X>) {
         if (beside) s = sum_beside_face<N, S>(face, p);
     } else if (any(beside)) {
@@ -270,8 +270,8 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     }
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
-        const N bent = g[k] + (X(face.cosine[n]) * g[l] + X(face.cosine[l]) * g[n]);
-        w[k] = X(face.inverse_altitude[k]) * (s * rho[k] + half * (height * bent));
+        const N across_sum = g[k] + (X(face.cosine[n]) * g[l] + X(face.cosine[l]) * g[n]);
+        w[k] = X(face.inverse_altitude[k]) * (s * rho[k] + half * (height * across_sum));
     }
     return w;
 }
@@ -283,7 +283,8 @@ WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& l
                    const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1));
-    for (std::size_t e = 0; e < cage.edges.size(); ++e) rows.edges[e] = seen_edge<N, S>(cage.edges[e], p);
+    for (std::size_t e = 0; e < cage.edges.size(); ++e)
+        rows.edges[e] = angle_over_distance<N, S>(cage.edges[e], p);
     for (N& w : rows.weights) w = zero;
     X special = select(X(limits.far * limits.far) < inner(p, p), one, zero);
     for (const auto& face : cage.faces) {

@@ -27,7 +27,7 @@ struct Solution {
     /// Solves all functions and keeps them.
     Status solve(SolverReport& into, const Running& running) {
         functions.resize(solver->groups());
-        const Status status = solve_groups(
+        const Status status = grid::solve_groups(
             *solver, into,
             [&](std::size_t group, const auto& block) { functions[group] = solver->keep(block); }, running);
         report = into;
@@ -64,7 +64,7 @@ Status sample_solution(const Solution<S>& solution, const Batch<typename S::Prob
     const auto sample_group = [&](std::size_t group, const auto& block) {
         for (auto& piece : samples) solver.sample(piece, group, block, batch.rows);
     };
-    const Status status = solve_groups(solver, report, sample_group, running);
+    const Status status = grid::solve_groups(solver, report, sample_group, running);
     if (status != Status::ok) return status;
     for (auto& piece : samples) solver.finish(piece, batch.rows);
     return Status::ok;

@@ -20,13 +20,13 @@ using Interpolation = std::array<double, power(2, D)>;
 /// P, and the equations of the coarse nodes.
 template <std::size_t D>
 struct Coarsening {
-    using Index = typename NodeRuns<D>::Index;
+    using Index = typename grid::NodeRuns<D>::Index;
 
     std::vector<std::uint32_t> slot; ///< #nodes: into `irregular`, or none: multilinear
     std::vector<Interpolation<D>> irregular;
     Equations<D> coarse;
 
-    bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != NodeRuns<D>::none; }
+    bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != grid::NodeRuns<D>::none; }
     const Interpolation<D>& of(std::uint32_t node, const Index& index) const noexcept {
         if (is_irregular(node)) return irregular[slot[node]];
         std::size_t odd = 0;
@@ -80,8 +80,8 @@ template <std::size_t D>
 class Coarsener {
 public:
     using P = Places<D>;
-    using Index = typename NodeRuns<D>::Index;
-    static constexpr std::uint32_t none = NodeRuns<D>::none;
+    using Index = typename grid::NodeRuns<D>::Index;
+    static constexpr std::uint32_t none = grid::NodeRuns<D>::none;
 
     explicit Coarsener(const Equations<D>& fine)
         : fine_(fine) {
@@ -95,7 +95,7 @@ private:
     void choose_coarse_nodes() {
         Index size = fine_.nodes.size();
         for (auto& n : size) n = (n + 1) / 2;
-        NodeRuns<D> coarse(size);
+        grid::NodeRuns<D> coarse(size);
         for (std::size_t r = 0; r < coarse.rows(); ++r) {
             const Index row = coarse.row_index(r);
             const std::size_t fine_row = fine_.nodes.row(shifted<D>(row, row));

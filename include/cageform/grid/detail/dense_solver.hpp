@@ -20,7 +20,8 @@ public:
         e.nodes.for_each([&](const auto& index, std::uint32_t node) {
             for (std::size_t p = 0; p < Places<D>::count; ++p) {
                 const auto m = e.nodes.find(shifted<D>(index, Places<D>::offset(p)));
-                if (m != NodeRuns<D>::none) a(Eigen::Index(node), Eigen::Index(m)) += e.stencil(node)[p];
+                if (m != grid::NodeRuns<D>::none)
+                    a(Eigen::Index(node), Eigen::Index(m)) += e.stencil(node)[p];
             }
         });
         const Eigen::LLT<Eigen::MatrixXd> llt(a);

@@ -22,12 +22,12 @@ struct Equations {
         std::array<double, D> row_sum{}; ///< of A, shared out among the axes; zero at regular nodes
     };
 
-    NodeRuns<D> nodes;
+    grid::NodeRuns<D> nodes;
     Stencil regular{};
     std::vector<std::uint32_t> slot; ///< #nodes: into `irregular`, or none
     std::vector<Irregular> irregular;
 
-    bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != NodeRuns<D>::none; }
+    bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != grid::NodeRuns<D>::none; }
     const Stencil& stencil(std::uint32_t node) const noexcept {
         return is_irregular(node) ? irregular[slot[node]].a : regular;
     }
@@ -35,7 +35,7 @@ struct Equations {
 
 /// −∇² on the finest level, in units of the lattice.
 template <std::size_t D>
-Equations<D> shortley_weller_equations(const NodeRuns<D>& nodes, std::span<const CutLink> cuts) {
+Equations<D> shortley_weller_equations(const grid::NodeRuns<D>& nodes, std::span<const grid::CutLink> cuts) {
     using P = Places<D>;
     Equations<D> e;
     e.nodes = nodes;
@@ -43,10 +43,10 @@ Equations<D> shortley_weller_equations(const NodeRuns<D>& nodes, std::span<const
     for (std::size_t p = 0; p < P::count; ++p) {
         if (P::distance(p) == 1) e.regular[p] = -1;
     }
-    e.slot.assign(nodes.count(), NodeRuns<D>::none);
-    for (const CutLink& cut : cuts) {
+    e.slot.assign(nodes.count(), grid::NodeRuns<D>::none);
+    for (const grid::CutLink& cut : cuts) {
         auto& slot = e.slot[cut.node];
-        if (slot == NodeRuns<D>::none) {
+        if (slot == grid::NodeRuns<D>::none) {
             slot = std::uint32_t(e.irregular.size());
             e.irregular.push_back({e.regular, {}});
         }

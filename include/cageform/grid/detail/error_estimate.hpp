@@ -25,8 +25,8 @@ struct Residual {
 
 /// What is known of the error of a solution, per function.
 struct SolveError {
-    /// From the residual, by what the corrections were for the residuals before them, twofold. Not
-    /// a bound, but most often above the error.
+    /// The residual times the largest ratio of correction to residual so far, with a safety factor
+    /// of 2 to 4. Not a bound, but most often above the error.
     NodeValues estimate;
     /// From the residual alone, by the maximum principle: never less than the error, up to
     /// rounding.

@@ -118,8 +118,8 @@ public:
 
 private:
     using P = Places<D>;
-    using Index = typename NodeRuns<D>::Index;
-    static constexpr auto none = NodeRuns<D>::none;
+    using Index = typename grid::NodeRuns<D>::Index;
+    static constexpr auto none = grid::NodeRuns<D>::none;
 
     void add_row(std::size_t row) {
         Index index = e_.nodes.row_index(row);

@@ -40,7 +40,7 @@ struct PlacedFacet : Facet<D> {
 /// Where a ray may meet an edge, its length left aside: on an edge along the ray, the end that it
 /// meets first.
 inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>& edge,
-                                                            const AxisRay<2>& ray) noexcept {
+                                                            const grid::AxisRay<2>& ray) noexcept {
     const auto& [a, b] = edge.corner;
     const std::size_t across = 1 - ray.axis;
     const double from = a[across], to = b[across], at = ray.from[across];
@@ -78,7 +78,7 @@ inline std::array<double, 3> onto_face(std::array<double, 3> w) noexcept {
 
 /// Where a ray may meet a face, its length left aside.
 inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>& face,
-                                                            const AxisRay<3>& ray) noexcept {
+                                                            const grid::AxisRay<3>& ray) noexcept {
     constexpr double rim = 1e-9; // of rounding: no ray may slip between two faces
     const auto [u, v] = other_axes[ray.axis];
     const auto w = weights_at(face, ray.axis, ray.from[u], ray.from[v]);
@@ -87,20 +87,20 @@ inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>
 }
 
 template <std::size_t D>
-std::optional<Hit<D>> hit(const PlacedFacet<D>& facet, const AxisRay<D>& ray) noexcept {
+std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay<D>& ray) noexcept {
     const auto weights = meeting_weights(facet, ray);
     if (!weights) return std::nullopt;
     const double position = facet.coordinate(*weights, ray.axis);
     const double distance = ray.distance(position);
     if (distance < 0 || distance > ray.length) return std::nullopt;
-    return Hit<D>{position, value_on_facet(facet.vertex, *weights)};
+    return grid::Hit<D>{position, value_on_facet(facet.vertex, *weights)};
 }
 
 /// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its
 /// upper one, so that a line through a common end of two edges crosses both, one, or none, as it
 /// changes sides.
 inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
-                          std::vector<Crossing<2>>& out) {
+                          std::vector<grid::Crossing<2>>& out) {
     const std::size_t across = 1 - axis;
     const double from = edge.corner[0][across], to = edge.corner[1][across];
     const auto box = edge.bounds();
@@ -186,7 +186,7 @@ private:
 
 /// Adds where the lattice lines along an axis cross a face.
 inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const Lattice<double, 3>& lattice,
-                          std::vector<Crossing<3>>& out) {
+                          std::vector<grid::Crossing<3>>& out) {
     const auto [u, v] = other_axes[axis];
     const FaceAcross across(face, axis);
     if (across.is_edge_on()) return;

@@ -64,9 +64,9 @@ constexpr std::array<std::int32_t, D> shifted(std::array<std::int32_t, D> index,
 template <std::size_t D>
 class Neighbours {
 public:
-    using Index = typename NodeRuns<D>::Index;
+    using Index = typename grid::NodeRuns<D>::Index;
 
-    explicit Neighbours(const NodeRuns<D>& nodes)
+    explicit Neighbours(const grid::NodeRuns<D>& nodes)
         : nodes_(nodes) {}
 
     void move_to(const Index& index) noexcept {
@@ -92,17 +92,17 @@ public:
         const auto* run = run_[r];
         while (run != end_[r] && run->end <= x) ++run;
         return run != end_[r] && run->begin <= x ? run->first + std::uint32_t(x - run->begin)
-                                                 : NodeRuns<D>::none;
+                                                 : grid::NodeRuns<D>::none;
     }
 
 private:
     static constexpr std::size_t rows = power(3, D - 1);
     static constexpr std::int32_t before_all = std::numeric_limits<std::int32_t>::min();
 
-    const NodeRuns<D>& nodes_;
+    const grid::NodeRuns<D>& nodes_;
     Index row_{};
     std::int32_t x_ = before_all;
-    std::array<const typename NodeRuns<D>::Run*, rows> run_{}, end_{};
+    std::array<const typename grid::NodeRuns<D>::Run*, rows> run_{}, end_{};
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

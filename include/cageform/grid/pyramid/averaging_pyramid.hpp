@@ -14,6 +14,7 @@
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// Which neighbours a cell is the mean of.
 enum class Stencil : std::uint8_t {
@@ -236,5 +237,7 @@ private:
     AveragingOptions options_;
     std::vector<Level> levels_;
 };
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

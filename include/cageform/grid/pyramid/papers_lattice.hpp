@@ -4,6 +4,7 @@
 #include <cageform/grid/lattice.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// The papers' tags of a cell (Joshi et al. 2007, sec. 4).
 enum class CellTag : std::uint8_t {
@@ -34,5 +35,7 @@ Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) 
     }
     return lattice;
 }
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

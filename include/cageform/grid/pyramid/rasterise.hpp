@@ -9,6 +9,7 @@
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 /// The domain of a boundary value problem on a grid and where its data comes from. Knows no solver.
 template <Scalar T, std::size_t D>
@@ -19,6 +20,8 @@ struct GridDomain {
     std::vector<BoundaryPoint<T>> places;    ///< parallel to them: where the cage gives their data
     std::size_t crowded_cells = 0;           ///< those that hold edges without a common vertex
 };
+
+} // namespace grid
 
 namespace detail {
 
@@ -42,7 +45,7 @@ struct EdgesOfCell {
 
 /// The first step of `rasterise`: boundary cells and their data.
 template <Scalar T>
-void mark_boundary(const Polygon<T>& polygon, GridDomain<T, 2>& domain) {
+void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
     constexpr double slack = 1e-6; // cells: an edge through a corner touches all four cells there
     constexpr std::size_t none = ~std::size_t{0};
     const Lattice<T, 2>& lattice = domain.lattice;
@@ -60,7 +63,7 @@ void mark_boundary(const Polygon<T>& polygon, GridDomain<T, 2>& domain) {
             const auto place = nearest_on_edge(polygon, edge[0], edge[1], lattice.centre(index));
             if (slot[cell] == none) {
                 slot[cell] = domain.places.size();
-                domain.tags[cell] = CellTag::boundary;
+                domain.tags[cell] = grid::CellTag::boundary;
                 domain.boundary_cells.push_back(cell);
                 domain.places.push_back(place);
                 edges.emplace_back();
@@ -76,7 +79,7 @@ void mark_boundary(const Polygon<T>& polygon, GridDomain<T, 2>& domain) {
 
 /// Tags the untyped cells that are connected with one of them along the axes.
 template <Scalar T, std::size_t D>
-void flood(GridDomain<T, D>& domain, std::size_t seed, CellTag tag) {
+void flood(grid::GridDomain<T, D>& domain, std::size_t seed, grid::CellTag tag) {
     const Lattice<T, D>& lattice = domain.lattice;
     std::vector<std::size_t> front{seed};
     domain.tags[seed] = tag;
@@ -88,7 +91,7 @@ void flood(GridDomain<T, D>& domain, std::size_t seed, CellTag tag) {
             for (const bool up : {false, true}) {
                 if (up ? index[axis] + 1 == lattice.cells[axis] : index[axis] == 0) continue;
                 const std::size_t next = up ? cell + lattice.stride(axis) : cell - lattice.stride(axis);
-                if (domain.tags[next] != CellTag::untyped) continue;
+                if (domain.tags[next] != grid::CellTag::untyped) continue;
                 domain.tags[next] = tag;
                 front.push_back(next);
             }
@@ -97,6 +100,7 @@ void flood(GridDomain<T, D>& domain, std::size_t seed, CellTag tag) {
 }
 
 } // namespace detail
+namespace grid {
 
 /// Tags every cell that an edge passes as boundary (its data: that of the nearest edge at the place
 /// nearest to the cell's centre), and the connected rest as interior or exterior, each part by one
@@ -121,5 +125,7 @@ GridDomain<T, 2> rasterise(const Polygon<T>& polygon, const Lattice<T, 2>& latti
     }
     return domain;
 }
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -6,6 +6,7 @@
 #include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
 
 enum class Interpolation : std::uint8_t {
     nearest_cell, ///< the papers' look-up: constant within a cell
@@ -64,5 +65,7 @@ SampleStencil<T, D> sample_stencil(const Lattice<T, D>& lattice, std::span<const
     for (std::size_t i = 0; i < stencil.count; ++i) stencil.shares[i] /= total;
     return stencil;
 }
+
+} // namespace grid
 
 } // namespace cageform::inline CAGEFORM_ABI
