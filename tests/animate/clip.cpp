@@ -108,7 +108,7 @@ double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a pose is what the tracks say", "[animate][clip][property]", float, double) {
+TEMPLATE_TEST_CASE("a pose is what the tracks say", "[animate][clip][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -143,7 +143,7 @@ TEMPLATE_TEST_CASE("a pose is what the tracks say", "[animate][clip][property]",
 }
 
 TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their tracks, whatever runs them",
-                   "[animate][clip][property]", float, double) {
+                   "[animate][clip][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     Random random(17);
     std::vector<std::vector<Key>> keys(3 * 7);

@@ -57,7 +57,7 @@ T just_before(double time) {
 } // namespace
 
 TEMPLATE_TEST_CASE("keys of any kinds: met at their times, within the tolerance between",
-                   "[animate][track][property]", float, double) {
+                   "[animate][track][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);

@@ -90,7 +90,7 @@ bool near(T value, long double expected, long double size) {
 } // namespace
 
 TEMPLATE_TEST_CASE("a piecewise cubic: pieces, values and slopes", "[animate][piecewise_cubic][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
@@ -167,7 +167,7 @@ TEST_CASE("late times cost no digits", "[animate][piecewise_cubic][property]") {
     }
 }
 
-TEMPLATE_TEST_CASE("a bank gives what its curves give", "[animate][bank][property]", float, double) {
+TEMPLATE_TEST_CASE("a bank gives what its curves give", "[animate][bank][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
@@ -260,7 +260,8 @@ TEST_CASE("a bank without curves", "[animate][bank]") {
     CHECK(bank.size() == 0);
 }
 
-TEMPLATE_TEST_CASE("a quantised curve is within its bound", "[animate][quantised][property]", float, double) {
+TEMPLATE_TEST_CASE("a quantised curve is within its bound", "[animate][quantised][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
@@ -297,7 +298,7 @@ TEST_CASE("a constant is quantised without a loss; none is no curve", "[animate]
     CHECK(QuantisedCubic<float>(PiecewiseCubic<float>{}).size() == 0);
 }
 
-TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", float, double) {
+TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     using enum Extrapolation;
     const auto seed = GENERATE(seeds(200));

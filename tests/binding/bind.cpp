@@ -357,7 +357,8 @@ TEMPLATE_TEST_CASE("points outside can follow the nearest boundary point", "[bin
     CHECK(report.least_weight.value >= -8 * double(epsilon<T>));
 }
 
-TEMPLATE_TEST_CASE("points outside are extended to where the type can", "[binding][outside]", float, double) {
+TEMPLATE_TEST_CASE("points outside are extended to where the type can", "[binding][outside]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto points = mixed_points<T>();
     const Mean<T> mean(square<T>);
@@ -427,7 +428,7 @@ TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[bindi
 }
 
 TEMPLATE_TEST_CASE("the figures of the report hold for tiny and huge cages", "[binding][report][scale]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     // The error, squared, is not representable in the smallest units.
     using T = TestType;
     const double unit = sizeof(T) == 4 ? GENERATE(1e-19, 1e-15, 1e15) : GENERATE(1e-150, 1e150);

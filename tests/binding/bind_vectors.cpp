@@ -305,7 +305,7 @@ TEST_CASE("vectors bound together are bound as alone", "[binding][vectors]") {
     CHECK(same_bits(cloned(kept.bindings[0], pose)[9], vectors[0][9]));
 }
 
-TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", float, double) {
+TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", CAGEFORM_SCALARS) {
     using T = TestType;
     Random random(1);
     Points3<T> normals{{0, 0, 1}, {0, 0, -1},       {0, 0, T(-0.0)},

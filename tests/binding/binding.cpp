@@ -47,7 +47,7 @@ TEST_CASE("an empty binding has nothing", "[binding]") {
     CHECK(binding.view().weights.blocks() == 0);
 }
 
-TEMPLATE_TEST_CASE("a binding gives back what it was made of", "[binding]", float, double) {
+TEMPLATE_TEST_CASE("a binding gives back what it was made of", "[binding]", CAGEFORM_SCALARS) {
     using T = TestType;
     const std::size_t points = GENERATE(0u, 1u, 7u, 8u, 9u, 15u, 16u, 17u, 100u);
     const std::size_t handles = GENERATE(1u, 3u, 40u);

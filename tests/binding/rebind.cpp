@@ -470,7 +470,7 @@ TEMPLATE_TEST_CASE("points far from the old figure are listed, by its spacing th
 }
 
 TEMPLATE_TEST_CASE("a sheet in space says nothing across it: points off it get the least slope, not noise",
-                   "[rebind][degenerate]", float, double) {
+                   "[rebind][degenerate]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(range(70, 78)));
     CAPTURE(seed);
@@ -540,7 +540,7 @@ TEST_CASE("what is kept in place, or is no number, stays so", "[rebind][report]"
 }
 
 TEMPLATE_TEST_CASE("new points among old ones that follow the boundary at an offset do so too", "[rebind]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const Points<T, 2> cage{{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     Points<T, 2> figure, points;

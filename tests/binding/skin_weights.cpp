@@ -147,12 +147,12 @@ const Points2<double> square{{0, 0}, {4, 0}, {4, 4}, {0, 4}};
 } // namespace
 
 TEMPLATE_TEST_CASE("skins of random cages in the plane keep to the laws", "[binding][skin_weights][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     check_random_skins<TestType, 2>();
 }
 
 TEMPLATE_TEST_CASE("skins of random cages in space keep to the laws", "[binding][skin_weights][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     check_random_skins<TestType, 3>();
 }
 
@@ -311,7 +311,7 @@ TEST_CASE("lesser weights than the threshold are left out where that can be", "[
 }
 
 TEMPLATE_TEST_CASE("a skin rests bit for bit and keeps affine poses", "[binding][skin_weights][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(range(0, 12));
     CAPTURE(seed);

@@ -208,7 +208,7 @@ TEST_CASE("the status of a report is that of its first fault", "[cage][check]") 
 
 // ---- each fault alone --------------------------------------------------------------------------
 
-TEMPLATE_TEST_CASE("check: too few vertices", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: too few vertices", "[cage][check]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto kind = CageFaultKind::too_few_vertices;
     const auto status = Status::too_few_vertices;
@@ -221,7 +221,7 @@ TEMPLATE_TEST_CASE("check: too few vertices", "[cage][check]", float, double) {
     check_faults<T>(outer, {4, 0}, status, {{kind, 1, 0}});
 }
 
-TEMPLATE_TEST_CASE("check: loop sizes that do not add up", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: loop sizes that do not add up", "[cage][check]", CAGEFORM_SCALARS) {
     const auto kind = CageFaultKind::loops_do_not_match;
     const auto status = Status::loops_do_not_match;
     const auto outer = square<TestType>(0, 4);
@@ -233,7 +233,7 @@ TEMPLATE_TEST_CASE("check: loop sizes that do not add up", "[cage][check]", floa
     CHECK(check(Polygon<TestType>(outer, Sizes{5, most})).status == status);
 }
 
-TEMPLATE_TEST_CASE("check: a vertex that is not finite", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: a vertex that is not finite", "[cage][check]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -248,7 +248,7 @@ TEMPLATE_TEST_CASE("check: a vertex that is not finite", "[cage][check]", float,
     }
 }
 
-TEMPLATE_TEST_CASE("check: consecutive vertices that coincide", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: consecutive vertices that coincide", "[cage][check]", CAGEFORM_SCALARS) {
     for (std::size_t i = 0; i < 4; ++i) {
         for (const TestType apart : {TestType(0), 4 * epsilon<TestType>}) {
             CAPTURE(i, apart);
@@ -272,7 +272,7 @@ TEMPLATE_TEST_CASE("check: consecutive vertices that coincide", "[cage][check]",
     CHECK(check(Polygon<TestType>(near)).status == Status::ok);
 }
 
-TEMPLATE_TEST_CASE("check: a loop without area", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: a loop without area", "[cage][check]", CAGEFORM_SCALARS) {
     using T = TestType;
     check_faults<T>({{0, 0}, {1, 2}, {3, 6}, {2, 4}}, {}, Status::cage_has_no_area,
                     {{CageFaultKind::no_area, 0, 0}});
@@ -283,7 +283,7 @@ TEMPLATE_TEST_CASE("check: a loop without area", "[cage][check]", float, double)
     CHECK(check(Polygon<T>(Points2<T>{{0, 0}, {1, 0}, {T(0.5), 100 * epsilon<T>}})).status == Status::ok);
 }
 
-TEMPLATE_TEST_CASE("check: edges that cross or touch", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: edges that cross or touch", "[cage][check]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto kind = CageFaultKind::edges_cross;
     const auto status = Status::cage_self_crossing;
@@ -318,7 +318,7 @@ TEMPLATE_TEST_CASE("check: edges that cross or touch", "[cage][check]", float, d
     }
 }
 
-TEMPLATE_TEST_CASE("check: loops that turn otherwise are a warning", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: loops that turn otherwise are a warning", "[cage][check]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto kind = CageFaultKind::loop_turns_otherwise;
     check_faults<T>(square<T>(0, 4), {}, Status::ok, {});
@@ -345,7 +345,7 @@ TEMPLATE_TEST_CASE("check: loops that turn otherwise are a warning", "[cage][che
     check_faults<T>(joined<T>({square<T>(0, 4), square<T>(5, 9)}), {4, 4}, Status::ok, {});
 }
 
-TEMPLATE_TEST_CASE("check: a collinear vertex is a warning", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check: a collinear vertex is a warning", "[cage][check]", CAGEFORM_SCALARS) {
     for (std::size_t i = 0; i < 4; ++i) {
         CAPTURE(i);
         auto points = square<TestType>(0, 4);
@@ -357,7 +357,7 @@ TEMPLATE_TEST_CASE("check: a collinear vertex is a warning", "[cage][check]", fl
 
 // ---- laws --------------------------------------------------------------------------------------
 
-TEMPLATE_TEST_CASE("check raises no false alarm on stars", "[cage][check][property]", float, double) {
+TEMPLATE_TEST_CASE("check raises no false alarm on stars", "[cage][check][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Faults expected;
@@ -365,7 +365,8 @@ TEMPLATE_TEST_CASE("check raises no false alarm on stars", "[cage][check][proper
     check_faults<TestType>(random_star<TestType>(std::uint64_t(seed)), {}, Status::ok, expected);
 }
 
-TEMPLATE_TEST_CASE("check accepts walls a little more than rounding apart", "[cage][check]", float, double) {
+TEMPLATE_TEST_CASE("check accepts walls a little more than rounding apart", "[cage][check]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     // A deep cut into a square, from the top. The square's diagonal is √2, so the tolerance is 8 √2 ε,
     // 1.3e-6 for float: a gap of 1e-6 diagonals is the least that float can tell from a fault, less its
@@ -397,7 +398,7 @@ TEMPLATE_TEST_CASE("check accepts walls a little more than rounding apart", "[ca
     check_faults<T>(squares, {4, 4}, Status::ok, {});
 }
 
-TEMPLATE_TEST_CASE("check agrees with brute force on integers", "[cage][check][property]", float, double) {
+TEMPLATE_TEST_CASE("check agrees with brute force on integers", "[cage][check][property]", CAGEFORM_SCALARS) {
     // Two integer polygons' parts that do not touch are at least 1/(16 √2) apart, far above the tolerance.
     std::size_t accepted = 0;
     std::size_t crossing = 0;

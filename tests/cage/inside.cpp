@@ -94,7 +94,7 @@ TEMPLATE_TEST_CASE("locate agrees with the angles that a cage turns", "[cage][in
     }
 }
 
-TEMPLATE_TEST_CASE("locate: rays through vertices and along edges", "[cage][inside]", float, double) {
+TEMPLATE_TEST_CASE("locate: rays through vertices and along edges", "[cage][inside]", CAGEFORM_SCALARS) {
     // Whole and half steps meet every vertex at its own height, and run along the horizontal edges.
     const Points2<TestType> points{{0, 0}, {2, 0}, {2, 1}, {3, 1}, {4, 0}, {5, 2}, {6, 0}, {7, 0}, {7, 4},
                                    {5, 4}, {4, 3}, {3, 4}, {2, 2}, {1, 2}, {1, 4}, {0, 4}, // the outer loop
@@ -145,7 +145,7 @@ TEMPLATE_TEST_CASE("points on vertices and edges are on the boundary", "[cage][i
     });
 }
 
-TEMPLATE_TEST_CASE("far points are outside", "[cage][inside]", float, double) {
+TEMPLATE_TEST_CASE("far points are outside", "[cage][inside]", CAGEFORM_SCALARS) {
     using T = TestType;
     using limits = std::numeric_limits<T>;
     const auto seed = GENERATE(seeds(20));
@@ -169,7 +169,7 @@ TEMPLATE_TEST_CASE("far points are outside", "[cage][inside]", float, double) {
     }
 }
 
-TEMPLATE_TEST_CASE("points that are not finite are nowhere", "[cage][inside]", float, double) {
+TEMPLATE_TEST_CASE("points that are not finite are nowhere", "[cage][inside]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     const Polygon<TestType> cage(Points2<TestType>{{0, 0}, {1, 0}, {0, 1}});
     for (const TestType x : {limits::quiet_NaN(), limits::infinity(), -limits::infinity()}) {
@@ -183,7 +183,7 @@ TEMPLATE_TEST_CASE("points that are not finite are nowhere", "[cage][inside]", f
 }
 
 TEMPLATE_TEST_CASE("nearest_on_edge is nearer than any other place of the edge", "[cage][inside][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
@@ -210,7 +210,7 @@ TEMPLATE_TEST_CASE("nearest_on_edge is nearer than any other place of the edge",
     }
 }
 
-TEMPLATE_TEST_CASE("both ends of an edge are met exactly", "[cage][inside][property]", float, double) {
+TEMPLATE_TEST_CASE("both ends of an edge are met exactly", "[cage][inside][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);

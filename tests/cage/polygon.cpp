@@ -39,7 +39,7 @@ void add_square(Points2<T>& points, T x, T y, T r) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a polygon copies its vertices and closes its loop", "[cage][polygon]", float, double) {
+TEMPLATE_TEST_CASE("a polygon copies its vertices and closes its loop", "[cage][polygon]", CAGEFORM_SCALARS) {
     Points2<TestType> points{{0, 0}, {3, 0}, {3, 2}, {0, 2}};
     const Polygon<TestType> cage(points);
     points[0] = {9, 9};
@@ -52,7 +52,7 @@ TEMPLATE_TEST_CASE("a polygon copies its vertices and closes its loop", "[cage][
     CHECK(edges_of(cage) == Edges{{0, 1}, {1, 2}, {2, 3}, {3, 0}});
 }
 
-TEMPLATE_TEST_CASE("each loop closes on itself", "[cage][polygon]", float, double) {
+TEMPLATE_TEST_CASE("each loop closes on itself", "[cage][polygon]", CAGEFORM_SCALARS) {
     Points2<TestType> points;
     add_square<TestType>(points, 0, 0, 4);
     add_square<TestType>(points, 0, 0, 1);
@@ -95,7 +95,7 @@ TEST_CASE("a polygon deduces its scalar and converts to another", "[cage][polygo
     STATIC_REQUIRE(!std::is_convertible_v<Points2<double>, Polygon<double>>);
 }
 
-TEMPLATE_TEST_CASE("bounds are reached and not passed", "[cage][polygon][property]", float, double) {
+TEMPLATE_TEST_CASE("bounds are reached and not passed", "[cage][polygon][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
     const auto points = random_star<TestType>(std::uint64_t(seed));
@@ -157,7 +157,7 @@ TEMPLATE_TEST_CASE("the signed area is the sum of the shoelaces", "[cage][polygo
     CHECK(std::fabs(area + signed_area(reversed, reversed.loops()[0])) <= rounding);
 }
 
-TEMPLATE_TEST_CASE("the depth of a loop counts the loops around it", "[cage][polygon]", float, double) {
+TEMPLATE_TEST_CASE("the depth of a loop counts the loops around it", "[cage][polygon]", CAGEFORM_SCALARS) {
     // Two nests side by side, their loops given in no order:
     // (0, 0) has squares of 8, 4 and 1; (20, 0) has squares of 6 and 2.
     Points2<TestType> points;

@@ -189,7 +189,8 @@ TEMPLATE_TEST_CASE("clones are linear in the displacement of the pose", "[clone]
     }
 }
 
-TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clone][oracle]", float, double) {
+TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clone][oracle]",
+                   CAGEFORM_SCALARS) {
     // Handles are taken in groups of 256, points in blocks of 8 or 16, blocks in tiles.
     using T = TestType;
     const std::size_t handles = GENERATE(1u, 3u, 4u, 17u, 255u, 256u, 257u, 511u, 512u, 513u, 1000u);
@@ -212,7 +213,8 @@ TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clo
     check(std::integral_constant<std::size_t, 3>{});
 }
 
-TEMPLATE_TEST_CASE("a pose that does not fit leaves the output untouched", "[clone][status]", float, double) {
+TEMPLATE_TEST_CASE("a pose that does not fit leaves the output untouched", "[clone][status]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 2>(20, 5, 1);
     const auto pose = random_points<T, 2>(5, 10, 2);
@@ -316,7 +318,7 @@ TEST_CASE("a view into memory of one's own clones like the binding", "[clone]") 
     CHECK(out == cloned(binding, pose));
 }
 
-TEMPLATE_TEST_CASE("poses and outputs are any kind of range", "[clone][ranges]", float, double) {
+TEMPLATE_TEST_CASE("poses and outputs are any kind of range", "[clone][ranges]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr std::size_t points = 21, handles = 5;
     const auto binding = random_binding<T, 3>(points, handles, 11);

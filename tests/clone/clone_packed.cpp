@@ -24,7 +24,7 @@ std::vector<Vec<T, D>> cloned(const PackedBindingView<T, D>& binding, const std:
 } // namespace
 
 TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whatever its format and size",
-                   "[clone][packed][oracle]", float, double) {
+                   "[clone][packed][oracle]", CAGEFORM_SCALARS) {
     // Handles fit into a table up to 512, dense rows come in groups of 256, blocks are of 8 or 16 points.
     using T = TestType;
     const std::size_t handles = GENERATE(5u, 6u, 17u, 256u, 257u, 513u, 600u);
@@ -63,7 +63,8 @@ TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whate
     check(std::integral_constant<std::size_t, 3>{});
 }
 
-TEMPLATE_TEST_CASE("a binding taken as a packed one clones the same bits", "[clone][packed]", float, double) {
+TEMPLATE_TEST_CASE("a binding taken as a packed one clones the same bits", "[clone][packed]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 3>(1000, 300, 21);
     const auto pose = random_points<T, 3>(300, 10, 22);
@@ -85,7 +86,7 @@ TEST_CASE("clone takes owners and views of bindings, and nothing else", "[clone]
 }
 
 TEMPLATE_TEST_CASE("packed bindings at rest give the bound points bit for bit", "[clone][packed][rest]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     auto binding = random_binding<T, 3>(100, 20, 23);
     auto [weights, rest] = std::move(binding).release();
@@ -147,7 +148,8 @@ TEMPLATE_TEST_CASE("a mask scales displacements, and clones onto an output add u
     check(packed.view(), full_packed);
 }
 
-TEMPLATE_TEST_CASE("several bindings fill one buffer, in either layout", "[clone][ranges]", float, double) {
+TEMPLATE_TEST_CASE("several bindings fill one buffer, in either layout", "[clone][ranges]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto body = random_binding<T, 3>(37, 20, 31);
     const auto coat = random_binding<T, 3>(21, 9, 32);
@@ -174,7 +176,7 @@ TEMPLATE_TEST_CASE("several bindings fill one buffer, in either layout", "[clone
 }
 
 TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits from packed bindings",
-                   "[clone][packed][threads]", float, double) {
+                   "[clone][packed][threads]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 3>(5000, 100, 35);
     const auto pose = random_points<T, 3>(100, 10, 36);

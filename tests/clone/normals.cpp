@@ -193,7 +193,7 @@ TEMPLATE_TEST_CASE("affine poses move normals by the cofactor matrix", "[clone][
     }
 }
 
-TEMPLATE_TEST_CASE("at rest normals are as given", "[clone][normals][rest]", float, double) {
+TEMPLATE_TEST_CASE("at rest normals are as given", "[clone][normals][rest]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto mesh = random_mesh(6).mesh<T>();
     const Mean3<T> coordinates(mesh);
@@ -278,7 +278,7 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     }
 }
 
-TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", float, double) {
+TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto mesh = random_mesh(2).mesh<T>();
     const Mean3<T> coordinates(mesh);

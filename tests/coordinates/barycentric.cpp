@@ -42,7 +42,7 @@ struct In {
 } // namespace
 
 TEMPLATE_TEST_CASE("the worked example: a triangle whose first vertex is moved", "[coordinates][barycentric]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const std::vector<Vec<T, 2>> triangle{{0, 0}, {0, 3}, {3, 3}};
     const BarycentricCoordinates<T, 2> coordinates(triangle);
@@ -232,7 +232,7 @@ TEMPLATE_TEST_CASE("the nearest boundary point of a simplex is the nearest",
 }
 
 TEMPLATE_TEST_CASE("the boundary of a segment is its ends, nearest in four dimensions too",
-                   "[coordinates][barycentric][nearest]", float, double) {
+                   "[coordinates][barycentric][nearest]", CAGEFORM_SCALARS) {
     using T = TestType;
     const BarycentricCoordinates<T, 1> segment(std::vector<Vec<T, 1>>{{1}, {3}});
     std::array<T, 2> row{};

@@ -34,7 +34,7 @@ BlendedCoordinates<C> pair_of_cages() {
 } // namespace
 
 TEMPLATE_TEST_CASE("depth is smooth, positive inside, and goes like the distance at the boundary",
-                   "[cage][depth][property]", float, double) {
+                   "[cage][depth][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(12));
     CAPTURE(seed);

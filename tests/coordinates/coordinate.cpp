@@ -326,7 +326,7 @@ TEST_CASE("harmonic weights go with a cage that is mirrored or turned by a right
     }
 }
 
-TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][property]", float, double) {
+TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);

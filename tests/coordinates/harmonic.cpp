@@ -54,7 +54,7 @@ const Points2<T> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 } // namespace
 
 TEMPLATE_TEST_CASE("harmonic weights come near the oracle as the grid becomes finer",
-                   "[coordinates][harmonic][oracle]", float, double) {
+                   "[coordinates][harmonic][oracle]", CAGEFORM_SCALARS) {
     // A boundary cell holds data from up to √½ cells off, so the error is of first order at points a few cells away
     // from the boundary. Next to a corner it does not fall before the cells are smaller than the distance (the
     // oracle has points at 1e-4 of the cage). Largest errors measured at these resolutions, over all points:
@@ -174,7 +174,7 @@ TEST_CASE("harmonic weights have no maximum inside", "[coordinates][harmonic][pr
 }
 
 TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of evaluating at once",
-                   "[coordinates][harmonic][solve]", float, double) {
+                   "[coordinates][harmonic][solve]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(6));
     CAPTURE(seed);
@@ -217,7 +217,7 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
 }
 
 TEMPLATE_TEST_CASE("harmonic states are those of locate, or unreached", "[coordinates][harmonic][state]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
@@ -319,7 +319,7 @@ TEST_CASE("a square's harmonic weights are bilinear but for the staircase", "[co
 }
 
 TEMPLATE_TEST_CASE("options of harmonic coordinates out of their range each have a status",
-                   "[coordinates][harmonic][status]", float, double) {
+                   "[coordinates][harmonic][status]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto status_of = [](const HarmonicOptions& options) {
         Harmonic<T> coordinates(square<T>, options);
@@ -421,7 +421,7 @@ TEST_CASE("harmonic progress never falls and its callback cancels", "[coordinate
 }
 
 TEMPLATE_TEST_CASE("harmonic weights at the ends of the scalar's range", "[coordinates][harmonic][scale]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const double scale = sizeof(T) == 4 ? GENERATE(1e-15, 1e15) : GENERATE(1e-150, 1e150);
     Points2<T> vertices{{0, 0}, {T(0.9), T(0.1)}, {T(0.7), T(0.8)}, {T(0.3), T(0.4)}};

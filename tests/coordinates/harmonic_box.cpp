@@ -147,7 +147,7 @@ TEST_CASE("weights in a box are those of the oracle", "[coordinates][harmonic][b
 }
 
 TEMPLATE_TEST_CASE("weights in a box sum to 1, reproduce the point and stay in [0, 1] at every resolution",
-                   "[coordinates][harmonic][box][property]", float, double) {
+                   "[coordinates][harmonic][box][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(6));
     const std::size_t resolution = GENERATE(std::size_t{12}, std::size_t{29});

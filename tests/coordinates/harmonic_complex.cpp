@@ -68,7 +68,7 @@ std::vector<CellComplex<T, 2>> random_complexes(int count) {
 TEMPLATE_TEST_CASE(
     "weights about interior chains sum to 1, stay in [0, 1], and reproduce the point but for the "
     "radius of points",
-    "[coordinates][harmonic][complex][property]", float, double) {
+    "[coordinates][harmonic][complex][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     std::size_t number = 0;
     for (const auto& cage : random_complexes<T>(12)) {
@@ -93,7 +93,7 @@ TEMPLATE_TEST_CASE(
 }
 
 TEMPLATE_TEST_CASE("on interior cells the weights are their hat functions",
-                   "[coordinates][harmonic][complex]", float, double) {
+                   "[coordinates][harmonic][complex]", CAGEFORM_SCALARS) {
     using T = TestType;
     CellComplex<T, 2> flat(Polygon<T>(square<T>(0, 4)));
     const auto chain = flat.add_chain(Points2<T>{{1, 2}, {T(2.25), 2}, {3, T(2.5)}});

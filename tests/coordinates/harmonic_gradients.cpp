@@ -46,7 +46,7 @@ void check_laws(const Coordinates& coordinates, const std::vector<Vec<T, D>>& po
 } // namespace
 
 TEMPLATE_TEST_CASE("gradients keep linear precision up to the boundary",
-                   "[coordinates][harmonic][gradients][property]", float, double) {
+                   "[coordinates][harmonic][gradients][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(8));
     CAPTURE(seed);

@@ -36,7 +36,7 @@ Points3<T> points_in(const cageform::TriangleMesh<T>& mesh, const MeshData& data
 } // namespace
 
 TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in [0, 1] at every resolution",
-                   "[coordinates][harmonic][mesh][property]", float, double) {
+                   "[coordinates][harmonic][mesh][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(12));
     const std::size_t resolution = GENERATE(std::size_t{14}, std::size_t{33});
@@ -142,7 +142,7 @@ TEMPLATE_TEST_CASE(
 }
 
 TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
-                   "[coordinates][harmonic][mesh][property]", float, double) {
+                   "[coordinates][harmonic][mesh][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(12));
     CAPTURE(seed);

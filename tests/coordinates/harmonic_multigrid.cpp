@@ -72,7 +72,7 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
 }
 
 TEMPLATE_TEST_CASE("multigrid weights sum to 1, reproduce the point and stay in [0, 1] at every resolution",
-                   "[coordinates][harmonic][property]", float, double) {
+                   "[coordinates][harmonic][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(12));
     const std::size_t resolution = GENERATE(std::size_t{40}, std::size_t{150});

@@ -132,7 +132,7 @@ TEST_CASE("mean value weights in float are those of the oracle up to the roundin
 }
 
 TEMPLATE_TEST_CASE("mean value weights are those of the definition", "[coordinates][mean_value][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
@@ -161,7 +161,7 @@ TEMPLATE_TEST_CASE("mean value weights are those of the definition", "[coordinat
 }
 
 TEMPLATE_TEST_CASE("mean value weights sum to 1 and reproduce the point",
-                   "[coordinates][mean_value][property]", float, double) {
+                   "[coordinates][mean_value][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -210,7 +210,7 @@ TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordina
 }
 
 TEMPLATE_TEST_CASE("points absurdly far are outside or unreached, with finite weights",
-                   "[coordinates][mean_value][far]", float, double) {
+                   "[coordinates][mean_value][far]", CAGEFORM_SCALARS) {
     // The sum of the weights is of the order of one over the square of the distance, which no scalar resolves here.
     using T = TestType;
     const auto seed = GENERATE(seeds(30));
@@ -232,7 +232,7 @@ TEMPLATE_TEST_CASE("points absurdly far are outside or unreached, with finite we
 }
 
 TEMPLATE_TEST_CASE("mean value weights pass continuously into their limits on edges",
-                   "[coordinates][mean_value][limit]", float, double) {
+                   "[coordinates][mean_value][limit]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
@@ -364,7 +364,7 @@ TEST_CASE("mean value weights are negative in the biped, where one leg drags the
 }
 
 TEMPLATE_TEST_CASE("mean value weights at the ends of the scalar's range", "[coordinates][mean_value][scale]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     // Squares of lengths are representable, barely.
     using T = TestType;
     const auto seed = GENERATE(seeds(10));
@@ -402,7 +402,7 @@ TEMPLATE_TEST_CASE("mean value weights at the ends of the scalar's range", "[coo
 }
 
 TEMPLATE_TEST_CASE("the boundary point that mean value coordinates call nearest is the nearest",
-                   "[coordinates][mean_value][nearest]", float, double) {
+                   "[coordinates][mean_value][nearest]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);

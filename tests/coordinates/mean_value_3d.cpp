@@ -25,7 +25,7 @@ Points3<T> converted(const Points3<double>& points) {
 } // namespace
 
 TEMPLATE_TEST_CASE("mean value weights in space are those of the oracle",
-                   "[coordinates][meanvalue][space][oracle]", float, double) {
+                   "[coordinates][meanvalue][space][oracle]", CAGEFORM_SCALARS) {
     using T = TestType;
     for (const char* name : {"cube", "l_prism", "octahedron", "tetrahedron"}) {
         const auto json = read_json(std::string("meanvalue3d_") + name);
@@ -52,7 +52,7 @@ TEMPLATE_TEST_CASE("mean value weights in space are those of the oracle",
 }
 
 TEMPLATE_TEST_CASE("mean value weights in space sum to 1 and reproduce the point",
-                   "[coordinates][meanvalue][space][property]", float, double) {
+                   "[coordinates][meanvalue][space][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);

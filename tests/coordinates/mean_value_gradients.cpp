@@ -161,7 +161,7 @@ Points2<T> points_about(const Polygon<T>& cage, Random& random) {
 } // namespace
 
 TEMPLATE_TEST_CASE("gradients of mean value weights in the plane are their differences",
-                   "[coordinates][meanvalue][gradients][oracle]", float, double) {
+                   "[coordinates][meanvalue][gradients][oracle]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(16));
     CAPTURE(seed);
@@ -186,7 +186,7 @@ TEMPLATE_TEST_CASE("gradients of mean value weights in the plane are their diffe
 }
 
 TEMPLATE_TEST_CASE("gradients of mean value weights in space are their differences",
-                   "[coordinates][meanvalue][space][gradients][oracle]", float, double) {
+                   "[coordinates][meanvalue][space][gradients][oracle]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(12));
     CAPTURE(seed);
@@ -252,7 +252,7 @@ TEST_CASE("gradients of mean value weights are continuous through planes of face
 }
 
 TEMPLATE_TEST_CASE("gradients exactly in planes and on lines of edges are those beside",
-                   "[coordinates][meanvalue][space][gradients][limits]", float, double) {
+                   "[coordinates][meanvalue][space][gradients][limits]", CAGEFORM_SCALARS) {
     using T = TestType;
     for (const char* name : {"cube", "l_prism"}) {
         const auto json = read_json(std::string("meanvalue3d_") + name);
@@ -295,7 +295,7 @@ TEMPLATE_TEST_CASE("gradients exactly in planes and on lines of edges are those 
 
 TEMPLATE_TEST_CASE(
     "gradients of mean value weights on and next to the boundary keep the laws and are those inside",
-    "[coordinates][meanvalue][gradients][limits]", float, double) {
+    "[coordinates][meanvalue][gradients][limits]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(10));
     CAPTURE(seed);
@@ -395,7 +395,7 @@ TEST_CASE("far away gradients of mean value weights keep the laws",
 }
 
 TEMPLATE_TEST_CASE("gradients of barycentric weights are those of affine functions",
-                   "[coordinates][barycentric][gradients]", float, double) {
+                   "[coordinates][barycentric][gradients]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(6));
     const auto check = [&]<std::size_t D>(std::integral_constant<std::size_t, D>) {

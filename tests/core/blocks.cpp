@@ -14,7 +14,7 @@ using cageform::Lanes;
 using cageform::Vec;
 using cageform_tests::Random;
 
-TEMPLATE_TEST_CASE("a row of a block is one cache line", "[core][blocks]", float, double) {
+TEMPLATE_TEST_CASE("a row of a block is one cache line", "[core][blocks]", CAGEFORM_SCALARS) {
     STATIC_REQUIRE(lane_count<TestType> * sizeof(TestType) == 64);
     STATIC_REQUIRE(sizeof(Lanes<TestType>) == 64);
     STATIC_REQUIRE(alignof(Lanes<TestType>) == 64);
@@ -24,7 +24,7 @@ TEMPLATE_TEST_CASE("a row of a block is one cache line", "[core][blocks]", float
     CHECK(reinterpret_cast<std::uintptr_t>(rows.data()) % 64 == 0);
 }
 
-TEMPLATE_TEST_CASE("blocks hold all points and none too many", "[core][blocks]", float, double) {
+TEMPLATE_TEST_CASE("blocks hold all points and none too many", "[core][blocks]", CAGEFORM_SCALARS) {
     constexpr std::size_t lanes = lane_count<TestType>;
     STATIC_REQUIRE(block_count<TestType>(0) == 0);
     for (std::size_t points = 1; points < 5 * lanes; ++points) {
@@ -73,7 +73,7 @@ TEMPLATE_TEST_CASE("a block view puts rows of a block side by side", "[core][blo
     CHECK((reads.rows == rows && reads.points == points && reads.blocks() == view.blocks()));
 }
 
-TEMPLATE_TEST_CASE("block_point gathers the axes", "[core][blocks]", float, double) {
+TEMPLATE_TEST_CASE("block_point gathers the axes", "[core][blocks]", CAGEFORM_SCALARS) {
     constexpr std::size_t points = lane_count<TestType> + 3;
     std::vector<Lanes<TestType>> memory(block_count<TestType>(points) * 3);
     const BlockView<TestType> view{memory.data(), 3, points};

@@ -54,7 +54,7 @@ void check_lanes(const Simd<T>& pack, const Scalars& expected) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("register arithmetic is that of its lanes", "[core][simd][property]", float, double) {
+TEMPLATE_TEST_CASE("register arithmetic is that of its lanes", "[core][simd][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -77,7 +77,7 @@ TEMPLATE_TEST_CASE("register arithmetic is that of its lanes", "[core][simd][pro
     check_lanes<T>(sqrt(size), [&](std::size_t i) { return std::sqrt(std::fabs(a[i])); });
 }
 
-TEMPLATE_TEST_CASE("register comparisons select lane by lane", "[core][simd][property]", float, double) {
+TEMPLATE_TEST_CASE("register comparisons select lane by lane", "[core][simd][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -103,7 +103,7 @@ TEMPLATE_TEST_CASE("register comparisons select lane by lane", "[core][simd][pro
 }
 
 TEMPLATE_TEST_CASE("formulas find the same functions for registers and for scalars", "[core][simd][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     namespace number = cageform::detail;
     const auto seed = GENERATE(seeds(20));
@@ -134,7 +134,8 @@ TEMPLATE_TEST_CASE("formulas find the same functions for registers and for scala
         CHECK(std::fabs(angles[i] - number::angle(sine[i], cosine[i])) <= 4 * cageform::epsilon<T>);
 }
 
-TEMPLATE_TEST_CASE("a comparison that holds in one lane alone holds in any", "[core][simd]", float, double) {
+TEMPLATE_TEST_CASE("a comparison that holds in one lane alone holds in any", "[core][simd]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
         Lanes<T> numbers;
@@ -145,7 +146,7 @@ TEMPLATE_TEST_CASE("a comparison that holds in one lane alone holds in any", "[c
     }
 }
 
-TEMPLATE_TEST_CASE("a register of one number holds it in every lane", "[core][simd]", float, double) {
+TEMPLATE_TEST_CASE("a register of one number holds it in every lane", "[core][simd]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     for (const TestType x : {TestType(1.5), TestType(0), TestType(-0.0), limits::infinity(),
                              limits::quiet_NaN(), limits::denorm_min()}) {

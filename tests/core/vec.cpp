@@ -72,7 +72,7 @@ void check_is_finite(unsigned exponent_bits, unsigned mantissa_bits, Random& ran
 
 } // namespace
 
-TEMPLATE_TEST_CASE("vec arithmetic is componentwise", "[core][vec][property]", float, double) {
+TEMPLATE_TEST_CASE("vec arithmetic is componentwise", "[core][vec][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -82,7 +82,7 @@ TEMPLATE_TEST_CASE("vec arithmetic is componentwise", "[core][vec][property]", f
     check_arithmetic<TestType, 5>(random);
 }
 
-TEMPLATE_TEST_CASE("cross is the signed area of a parallelogram", "[core][vec][property]", float, double) {
+TEMPLATE_TEST_CASE("cross is the signed area of a parallelogram", "[core][vec][property]", CAGEFORM_SCALARS) {
     using V = Vec<TestType, 2>;
     STATIC_REQUIRE(cross(V{1, 0}, V{0, 1}) == 1); // left is positive
     STATIC_REQUIRE(cross(V{0, 1}, V{1, 0}) == -1);
@@ -119,7 +119,7 @@ TEST_CASE("is_finite looks at the exponent", "[core][vec]") {
     check_is_finite<double, std::uint64_t>(11, 52, random);
 }
 
-TEMPLATE_TEST_CASE("a vec is finite when all its components are", "[core][vec]", float, double) {
+TEMPLATE_TEST_CASE("a vec is finite when all its components are", "[core][vec]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     const Vec<TestType, 3> good{limits::max(), limits::lowest(), limits::denorm_min()};
     CHECK(is_finite(good));
@@ -135,7 +135,7 @@ TEMPLATE_TEST_CASE("a vec is finite when all its components are", "[core][vec]",
     STATIC_REQUIRE(!is_finite(limits::infinity()));
 }
 
-TEMPLATE_TEST_CASE("a vec is nothing but its components", "[core][vec]", float, double) {
+TEMPLATE_TEST_CASE("a vec is nothing but its components", "[core][vec]", CAGEFORM_SCALARS) {
     using V = Vec<TestType, 3>;
     STATIC_REQUIRE(std::is_aggregate_v<V>);
     STATIC_REQUIRE(std::is_trivially_copyable_v<V>);

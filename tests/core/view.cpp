@@ -61,7 +61,7 @@ void check_against_index_arithmetic(Random& random) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("strided points are index arithmetic", "[core][view][property]", float, double) {
+TEMPLATE_TEST_CASE("strided points are index arithmetic", "[core][view][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -92,7 +92,7 @@ TEST_CASE("strided points over an interleaved vertex buffer", "[core][view]") {
     }
 }
 
-TEMPLATE_TEST_CASE("strided points over separate arrays, and backwards", "[core][view]", float, double) {
+TEMPLATE_TEST_CASE("strided points over separate arrays, and backwards", "[core][view]", CAGEFORM_SCALARS) {
     constexpr std::ptrdiff_t step = sizeof(TestType);
     std::vector<TestType> xs_then_ys{1, 2, 3, 10, 20, 30};
     const StridedPoints<TestType, 2> points(xs_then_ys.data(), 3, step, 3 * step);
@@ -153,7 +153,8 @@ TEST_CASE("dimension and scalar of a range are those of its points", "[core][vie
     STATIC_REQUIRE(std::is_same_v<range_scalar_t<StridedPoints<const float, 3>>, float>);
 }
 
-TEMPLATE_TEST_CASE("store_point writes one point with the range's rounding", "[core][view]", float, double) {
+TEMPLATE_TEST_CASE("store_point writes one point with the range's rounding", "[core][view]",
+                   CAGEFORM_SCALARS) {
     const Vec<double, 2> p{1.0 / 3, -2.0 / 3};
     const auto check = [&](auto& range) {
         store_point(range, 1, p);

@@ -291,7 +291,7 @@ TEMPLATE_TEST_CASE("every iterate obeys the maximum principle", "[grid][averagin
 }
 
 TEMPLATE_TEST_CASE("the solution has no maximum in the interior", "[grid][averaging_pyramid][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -323,7 +323,7 @@ TEMPLATE_TEST_CASE("the solution has no maximum in the interior", "[grid][averag
 }
 
 TEMPLATE_TEST_CASE("in one dimension the solution is linear between fixed cells",
-                   "[grid][averaging_pyramid][property]", float, double) {
+                   "[grid][averaging_pyramid][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
@@ -362,7 +362,7 @@ TEMPLATE_TEST_CASE("in one dimension the solution is linear between fixed cells"
 }
 
 TEMPLATE_TEST_CASE("linear data on a border is continued linearly", "[grid][averaging_pyramid][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(15));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -399,7 +399,7 @@ TEMPLATE_TEST_CASE("linear data on a border is continued linearly", "[grid][aver
     check(all_interior<TestType, 3>({side(7), side(7), side(7)}), std::integral_constant<std::size_t, 3>());
 }
 
-TEMPLATE_TEST_CASE("constant data gives a constant", "[grid][averaging_pyramid]", float, double) {
+TEMPLATE_TEST_CASE("constant data gives a constant", "[grid][averaging_pyramid]", CAGEFORM_SCALARS) {
     const double constant = 0.7;
     const auto seed = GENERATE(seeds(10));
     CAPTURE(seed);
@@ -488,7 +488,7 @@ TEMPLATE_TEST_CASE("cells beyond the grid are mirrored", "[grid][averaging_pyram
 // ---- what is given and what is told ------------------------------------------------------------
 
 TEMPLATE_TEST_CASE("only interior cells are written, and only boundary cells read",
-                   "[grid][averaging_pyramid][property]", float, double) {
+                   "[grid][averaging_pyramid][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(15));
     CAPTURE(seed);
@@ -514,7 +514,8 @@ TEMPLATE_TEST_CASE("only interior cells are written, and only boundary cells rea
     }
 }
 
-TEMPLATE_TEST_CASE("a pyramid solves again as if it were new", "[grid][averaging_pyramid]", float, double) {
+TEMPLATE_TEST_CASE("a pyramid solves again as if it were new", "[grid][averaging_pyramid]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     Random random(3);
     const auto problem = random_problem<T, 2>(random, {20, 15}, -1, 1, 10);
@@ -537,7 +538,7 @@ TEMPLATE_TEST_CASE("a pyramid solves again as if it were new", "[grid][averaging
     }
 }
 
-TEMPLATE_TEST_CASE("sweeps end at max_sweeps and say so", "[grid][averaging_pyramid]", float, double) {
+TEMPLATE_TEST_CASE("sweeps end at max_sweeps and say so", "[grid][averaging_pyramid]", CAGEFORM_SCALARS) {
     using T = TestType;
     auto problem = all_interior<T, 2>({30, 30});
     for (std::size_t c = 0; c < problem.tags.size(); ++c) {
@@ -562,7 +563,7 @@ TEMPLATE_TEST_CASE("sweeps end at max_sweeps and say so", "[grid][averaging_pyra
 }
 
 TEMPLATE_TEST_CASE("mean_change is the mean over the unknowns of the last sweep", "[grid][averaging_pyramid]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     Random random(5);
     const auto problem = random_problem<T, 2>(random, {12, 9}, 1, 2);

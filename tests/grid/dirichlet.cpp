@@ -96,7 +96,7 @@ void check_laws(int seed) {
 } // namespace
 
 TEMPLATE_TEST_CASE("given cells stay, the others are the mean of their neighbours",
-                   "[grid][dirichlet][property]", float, double) {
+                   "[grid][dirichlet][property]", CAGEFORM_SCALARS) {
     const int seed = GENERATE(seeds(15));
     check_laws<1, TestType>(seed);
     check_laws<2, TestType>(seed);

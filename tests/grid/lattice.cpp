@@ -81,7 +81,7 @@ TEST_CASE("cells are numbered along the first axis first", "[grid][lattice]") {
     check_numbering<3>({{side(), side(), side()}});
 }
 
-TEMPLATE_TEST_CASE("the centre of a cell is half a cell into it", "[grid][lattice]", float, double) {
+TEMPLATE_TEST_CASE("the centre of a cell is half a cell into it", "[grid][lattice]", CAGEFORM_SCALARS) {
     Lattice<TestType, 3> lattice;
     lattice.cells = {4, 5, 6};
     lattice.origin = {-1, 2, 10};
@@ -96,7 +96,8 @@ TEMPLATE_TEST_CASE("the centre of a cell is half a cell into it", "[grid][lattic
     }
 }
 
-TEMPLATE_TEST_CASE("a lattice about a cage leaves its margin", "[grid][lattice][property]", float, double) {
+TEMPLATE_TEST_CASE("a lattice about a cage leaves its margin", "[grid][lattice][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -112,7 +113,8 @@ TEMPLATE_TEST_CASE("a lattice about a cage leaves its margin", "[grid][lattice][
     }
 }
 
-TEMPLATE_TEST_CASE("short sides of a cage get as many cells as they need", "[grid][lattice]", float, double) {
+TEMPLATE_TEST_CASE("short sides of a cage get as many cells as they need", "[grid][lattice]",
+                   CAGEFORM_SCALARS) {
     const Bounds<TestType, 2> wide{{0, 0}, {12, 3}};
     CHECK(lattice_about(wide, 16).cells == CellBox<2>::Index{16, 7}); // 12 and 3 cells, and 2 · 2 more
     CHECK(lattice_about(wide, 16).origin == Vec<TestType, 2>{-2, -2});
@@ -122,7 +124,8 @@ TEMPLATE_TEST_CASE("short sides of a cage get as many cells as they need", "[gri
     CHECK(lattice_about(flat, 16).cells == CellBox<2>::Index{16, 5});
 }
 
-TEMPLATE_TEST_CASE("a rounding more than whole cells is no further cell", "[grid][lattice]", float, double) {
+TEMPLATE_TEST_CASE("a rounding more than whole cells is no further cell", "[grid][lattice]",
+                   CAGEFORM_SCALARS) {
     for (std::size_t n = 1; n <= 12; ++n) {
         for (const TestType size : {TestType(0.1), TestType(0.3), TestType(7)}) {
             CAPTURE(n, size);

@@ -185,7 +185,7 @@ void append_square(Points2<T>& points, T low, T high) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("rasterise keeps its promises on stars", "[grid][rasterise][property]", float, double) {
+TEMPLATE_TEST_CASE("rasterise keeps its promises on stars", "[grid][rasterise][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
     const Polygon<TestType> cage(random_star<TestType>(std::uint64_t(seed)));
@@ -198,7 +198,7 @@ TEMPLATE_TEST_CASE("rasterise keeps its promises on stars", "[grid][rasterise][p
 }
 
 TEMPLATE_TEST_CASE("rasterise: edges along grid lines and through corners of cells",
-                   "[grid][rasterise][property]", float, double) {
+                   "[grid][rasterise][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     std::size_t tried = 0;
     for (std::uint64_t seed = 0; seed < 120; ++seed) {
@@ -224,7 +224,8 @@ TEMPLATE_TEST_CASE("rasterise: edges along grid lines and through corners of cel
     CHECK(tried > 60);
 }
 
-TEMPLATE_TEST_CASE("rasterise: an edge marks all the cells it touches", "[grid][rasterise]", float, double) {
+TEMPLATE_TEST_CASE("rasterise: an edge marks all the cells it touches", "[grid][rasterise]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     SECTION("a square on grid lines marks both sides of them") {
         Points2<T> points;
@@ -249,7 +250,8 @@ TEMPLATE_TEST_CASE("rasterise: an edge marks all the cells it touches", "[grid][
     }
 }
 
-TEMPLATE_TEST_CASE("rasterise: holes, islands and several outer loops", "[grid][rasterise]", float, double) {
+TEMPLATE_TEST_CASE("rasterise: holes, islands and several outer loops", "[grid][rasterise]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     Points2<T> points;
     for (const T r : {T(9.5), T(6.5), T(3.5)}) append_square<T>(points, -r, r);
@@ -268,7 +270,7 @@ TEMPLATE_TEST_CASE("rasterise: holes, islands and several outer loops", "[grid][
     check_domain(pair, rasterise(pair, unit_lattice<T>(24, 24, -12, -12)));
 }
 
-TEMPLATE_TEST_CASE("rasterise: rings of random stars", "[grid][rasterise][property]", float, double) {
+TEMPLATE_TEST_CASE("rasterise: rings of random stars", "[grid][rasterise][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(15));
     CAPTURE(seed);
     const auto star = random_star<double>(std::uint64_t(seed));
@@ -310,7 +312,7 @@ TEMPLATE_TEST_CASE("rasterise: walls thinner than a cell keep both sides apart",
 }
 
 TEMPLATE_TEST_CASE("rasterise: the count of crowded cells does not depend on where a loop begins",
-                   "[grid][rasterise]", float, double) {
+                   "[grid][rasterise]", CAGEFORM_SCALARS) {
     using T = TestType;
     // A slit, narrower than a cell, with a bottom: three edges in the cell at its end.
     Points2<T> points{{T(1.5), T(1.5)}, {T(8.5), T(1.5)}, {T(8.5), T(8.5)}, {T(5.7), T(8.5)},
@@ -325,7 +327,7 @@ TEMPLATE_TEST_CASE("rasterise: the count of crowded cells does not depend on whe
     }
 }
 
-TEMPLATE_TEST_CASE("rasterise: a cage smaller than a cell", "[grid][rasterise]", float, double) {
+TEMPLATE_TEST_CASE("rasterise: a cage smaller than a cell", "[grid][rasterise]", CAGEFORM_SCALARS) {
     const Polygon<TestType> dot(Points2<TestType>{
         {TestType(2.25), TestType(2.25)}, {TestType(2.5), TestType(2.25)}, {TestType(2.25), TestType(2.5)}});
     const auto domain = rasterise(dot, unit_lattice<TestType>(5, 5));

@@ -178,7 +178,7 @@ void check_centres(Random& random) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("sampling reproduces linear fields", "[grid][sample][property]", float, double) {
+TEMPLATE_TEST_CASE("sampling reproduces linear fields", "[grid][sample][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -188,7 +188,7 @@ TEMPLATE_TEST_CASE("sampling reproduces linear fields", "[grid][sample][property
 }
 
 TEMPLATE_TEST_CASE("sampling is the sum of hats, scaled where cells are left out", "[grid][sample][property]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -206,7 +206,7 @@ TEMPLATE_TEST_CASE("nearest_cell takes the cell that holds the point", "[grid][s
     check_nearest<TestType, 3>(random);
 }
 
-TEMPLATE_TEST_CASE("at its centre a cell has its own value", "[grid][sample][property]", float, double) {
+TEMPLATE_TEST_CASE("at its centre a cell has its own value", "[grid][sample][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -214,7 +214,7 @@ TEMPLATE_TEST_CASE("at its centre a cell has its own value", "[grid][sample][pro
     check_centres<TestType, 3>(random);
 }
 
-TEMPLATE_TEST_CASE("there is nothing to sample outside the lattice", "[grid][sample]", float, double) {
+TEMPLATE_TEST_CASE("there is nothing to sample outside the lattice", "[grid][sample]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     Lattice<TestType, 2> lattice;
     lattice.cells = {4, 3};

@@ -240,7 +240,7 @@ private:
 
     /// All points together, so that a solver solves once.
     Status at_once(const Running& running, BindReport& report) {
-        Status status =
+        const Status status =
             this->for_each_piece(running.part(0, 0.1), [this](std::size_t piece) { load(piece); });
         if (status != Status::ok) return status;
         const Evaluation evaluation =
@@ -326,7 +326,7 @@ struct Bind {
         std::array<Recycled, 1> binding;
         BindReport report = report_bind(coordinates, std::size(points), [&](BindReport& into) {
             PointBinder<C, R> binder(coordinates, points, options);
-            binding[0] = std::move(recycled);
+            binding[0] = std::forward<Recycled>(recycled);
             return binder.run(binding, running, into);
         });
         return {std::move(binding[0]), std::move(report)};

@@ -294,6 +294,7 @@ public:
 
     void check_crossing_faces() {
         std::vector<Bounds<double, 3>> boxes;
+        boxes.reserve(facets_.size());
         for (const auto& facet : facets_) boxes.push_back(facet.bounds().widened(tolerance_));
         for_each_overlap(boxes, [&](std::size_t f, std::size_t g) {
             if (passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]))

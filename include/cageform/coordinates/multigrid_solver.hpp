@@ -26,6 +26,7 @@ public:
         std::optional<detail::EmbeddedCage<C>> grid;
         const Status status = detail::EmbeddedCage<C>::make(problem, report, grid);
         if (status != Status::ok) return status;
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
         made.emplace(std::move(*grid), problem.options.multigrid);
         report.cells = made->multigrid_.unknowns();
         return Status::ok;
@@ -57,13 +58,13 @@ public:
     Block make_block() const { return {multigrid_.make_block(), {}}; }
 
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
-        const auto [first, count] = handles_of(group);
+        const std::size_t first = handles_of(group).first, count = handles_of(group).second;
         auto& source = block.cycled.source;
         for (auto& values : source) values.fill(0.0);
         grid_.add_data(first, count, slots_, std::span(source));
         block.at_corners = corners_.start(first, source);
         const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
-        return grid::run_cycles(multigrid_, block.cycled, goal, work, [&, first = first] {
+        return grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
             // The corners' coefficients follow the solution and the solution them.
             const auto fitted = corners_.fit(first, block, block.at_corners);
             const double change = corners_.difference(fitted, block.at_corners);

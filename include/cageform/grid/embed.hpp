@@ -110,6 +110,7 @@ private:
     /// Fixed nodes, and those on the boundary as the lines of the other axes see it. Sorted.
     std::vector<Place> no_unknowns() const {
         std::vector<Place> all;
+        all.reserve(fixed_.size());
         for (const auto& fixed : fixed_) all.push_back(place(fixed.index));
         for (std::size_t axis = 1; axis < D; ++axis) {
             for (const auto& crossing : crossings_[axis]) {

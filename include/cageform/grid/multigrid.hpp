@@ -57,12 +57,12 @@ public:
 
     private:
         friend class Multigrid;
+        detail::ErrorEstimator error_;
         std::vector<detail::Fields> fields_; ///< of each level
         std::vector<Row> irregular_b_;       ///< b at the irregular nodes of the finest level
         detail::HighLow refined_part_;       ///< the solution is this + u of the finest level
         std::vector<Values> refined_source_; ///< A · refined_part_, parallel to `source`
         std::vector<Values> exact_;          ///< in one dimension all there is
-        detail::ErrorEstimator error_;
         std::size_t cycles_ = 0;
 
     public:

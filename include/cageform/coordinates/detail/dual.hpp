@@ -72,6 +72,7 @@ template <class N>
 struct NumberTraits {
     using Value = N;
     static constexpr std::size_t derivatives = 0;
+    // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): a part of it, used while it lives
     static const Value& part(const N& n, std::size_t) noexcept { return n; }
     static Value& part(N& n, std::size_t) noexcept { return n; }
 };

@@ -19,6 +19,7 @@ struct Solution {
         problem = std::move(given);
         const Status status = S::make(*problem, into, solver);
         if (status != Status::ok) return status;
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
         const auto [hierarchy, block] = solver->memory();
         into.bytes = hierarchy + block;
         return Status::ok;
@@ -42,6 +43,7 @@ Status sample_solution(const Solution<S>& solution, const Batch<typename S::Prob
                        SolverReport& report, const Running& running) {
     constexpr std::size_t lanes = lane_count<typename S::Problem::scalar>;
     constexpr std::size_t together = 1024 / lanes; // blocks of points in one Samples
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): a solution is used once it is made
     const S& solver = *solution.solver;
     const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
     if (!solution.functions.empty()) {

@@ -5,7 +5,8 @@
 
 #include <cstring>
 
-#if defined(__GNUC__)
+// Plain scalars are for checking, not for speed.
+#if defined(__GNUC__) && CAGEFORM_REGISTER_BYTES != 0
 #define CAGEFORM_DETAIL_INLINE __attribute__((always_inline))
 #define CAGEFORM_DETAIL_FLATTEN __attribute__((flatten))
 #define CAGEFORM_DETAIL_NO_INLINE __attribute__((noinline))

@@ -195,6 +195,7 @@ private:
     void add_interpolation(const Index& index, std::uint32_t node) {
         auto& from_coarse = level_.from_coarse;
         const auto& weights = coarsening_->of(node, index);
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): there is one with every coarsening
         coarse_around_->move_to(coarsening_->corner_index(index, 0));
         for (std::size_t corner = 0; corner < weights.size(); ++corner) {
             if (weights[corner] == 0) continue;

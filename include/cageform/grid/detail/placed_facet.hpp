@@ -41,7 +41,7 @@ struct PlacedFacet : Facet<D> {
 /// meets first.
 inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>& edge,
                                                             const grid::AxisRay<2>& ray) noexcept {
-    const auto& [a, b] = edge.corner;
+    const auto &a = edge.corner[0], &b = edge.corner[1];
     const std::size_t across = 1 - ray.axis;
     const double from = a[across], to = b[across], at = ray.from[across];
     if (at < std::min(from, to) || at > std::max(from, to)) return std::nullopt;
@@ -208,10 +208,10 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
 /// f(lower corner) for the cells that an edge passes, or comes as near to as `slack`.
 template <class F>
 void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
-    const auto& [a, b] = edge.corner;
+    const auto &a = edge.corner[0], &b = edge.corner[1];
     const auto box = edge.bounds();
     const double left = box.lower[0], right = box.upper[0];
-    const auto height = [&, &a = a, &b = b](double x) {
+    const auto height = [&](double x) {
         return b[0] == a[0] ? a[1] : a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
     };
     for (double x = std::floor(left - slack); x <= std::floor(right + slack); ++x) {

@@ -202,7 +202,7 @@ void restrict_irregular(const AnyLevel& level, std::size_t slab, Residual& large
 
 /// What one pass over a level does, in this order.
 struct Pass {
-    enum class Prolong { none, add, set };
+    enum class Prolong : std::uint8_t { none, add, set };
     Prolong prolong = Prolong::none; ///< the correction of the next level
     std::size_t sweeps = 0;          ///< of relaxation
     bool restrict_residual = false;  ///< to the next level, whose right-hand side it becomes
