@@ -11,6 +11,7 @@
 #include <cageform/core/view.hpp>
 
 #include <limits>
+#include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
 
