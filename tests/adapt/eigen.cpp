@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+namespace eigen_tests {
+
 using cageform::MutablePoint;
 using cageform::MutablePointRange;
 using cageform::Point;
@@ -183,3 +185,5 @@ TEST_CASE("a polygon is made of the rows of a matrix", "[adapt][eigen]") {
     CHECK(cage[1] == Vec<double, 2>{1, 0});
     CHECK(cage[3] == Vec<double, 2>{0, 1});
 }
+
+} // namespace eigen_tests

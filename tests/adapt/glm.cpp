@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+namespace glm_tests {
+
 using cageform::MutablePoint;
 using cageform::MutablePointRange;
 using cageform::Point;
@@ -55,3 +57,5 @@ TEST_CASE("ranges of GLM vectors are ranges of points", "[adapt][glm]") {
     cageform::store_point(points, 1, Vec<double, 2>{1.0 / 3, 5});
     CHECK(points == std::vector<glm::vec2>{{0, 0}, {float(1.0 / 3), 5}, {0, 3}});
 }
+
+} // namespace glm_tests

@@ -4,6 +4,8 @@
 
 #include "../bench/curve_comparators.hpp"
 
+namespace bezier_tests {
+
 using namespace cageform_tests;
 using cageform::BezierFunction;
 using cageform::epsilon;
@@ -287,3 +289,5 @@ TEST_CASE("the normal form is the curve between (0, 0) and (1, 1)", "[animate][b
         CHECK(std::fabs(form.value_of(part, normal(part)) - expected) <= 1e-11 * (1 + height_of(curve)));
     }
 }
+
+} // namespace bezier_tests

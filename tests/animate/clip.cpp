@@ -6,6 +6,8 @@
 
 #include <cageform/animate/compile_clip.hpp>
 
+namespace clip_tests {
+
 using namespace cageform_tests;
 using cageform::CageClip;
 using cageform::compile_track;
@@ -463,3 +465,5 @@ TEST_CASE("playing a clip allocates nothing", "[animate][clip][allocations]") {
     ::operator delete(something);
     CHECK(after == before + 1);
 }
+
+} // namespace clip_tests

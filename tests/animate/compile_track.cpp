@@ -5,6 +5,8 @@
 
 #include <cageform/animate/compile_track.hpp>
 
+namespace compile_track_tests {
+
 using namespace cageform_tests;
 using cageform::BezierFunction;
 using cageform::compile_track;
@@ -508,3 +510,5 @@ TEST_CASE("a track that holds at its end cycles at its keys' period", "[animate]
         if (turn != 0 && turn != 1) CHECK(compiled.track(float(2 * turn)) == 1);
     }
 }
+
+} // namespace compile_track_tests

@@ -2,6 +2,8 @@
 #include "animate/curves.hpp"
 #include "catch.hpp"
 
+namespace detail_tests {
+
 using namespace cageform_tests;
 using cageform::detail::Bernstein;
 
@@ -76,3 +78,5 @@ TEST_CASE("constants and zero have a largest value", "[animate][detail]") {
     constant.c.fill(-2);
     CHECK(largest_absolute(constant).value == 2);
 }
+
+} // namespace detail_tests

@@ -4,6 +4,8 @@
 
 #include <cageform/animate/fit.hpp>
 
+namespace fit_tests {
+
 using namespace cageform_tests;
 using cageform::fit;
 using enum FitCondition;
@@ -214,3 +216,5 @@ TEST_CASE("the sup norm gives a largest error that no small change of a piece lo
     options.conditions = end_value | knot_c0;
     CHECK(fit(curve, tolerance, options).status == Status::norm_not_supported);
 }
+
+} // namespace fit_tests

@@ -15,6 +15,8 @@
 #include <cstring>
 #include <limits>
 
+namespace importers_tests {
+
 using namespace cageform;
 using cageform_tests::Random;
 
@@ -1117,3 +1119,5 @@ TEST_CASE("any arrays end in a status or a sound track", "[animate][import][gltf
     CHECK(sound > fuzz_count / 10);
     CHECK(written > fuzz_count / 20);
 }
+
+} // namespace importers_tests

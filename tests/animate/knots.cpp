@@ -4,6 +4,8 @@
 
 #include "../bench/curve_comparators.hpp"
 
+namespace knots_tests {
+
 using namespace cageform_tests;
 using cageform::optimal_knots;
 using cageform::search_knots;
@@ -294,3 +296,5 @@ TEST_CASE("a search that cannot be is refused with a reason", "[animate][knots]"
     degree.degree = 6;
     CHECK(search_knots(curve, candidates, 2, {degree}).status == Status::degree_not_supported);
 }
+
+} // namespace knots_tests

@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 
+namespace piecewise_cubic_tests {
+
 using namespace cageform_tests;
 using cageform::CubicPiece;
 using cageform::CurveBank;
@@ -414,3 +416,5 @@ TEST_CASE("tracks go on as said", "[animate][track][property]") {
     CHECK(track(end + 0.3 * length) == last);
     CHECK(track(begin - 0.25 * length) == Approx(track.curve(end - 0.25 * length)).margin(1e-9));
 }
+
+} // namespace piecewise_cubic_tests

@@ -8,6 +8,8 @@
 
 #include <fstream>
 
+namespace sobolev_fit_tests {
+
 using namespace cageform_tests;
 using cageform::contains;
 using cageform::epsilon;
@@ -720,3 +722,5 @@ TEST_CASE("too many conditions are refused, and which do fit is counted", "[anim
     CHECK(fit_of(curve, t, end_value | knot_value | end_d1 | knot_d1 | end_d2 | knot_d2, 5).status ==
           Status::ok);
 }
+
+} // namespace sobolev_fit_tests

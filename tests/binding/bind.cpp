@@ -16,6 +16,8 @@
 #include <array>
 #include <functional>
 
+namespace bind_tests {
+
 using namespace cageform_tests;
 using cageform::Binding;
 using cageform::BindOptions;
@@ -786,3 +788,5 @@ TEST_CASE("bind refuses points of another dimension when compiling", "[binding][
     STATIC_REQUIRE(!std::is_invocable_v<Bind, const Mean<double>&, const std::vector<double>&>);
     STATIC_REQUIRE(!std::is_invocable_v<Bind, int, const std::vector<Vec<double, 2>>&>);
 }
+
+} // namespace bind_tests

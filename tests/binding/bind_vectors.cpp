@@ -13,6 +13,8 @@
 
 #include <cstring>
 
+namespace bind_vectors_tests {
+
 using namespace cageform_tests;
 using cageform::bind_jacobians;
 using cageform::bind_vectors;
@@ -343,3 +345,5 @@ TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", C
     const auto [flat] = cageform::tangents_of(Points2<T>{{0, 2}, {T(-1e-30), 0}, {0, 0}});
     CHECK(flat == Points2<T>{{1, 0}, {0, 1}, {0, 0}});
 }
+
+} // namespace bind_vectors_tests

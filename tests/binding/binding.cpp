@@ -4,6 +4,8 @@
 
 #include <cageform/binding/binding.hpp>
 
+namespace binding_tests {
+
 using namespace cageform_tests;
 using cageform::Binding;
 using cageform::block_count;
@@ -117,3 +119,5 @@ TEST_CASE("a binding that was moved from or gave its memory away is empty", "[bi
     CHECK(binding.point_count() == 0); // NOLINT(bugprone-use-after-move): what is tested
     CHECK(binding.view().handle_count() == 0);
 }
+
+} // namespace binding_tests

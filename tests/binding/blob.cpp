@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <set>
 
+namespace blob_tests {
+
 using namespace cageform_tests;
 using cageform::BlobCheck;
 using cageform::BlobHeader;
@@ -347,3 +349,5 @@ TEST_CASE("hashes tell what differs, and are the same everywhere", "[blob][hash]
         }
     }
 }
+
+} // namespace blob_tests

@@ -7,6 +7,8 @@
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/blended.hpp>
 
+namespace handle_kinds_tests {
+
 using namespace cageform_tests;
 using cageform::bind;
 using cageform::Binding;
@@ -378,3 +380,5 @@ TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds
                           rest, {T(1) / power * pose[0], T(1) / power * pose[1], T(1) / power * pose[2]}));
     }
 }
+
+} // namespace handle_kinds_tests

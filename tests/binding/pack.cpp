@@ -6,6 +6,8 @@
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
+namespace pack_tests {
+
 using namespace cageform_tests;
 using cageform::Binding;
 using cageform::BlobCheck;
@@ -344,3 +346,5 @@ TEST_CASE("points kept in place stay there in every pose", "[pack]") {
         CHECK(out[0] != points[0]);
     }
 }
+
+} // namespace pack_tests

@@ -11,6 +11,8 @@
 
 #include <cstring>
 
+namespace rebind_tests {
+
 using namespace cageform_tests;
 using cageform::bind;
 using cageform::Binding;
@@ -686,3 +688,5 @@ TEMPLATE_TEST_CASE("the tree finds what looking at every point does", "[rebind][
         for (std::size_t i = 0; i < all.size(); ++i) REQUIRE(found[i].point == all[i].point);
     }
 }
+
+} // namespace rebind_tests

@@ -15,6 +15,8 @@
 
 #include <set>
 
+namespace skin_weights_tests {
+
 using namespace cageform_tests;
 using cageform::Binding;
 using cageform::BindingView;
@@ -399,3 +401,5 @@ TEST_CASE("a skin does not depend on the threads", "[binding][skin_weights]") {
     CHECK(one.report.weight_error.value == some.report.weight_error.value);
     CHECK(one.report.mean_weight_error == some.report.mean_weight_error);
 }
+
+} // namespace skin_weights_tests

@@ -9,6 +9,8 @@
 #include <string>
 #include <tuple>
 
+namespace check_tests {
+
 using cageform::CageFaultKind;
 using cageform::CageReport;
 using cageform::check;
@@ -456,3 +458,5 @@ TEMPLATE_TEST_CASE("check says the same of a cage moved by a power of two", "[ca
         }
     }
 }
+
+} // namespace check_tests

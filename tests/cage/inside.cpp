@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace inside_tests {
+
 using cageform::bounds_of;
 using cageform::coincidence_tolerance;
 using cageform::epsilon;
@@ -266,3 +268,5 @@ TEMPLATE_TEST_CASE("nearest_on_boundary has an answer for the farthest points", 
         }
     }
 }
+
+} // namespace inside_tests

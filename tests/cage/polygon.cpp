@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+namespace polygon_tests {
+
 using cageform::bounds_of;
 using cageform::coincidence_tolerance;
 using cageform::epsilon;
@@ -175,3 +177,5 @@ TEMPLATE_TEST_CASE("the depth of a loop counts the loops around it", "[cage][pol
         CHECK(inside_is_left(cage, k) == (expected[k] % 2 == 0));
     }
 }
+
+} // namespace polygon_tests

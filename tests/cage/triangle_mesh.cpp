@@ -2,6 +2,8 @@
 #include "../catch.hpp"
 #include "../support/meshes.hpp"
 
+namespace triangle_mesh_tests {
+
 using namespace cageform_tests;
 using cageform::CageFaultKind;
 using cageform::PointState;
@@ -233,3 +235,5 @@ TEST_CASE("gaps that touch at a vertex are closed, stray faces and flat cages ar
                                 {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}});
     CHECK(flat.status == Status::cage_has_no_volume);
 }
+
+} // namespace triangle_mesh_tests

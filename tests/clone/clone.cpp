@@ -17,6 +17,8 @@
 #include <cstdlib>
 #include <cstring>
 
+namespace clone_tests {
+
 using namespace cageform_tests;
 using cageform::Binding;
 using cageform::block_count;
@@ -436,3 +438,5 @@ TEST_CASE("clone refuses what it cannot read or write when compiling", "[clone][
     STATIC_REQUIRE(!CanClone<Points, cageform::StridedPoints<const double, 2>&>);
     STATIC_REQUIRE(!CanClone<std::vector<double>, Points&>);
 }
+
+} // namespace clone_tests

@@ -3,6 +3,8 @@
 
 #include <cageform/core/threads.hpp>
 
+namespace clone_packed_tests {
+
 using namespace cageform_tests;
 using cageform::CloneOnto;
 using cageform::CloneOptions;
@@ -208,3 +210,5 @@ TEST_CASE("a packed binding refuses poses and outputs as a binding does", "[clon
     CHECK(cageform::clone(cageform::PackedBinding<float, 2>().view(), nothing, nothing) == Status::ok);
     STATIC_REQUIRE(noexcept(cageform::clone(packed.view(), pose, out)));
 }
+
+} // namespace clone_packed_tests

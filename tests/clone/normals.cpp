@@ -14,6 +14,8 @@
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
+namespace normals_tests {
+
 using namespace cageform_tests;
 using cageform::bind_jacobians;
 using cageform::bind_vectors;
@@ -390,3 +392,5 @@ TEST_CASE("packed vectors move as the vectors do", "[clone][normals][packed]") {
     REQUIRE(clone_normals(packed, pose, normals) == Status::ok);
     for (std::size_t i = 0; i < 300; ++i) CHECK(distance(normals[i], expected[i]) <= 1e-5);
 }
+
+} // namespace normals_tests

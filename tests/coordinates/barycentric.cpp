@@ -8,6 +8,8 @@
 
 #include <array>
 
+namespace barycentric_tests {
+
 using namespace cageform_tests;
 using cageform::BarycentricCoordinates;
 using cageform::epsilon;
@@ -319,3 +321,5 @@ TEST_CASE("a boundary point is found from where all are equally near", "[coordin
     CHECK(sum_of(row) == 1);
     CHECK(distance(q, combine(row, triangle)) == 0);
 }
+
+} // namespace barycentric_tests

@@ -9,6 +9,8 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
+namespace blended_tests {
+
 using namespace cageform_tests;
 using cageform::BlendedCoordinates;
 using cageform::Depth;
@@ -225,3 +227,5 @@ TEST_CASE("the share of a cage falls to zero towards its boundary, however near"
         before = share;
     }
 }
+
+} // namespace blended_tests

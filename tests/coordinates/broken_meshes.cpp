@@ -6,6 +6,8 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
+namespace broken_meshes_tests {
+
 using namespace cageform_tests;
 using cageform::Status;
 using cageform::TriangleMesh;
@@ -77,3 +79,5 @@ TEST_CASE("10,000 broken meshes end in a status or in a bind that keeps the laws
     CHECK(bound >= 1000);
     CHECK(closed >= 500); // bound with a warning
 }
+
+} // namespace broken_meshes_tests

@@ -9,6 +9,8 @@
 #include <new>
 #include <stdexcept>
 
+namespace coordinate_tests {
+
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::Polygon;
@@ -464,3 +466,5 @@ TEST_CASE("an allocation that fails becomes a status, other exceptions pass", "[
     CHECK_THROWS_AS(guard_memory([]() -> Status { throw std::logic_error("a callback's own"); }),
                     std::logic_error);
 }
+
+} // namespace coordinate_tests

@@ -8,6 +8,8 @@
 
 #include <array>
 
+namespace harmonic_tests {
+
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicOptions;
@@ -452,3 +454,5 @@ TEST_CASE("restoring linear precision turns no harmonic weight more negative tha
     CHECK(report.weight_change.value > 0);
     CHECK(report.least_weight.value >= -report.weight_change.value - 1e-12);
 }
+
+} // namespace harmonic_tests

@@ -7,6 +7,8 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
+namespace harmonic_box_tests {
+
 using namespace cageform_tests;
 using cageform::Box;
 using cageform::CageFaultKind;
@@ -180,3 +182,5 @@ TEST_CASE("a binding in a box follows the cage", "[coordinates][harmonic][box][b
     CHECK(report.weight_change.value <= 1e-6 * double(box.size()));
     CHECK(binding.handle_count() == box.size());
 }
+
+} // namespace harmonic_box_tests

@@ -9,6 +9,8 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
+namespace harmonic_complex_tests {
+
 using namespace cageform_tests;
 using cageform::CageFaultKind;
 using cageform::CellComplex;
@@ -370,3 +372,5 @@ TEST_CASE("a point thinner than half a cell is too coarse for the grid",
     CHECK(weights.evaluation.solver.unseen_handle == thin);
     CHECK(weights.evaluation.solver.sufficient_resolution == 128);
 }
+
+} // namespace harmonic_complex_tests

@@ -7,6 +7,8 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
+namespace harmonic_gradients_tests {
+
 using namespace cageform_tests;
 using cageform::Box;
 using cageform::epsilon;
@@ -137,3 +139,5 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     const auto again = gradients_of<double, 2>(coordinates, inside, threaded);
     for (std::size_t h = 0; h < cage.size(); ++h) CHECK(again.rows[7][h] == expected.rows[7][h]);
 }
+
+} // namespace harmonic_gradients_tests

@@ -9,6 +9,8 @@
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
+namespace harmonic_mesh_tests {
+
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicCoordinates;
@@ -250,3 +252,5 @@ TEST_CASE("a vertex that no face has gets no weight", "[coordinates][harmonic][m
     REQUIRE(weights.status() == Status::ok);
     for (const auto& row : weights.rows) CHECK(row.back() == 0);
 }
+
+} // namespace harmonic_mesh_tests

@@ -7,6 +7,8 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
+namespace harmonic_multigrid_tests {
+
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicOptions;
@@ -212,3 +214,5 @@ TEST_CASE("treating the corners is what makes points near them right", "[coordin
         CHECK(error[1] < 0.01 * error[0]);
     }
 }
+
+} // namespace harmonic_multigrid_tests

@@ -7,6 +7,8 @@
 
 #include <array>
 
+namespace mean_value_tests {
+
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::Polygon;
@@ -455,3 +457,5 @@ TEST_CASE("points on edges are known at the ends of float's range", "[coordinate
         CHECK(cageform::weights_at(coordinates, cage[i], row) == PointState::on_boundary);
     }
 }
+
+} // namespace mean_value_tests

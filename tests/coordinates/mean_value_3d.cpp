@@ -7,6 +7,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
+namespace mean_value_3d_tests {
+
 using namespace cageform_tests;
 using cageform::epsilon;
 
@@ -165,3 +167,5 @@ TEST_CASE("mean value coordinates in space are made from vertices and faces too"
     CHECK(weights.rows == expected.rows);
     CHECK(weights.states == expected.states);
 }
+
+} // namespace mean_value_3d_tests

@@ -11,6 +11,8 @@
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
+namespace mean_value_gradients_tests {
+
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::Polygon;
@@ -447,3 +449,5 @@ TEST_CASE("gradients of mean value weights tell where they are not",
     CHECK(gradients_of<double, 3>(Mean3<double>(open.mesh<double>()), points).evaluation.status ==
           Status::cage_not_closed);
 }
+
+} // namespace mean_value_gradients_tests

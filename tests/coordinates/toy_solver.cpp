@@ -12,6 +12,8 @@
 
 #include <Eigen/SparseCholesky>
 
+namespace toy_solver_tests {
+
 using namespace cageform_tests;
 using cageform::Polygon;
 using cageform::TriangleMesh;
@@ -244,3 +246,5 @@ TEST_CASE("a solver of one's own has threads, progress, cancel and refusals of t
     const Polygon<double> crossed(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});
     CHECK(Direct<Polygon<double>>(crossed).solve().status == Status::cage_self_crossing);
 }
+
+} // namespace toy_solver_tests

@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <vector>
 
+namespace blocks_tests {
+
 using cageform::block_count;
 using cageform::block_point;
 using cageform::BlockView;
@@ -94,3 +96,5 @@ TEST_CASE("block views give up constness, never gain it", "[core][blocks]") {
     const BlockView<float> empty;
     CHECK((empty.data == nullptr && empty.points == 0 && empty.blocks() == 0));
 }
+
+} // namespace blocks_tests

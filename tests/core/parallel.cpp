@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+namespace parallel_tests {
+
 using cageform::SerialFor;
 using cageform::ThreadedFor;
 using cageform_tests::Random;
@@ -139,3 +141,5 @@ TEST_CASE("an exception in a threaded loop reaches the caller", "[core][parallel
                         std::bad_alloc);
     }
 }
+
+} // namespace parallel_tests

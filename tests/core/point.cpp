@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+namespace point_tests {
+
 namespace my {
 
 /// An engine's vector: named components, nothing else.
@@ -142,3 +144,5 @@ TEMPLATE_TEST_CASE("what is set is got, and nothing else changes", "[core][point
         }
     }
 }
+
+} // namespace point_tests

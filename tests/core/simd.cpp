@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+namespace simd_tests {
+
 using cageform::lane_count;
 using cageform::Lanes;
 using cageform::detail::Simd;
@@ -154,3 +156,5 @@ TEMPLATE_TEST_CASE("a register of one number holds it in every lane", "[core][si
     }
     STATIC_REQUIRE(sizeof(Simd<TestType>) == 64);
 }
+
+} // namespace simd_tests

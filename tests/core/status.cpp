@@ -5,6 +5,8 @@
 #include <set>
 #include <string>
 
+namespace status_tests {
+
 using cageform::PointState;
 using cageform::Status;
 
@@ -42,3 +44,5 @@ TEST_CASE("ok is what a status begins with, and names are known to the compiler"
     STATIC_REQUIRE(to_string(PointState::inside)[0] == 'i');
     STATIC_REQUIRE(sizeof(Status) == 1);
 }
+
+} // namespace status_tests

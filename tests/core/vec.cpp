@@ -6,6 +6,8 @@
 #include <cmath>
 #include <type_traits>
 
+namespace vec_tests {
+
 using cageform::cross;
 using cageform::dot;
 using cageform::epsilon;
@@ -154,3 +156,5 @@ TEST_CASE("scalars are float and double", "[core][vec]") {
     STATIC_REQUIRE(!cageform::Scalar<int>);
     STATIC_REQUIRE(!cageform::Scalar<const float>);
 }
+
+} // namespace vec_tests

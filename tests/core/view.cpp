@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+namespace view_tests {
+
 using cageform::MutablePointRange;
 using cageform::PointRange;
 using cageform::range_dimension;
@@ -187,3 +189,5 @@ TEMPLATE_TEST_CASE("store_point writes one point with the range's rounding", "[c
         check(range);
     }
 }
+
+} // namespace view_tests

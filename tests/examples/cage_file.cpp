@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+namespace cage_file_tests {
+
 using namespace cageform_examples;
 using cageform::CageFaultKind;
 
@@ -152,3 +154,5 @@ TEST_CASE("faults are described with the numbers that mean something", "[example
     CHECK(text(CageFaultKind::degenerate_simplex) == "simplex without volume");
     CHECK(text(CageFaultKind::no_volume) == "no volume");
 }
+
+} // namespace cage_file_tests

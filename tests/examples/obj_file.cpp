@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+namespace obj_file_tests {
+
 using namespace cageform_examples;
 
 namespace {
@@ -259,3 +261,5 @@ TEST_CASE("no text, however broken, ends the OBJ reader", "[examples][obj][fuzz]
     for (Point3& p : moved) p = {p[1], -p[2], 2 * p[0]};
     CHECK(deformed_normals(*file, moved).size() == file->normals.size());
 }
+
+} // namespace obj_file_tests

@@ -17,6 +17,8 @@
 #include <system_error>
 #include <vector>
 
+namespace svg_document_tests {
+
 using namespace cageform_examples;
 namespace fs = std::filesystem;
 
@@ -794,3 +796,5 @@ TEST_CASE("mutated documents never break the program", "[examples][svg_document]
     CHECK(loaded > 300); // else only the XML parser is tested
     CHECK(succeeded > 150);
 }
+
+} // namespace svg_document_tests

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+namespace svg_path_tests {
+
 using namespace cageform_examples;
 
 namespace {
@@ -425,3 +427,5 @@ TEST_CASE("path data: mutated text never breaks the parser", "[examples][svg_pat
     }
     CHECK(valid > 500); // else the mutations test nothing but refusal
 }
+
+} // namespace svg_path_tests

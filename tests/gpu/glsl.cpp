@@ -13,6 +13,8 @@
 
 #include <cstring>
 
+namespace glsl_tests {
+
 using namespace cageform_tests;
 using cageform::PackedBinding;
 using cageform::Status;
@@ -344,3 +346,5 @@ TEST_CASE("displacements are refused as clone refuses them", "[gpu]") {
     pose.pop_back();
     CHECK(write_displacements(binding, pose, out) == Status::pose_size_differs);
 }
+
+} // namespace glsl_tests

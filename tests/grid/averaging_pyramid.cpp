@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace averaging_pyramid_tests {
+
 using cageform::CellBox;
 using cageform::epsilon;
 using cageform::grid::AveragingOptions;
@@ -645,3 +647,5 @@ TEMPLATE_TEST_CASE("problems without fixed or without unknown cells", "[grid][av
         CHECK(problem.values[12] == 0);
     }
 }
+
+} // namespace averaging_pyramid_tests

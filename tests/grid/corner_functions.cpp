@@ -4,6 +4,8 @@
 
 #include <cageform/grid/corner_functions.hpp>
 
+namespace corner_functions_tests {
+
 using cageform::grid::Corner;
 using cageform_tests::Random;
 using cageform_tests::Vec;
@@ -66,3 +68,5 @@ TEST_CASE("corner functions vanish on the edges but for w, which is r on the one
         }
     }
 }
+
+} // namespace corner_functions_tests

@@ -6,6 +6,8 @@
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/dirichlet.hpp>
 
+namespace dirichlet_tests {
+
 using cageform::CellBox;
 using cageform::Status;
 using cageform_tests::Random;
@@ -194,3 +196,5 @@ TEST_CASE("the Dirichlet solver asks its progress after every cycle", "[grid][di
     CHECK(asked == 2);
     CHECK((values == before));
 }
+
+} // namespace dirichlet_tests

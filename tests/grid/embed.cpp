@@ -6,6 +6,8 @@
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/simplex_boundary.hpp>
 
+namespace embed_tests {
+
 using cageform::BoundaryValue;
 using cageform::Lattice;
 using cageform::PointState;
@@ -238,3 +240,5 @@ TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to"
     }
     CHECK(links > fixed.size());
 }
+
+} // namespace embed_tests

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+namespace lattice_tests {
+
 using cageform::Bounds;
 using cageform::bounds_of;
 using cageform::CellBox;
@@ -134,3 +136,5 @@ TEMPLATE_TEST_CASE("a rounding more than whole cells is no further cell", "[grid
         }
     }
 }
+
+} // namespace lattice_tests

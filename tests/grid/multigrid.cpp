@@ -10,6 +10,8 @@
 
 #include <bit>
 
+namespace multigrid_tests {
+
 using cageform::grid::CutLink;
 using cageform::grid::Multigrid;
 using cageform::grid::NodeRuns;
@@ -422,3 +424,5 @@ TEST_CASE("the bound holds where there is no coarse grid", "[grid][multigrid]") 
         error = multigrid.cycle(block);
     }
 }
+
+} // namespace multigrid_tests

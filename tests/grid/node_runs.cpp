@@ -6,6 +6,8 @@
 
 #include <set>
 
+namespace node_runs_tests {
+
 using cageform::grid::NodeRuns;
 using cageform_tests::Random;
 
@@ -66,3 +68,5 @@ TEST_CASE("runs of nodes are found and end where they end", "[grid][node_runs][p
     check_runs<2>(seed);
     check_runs<3>(seed);
 }
+
+} // namespace node_runs_tests

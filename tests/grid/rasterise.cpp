@@ -9,6 +9,8 @@
 #include <set>
 #include <string>
 
+namespace rasterise_tests {
+
 using cageform::bounds_of;
 using cageform::check;
 using cageform::epsilon;
@@ -335,3 +337,5 @@ TEMPLATE_TEST_CASE("rasterise: a cage smaller than a cell", "[grid][rasterise]",
     CHECK(domain.boundary_cells == std::vector<std::size_t>{12});
     CHECK(domain.crowded_cells == 0); // in a triangle each edge meets both others
 }
+
+} // namespace rasterise_tests

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+namespace sample_tests {
+
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::Vec;
@@ -252,3 +254,5 @@ TEMPLATE_TEST_CASE("a lattice one cell wide is sampled along the other axis", "[
         CHECK(stencil.sample(field) == 1);
     }
 }
+
+} // namespace sample_tests
