@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-namespace point_tests {
-
 namespace my {
 
 /// An engine's vector: named components, nothing else.
@@ -77,6 +75,8 @@ struct cageform::PointTraits<my::OtherScalar> {
     static constexpr std::size_t dimension = 2;
     static double get(const my::OtherScalar&, std::size_t) { return 0; }
 };
+
+namespace point_tests {
 
 using cageform::MutablePoint;
 using cageform::Point;
