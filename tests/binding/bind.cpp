@@ -11,10 +11,9 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 
-#include <Eigen/QR>
-
 #include <array>
 #include <functional>
+#include <numeric>
 
 namespace bind_tests {
 
@@ -207,6 +206,29 @@ public:
         return evaluation;
     }
 };
+
+/// The x of least norm with rows · x = sums: the rows are made orthonormal, by Gram and Schmidt.
+std::vector<double> least_solution(std::array<std::vector<double>, 3> rows, Vec<double, 3> sums) {
+    std::vector<double> x(rows[0].size(), 0.0);
+    const auto add = [](std::vector<double>& to, double factor, const std::vector<double>& row) {
+        for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * row[i];
+    };
+    const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
+        return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+    };
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t s = 0; s < r; ++s) {
+            const double along = product(rows[r], rows[s]);
+            add(rows[r], -along, rows[s]);
+            sums[r] -= along * sums[s];
+        }
+        const double length = std::sqrt(product(rows[r], rows[r]));
+        add(rows[r], 1 / length - 1, std::vector<double>(rows[r]));
+        sums[r] /= length;
+        add(x, sums[r], rows[r]);
+    }
+    return x;
+}
 
 static_assert(cageform::CageCoordinates<AreaCoordinates> && cageform::CageCoordinates<Thinned<float>>);
 
@@ -468,24 +490,28 @@ TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can 
     const auto bounds = cageform::bounds_of(cage.vertices());
     const auto middle = cageform::vec_cast<double>(T(0.5) * (bounds.lower + bounds.upper));
     const double size = double(bounds.diagonal());
-    Eigen::MatrixXd equations(3, Eigen::Index(cage.size()));
-    for (std::size_t i = 0; i < cage.size(); ++i) {
-        const auto c = (1 / size) * (cageform::vec_cast<double>(cage[i]) - middle);
-        equations.col(Eigen::Index(i)) << 1, c[0], c[1];
-    }
-    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(equations);
+    const auto in_cage = [&](const Vec<T, 2>& p) {
+        return (1 / size) * (cageform::vec_cast<double>(p) - middle);
+    };
     double largest = 0;
     for (std::size_t n = 0; n < points.size(); ++n) {
         const auto before = row_of(left.binding, n), after = row_of(restored.binding, n);
-        const auto p = (1 / size) * (cageform::vec_cast<double>(points[n]) - middle);
-        Eigen::VectorXd w(Eigen::Index(cage.size()));
-        for (std::size_t i = 0; i < cage.size(); ++i) w[Eigen::Index(i)] = double(before[i]);
-        const Eigen::Vector3d missing = Eigen::Vector3d(1, p[0], p[1]) - equations * w;
-        const Eigen::VectorXd expected = w + solver.solve(missing);
+        const auto p = in_cage(points[n]);
+        std::array<std::vector<double>, 3> rows;
+        Vec<double, 3> missing{1, p[0], p[1]};
+        for (std::size_t i = 0; i < cage.size(); ++i) {
+            const auto c = in_cage(cage[i]);
+            const Vec<double, 3> column{1, c[0], c[1]};
+            for (std::size_t r = 0; r < 3; ++r) rows[r].push_back(column[r]);
+            missing = missing - double(before[i]) * column;
+        }
+        auto expected = least_solution(rows, missing);
+        for (std::size_t i = 0; i < cage.size(); ++i) {
+            largest = std::max(largest, std::fabs(expected[i]));
+            expected[i] += double(before[i]);
+        }
         CAPTURE(n, text(before), text(after));
-        CHECK(difference(after, std::vector<double>(expected.begin(), expected.end())) <=
-              64 * double(epsilon<T>) * size_of(cage.vertices()) / size);
-        largest = std::max(largest, (expected - w).cwiseAbs().maxCoeff());
+        CHECK(difference(after, expected) <= 64 * double(epsilon<T>) * size_of(cage.vertices()) / size);
     }
     CHECK(restored.report.weight_change.value == Approx(largest).epsilon(1e-3));
     CHECK(restored.report.residual_restored.value ==

@@ -11,7 +11,7 @@
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 
 #include <set>
 
@@ -176,22 +176,27 @@ TEST_CASE("with a place for every handle the weights are the nearest of all",
         for (std::size_t h = 0; h < handles; ++h) {
             if (w[h] > 1e-6) positive.push_back(h);
         }
-        Eigen::MatrixXd a(positive.size(), 3);
-        Eigen::VectorXd b(positive.size());
         const auto row = [&](std::size_t h) {
             const auto c = (1 / size) * (binding.rest_handle(h) - binding.rest_point(i));
-            return Eigen::RowVector3d(1, c[0], c[1]);
+            return Vec<double, 3>{1, c[0], c[1]};
         };
-        for (std::size_t n = 0; n < positive.size(); ++n) {
-            a.row(long(n)) = row(positive[n]);
-            b[long(n)] = w[positive[n]] - binding.weight(i, positive[n]);
+        Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(3, 3);
+        Eigen::VectorXd right = Eigen::VectorXd::Zero(3);
+        for (const std::size_t h : positive) {
+            const auto a = row(h);
+            for (long r = 0; r < 3; ++r) {
+                for (long c = 0; c < 3; ++c) normal(r, c) += a.v[r] * a.v[c];
+                right[r] += a.v[r] * (w[h] - binding.weight(i, h));
+            }
         }
-        const Eigen::Vector3d y = a.colPivHouseholderQr().solve(b);
-        const double scale = 1 + y.norm();
-        CHECK((a * y - b).lpNorm<Eigen::Infinity>() <= 1e-5 * scale);
+        const Eigen::VectorXd solution = normal.fullPivLu().solve(right);
+        const Vec<double, 3> y{solution[0], solution[1], solution[2]};
+        const double scale = 1 + std::sqrt(dot(y, y));
+        const auto nearest = [&](std::size_t h) { return binding.weight(i, h) + dot(row(h), y); };
+        for (const std::size_t h : positive) CHECK(std::fabs(w[h] - nearest(h)) <= 1e-5 * scale);
         if (positive.size() <= 3) continue; // the function is not known then
         for (std::size_t h = 0; h < handles; ++h) {
-            if (w[h] <= 1e-6) CHECK(binding.weight(i, h) + row(h) * y <= 1e-4 * scale);
+            if (w[h] <= 1e-6) CHECK(nearest(h) <= 1e-4 * scale);
         }
     }
 }

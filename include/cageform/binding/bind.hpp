@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/binding/binding.hpp>
-#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/binding/detail/bind_input.hpp>
 #include <cageform/coordinates/detail/linear_restorer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -89,42 +89,40 @@ struct BindPiece {
     }
 };
 
-/// What binding points and binding vectors share; K bindings are made of the same points. Blocks
-/// are worked on in pieces that stay in cache. What a piece finds out is kept apart and put
+/// What binding points and binding vectors share; one or more bindings are made of the same points.
+/// Blocks are worked on in pieces that stay in cache. What a piece finds out is kept apart and put
 /// together in the end, so that nothing depends on the threads.
-template <std::size_t K, CageCoordinates C, PointRange R>
+template <Scalar T, std::size_t D>
 class Binder {
 protected:
-    using T = typename C::scalar;
-    static constexpr std::size_t D = C::dimension, lanes = lane_count<T>;
+    static constexpr std::size_t lanes = lane_count<T>;
 
-    Binder(const C& coordinates, const R& points, const BindOptions& options, std::size_t piece_blocks)
-        : coordinates_(coordinates)
-        , points_(points)
+    Binder(const BindInput<T, D>& input, const BindOptions& options, std::size_t piece_blocks)
+        : input_(input)
         , options_(options)
         , piece_blocks_(piece_blocks)
-        , handles_(handle_view(coordinates))
+        , handles_(input.handles())
         , restorer_(handles_)
-        , count_(std::size(points))
+        , count_(input.points.size)
         , states_(count_, PointState::unreached)
         , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
 
     /// Makes the bindings in the memory of those given; fill() sets weights, rest and states.
     template <class Fill>
-    Status run(std::array<Binding<T, D>, K>& bindings, BindReport& report, const Fill& fill) {
+    Status run(std::span<Binding<T, D>> bindings, BindReport& report, const Fill& fill) {
         const std::size_t blocks = block_count<T>(count_);
-        std::array<typename Binding<T, D>::Memory, K> memory;
-        for (std::size_t n = 0; n < K; ++n) {
+        std::vector<typename Binding<T, D>::Memory> memory(bindings.size());
+        for (std::size_t n = 0; n < bindings.size(); ++n) {
             memory[n] = std::move(bindings[n]).release();
             memory[n].rest.resize(blocks * D);
             memory[n].weights.resize(blocks * handles_.count);
-            rest_[n] = {memory[n].rest.data(), D, count_};
-            weights_[n] = {memory[n].weights.data(), handles_.count, count_};
+            rest_.push_back({memory[n].rest.data(), D, count_});
+            weights_.push_back({memory[n].weights.data(), handles_.count, count_});
         }
         Status status = fill();
         if (status == Status::ok) status = report_into(report);
         if (status != Status::ok) return status;
-        for (std::size_t n = 0; n < K; ++n)
+        for (std::size_t n = 0; n < bindings.size(); ++n)
             bindings[n] =
                 Binding<T, D>(std::move(memory[n].weights), std::move(memory[n].rest), handles_, count_);
         return Status::ok;
@@ -149,7 +147,7 @@ protected:
     bool is_bound(PointState state) const noexcept {
         if (state == PointState::outside) {
             return options_.outside == OutsidePoints::nearest_boundary ||
-                   (options_.outside == OutsidePoints::extend && C::has_extension);
+                   (options_.outside == OutsidePoints::extend && input_.has_extension);
         }
         return state == PointState::inside || state == PointState::on_boundary;
     }
@@ -198,41 +196,41 @@ protected:
         return Status::ok;
     }
 
-    const C& coordinates_;
-    const R& points_;
+    const BindInput<T, D>& input_;
     const BindOptions& options_;
     std::size_t piece_blocks_;
     HandleView<T, D> handles_;
     LinearRestorer<T, D> restorer_;
     std::size_t count_;
-    std::array<BlockView<T>, K> weights_, rest_;
+    std::vector<BlockView<T>> weights_, rest_; // of each binding
     std::vector<PointState> states_;
     std::vector<BindPiece> pieces_;
 };
 
 /// One bind of points.
-template <CageCoordinates C, PointRange R>
-class PointBinder : Binder<1, C, R> {
-    using Base = Binder<1, C, R>;
-    using Base::coordinates_, Base::count_, Base::D, Base::handles_, Base::lanes, Base::states_;
-    using typename Base::T;
+template <Scalar T, std::size_t D>
+class PointBinder : Binder<T, D> {
+    using Base = Binder<T, D>;
+    using Base::input_, Base::count_, Base::handles_, Base::lanes, Base::states_;
 
 public:
-    PointBinder(const C& coordinates, const R& points, const BindOptions& options)
-        : Base(coordinates, points, options, 16) {}
+    PointBinder(const BindInput<T, D>& input, const BindOptions& options)
+        : Base(input, options, 16) {}
 
-    Status run(std::array<Binding<T, D>, 1>& binding, const Running& running, BindReport& report) {
-        return Base::run(binding, report,
-                         [&] { return C::closed_form ? in_pieces(running) : at_once(running, report); });
+    Status run(Binding<T, D>& binding, const Running& running, BindReport& report) {
+        return Base::run({&binding, 1}, report,
+                         [&] { return input_.closed_form ? in_pieces(running) : at_once(running, report); });
     }
 
 private:
     Status in_pieces(const Running& running) {
         return this->for_each_piece(running, [this](std::size_t piece) {
             load(piece);
-            const BlockView<T> places = part(this->rest_[0], piece);
             this->pieces_[piece].status =
-                coordinates_.evaluate(places, part(this->weights_[0], piece), this->states_of(piece), {})
+                input_
+                    .evaluate(
+                        {part(this->rest_[0], piece), part(this->weights_[0], piece), this->states_of(piece)},
+                        {})
                     .status;
             finish(piece);
         });
@@ -244,7 +242,7 @@ private:
             this->for_each_piece(running.part(0, 0.1), [this](std::size_t piece) { load(piece); });
         if (status != Status::ok) return status;
         const Evaluation evaluation =
-            coordinates_.evaluate(this->rest_[0], this->weights_[0], states_, running.part(0.1, 0.9));
+            input_.evaluate({this->rest_[0], this->weights_[0], states_}, running.part(0.1, 0.9));
         report.solver = evaluation.solver;
         if (evaluation.status != Status::ok) return evaluation.status;
         return this->for_each_piece(running.part(0.9, 1), [this](std::size_t piece) { finish(piece); });
@@ -254,14 +252,14 @@ private:
         return {all.block(this->first_of(piece) / lanes), all.rows, this->states_of(piece).size()};
     }
 
-    /// Reads the user's points. The rest of the last block is filled with copies of the last one.
+    /// Reads the user's points.
     void load(std::size_t piece) {
-        const std::size_t first = this->first_of(piece);
-        const std::size_t used = block_count<T>(this->states_of(piece).size()) * lanes;
-        for (std::size_t i = first; i < first + used; ++i) {
-            const auto p = to_vec<T>(this->points_[std::min(i, count_ - 1)]);
-            if (i < count_ && !is_finite(p)) states_[i] = PointState::not_finite;
-            for (std::size_t k = 0; k < D; ++k) this->rest_[0](i, k) = p[k];
+        const BlockView<T> places = part(this->rest_[0], piece);
+        for (std::size_t b = 0; b < places.blocks(); ++b)
+            input_.points.read(this->first_of(piece) / lanes + b, places.block(b));
+        const std::span<PointState> states = this->states_of(piece);
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            if (!is_finite(block_point<D>(places, i))) states[i] = PointState::not_finite;
         }
     }
 
@@ -288,7 +286,7 @@ private:
         const PointState state = i < count_ ? states_[i] : PointState::not_finite;
         if (state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary) {
             std::vector<T> weights(handles_.count);
-            const auto q = coordinates_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
+            const auto q = input_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
             for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
             for (std::size_t h = 0; h < weights.size(); ++h) row[h][lane] = weights[h];
             return true;
@@ -301,13 +299,25 @@ private:
 };
 
 /// Checks the cage, and runs make(report) if it is sound.
-template <CageCoordinates C, class Make>
-BindReport report_bind(const C& coordinates, std::size_t points, const Make& make) {
+template <Scalar T, std::size_t D, class Make>
+BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
     BindReport report;
-    report.cage = coordinates.cage_report();
-    report.points = points;
+    report.cage = input.cage;
+    report.points = input.points.size;
     run_into(report, [&] { return report.cage.status != Status::ok ? report.cage.status : make(report); });
     return report;
+}
+
+template <Scalar T, std::size_t D>
+BindResult<T, D> bind_points(const BindInput<T, D>& input, const BindOptions& options,
+                             Binding<T, D>&& recycled, const Running& running) {
+    BindResult<T, D> result;
+    result.report = report_bind(input, [&](BindReport& report) {
+        PointBinder<T, D> binder(input, options);
+        result.binding = std::move(recycled);
+        return binder.run(result.binding, running, report);
+    });
+    return result;
 }
 
 struct Bind {
@@ -323,13 +333,11 @@ struct Bind {
     BindResult<typename C::scalar, C::dimension> operator()(const C& coordinates, const R& points,
                                                             const BindOptions& options, Recycled&& recycled,
                                                             const Running& running = {}) const {
-        std::array<Recycled, 1> binding;
-        BindReport report = report_bind(coordinates, std::size(points), [&](BindReport& into) {
-            PointBinder<C, R> binder(coordinates, points, options);
-            binding[0] = std::forward<Recycled>(recycled);
-            return binder.run(binding, running, into);
-        });
-        return {std::move(binding[0]), std::move(report)};
+        const auto evaluate = [&](const Batch<typename C::scalar>& batch, const Running& how) {
+            return coordinates.evaluate(batch.points, batch.rows, batch.states, how);
+        };
+        return bind_points(bind_input(coordinates, points, evaluate), options,
+                           std::forward<Recycled>(recycled), running);
     }
 };
 

@@ -15,22 +15,22 @@ struct VectorBindResult {
 
 namespace detail {
 
-/// One bind of K vectors a point. vector(i, n) is vector n of point i.
-template <std::size_t K, GradientCoordinates C, PointRange R, class Vectors>
-class VectorBinder : Binder<K, C, R> {
-    using Base = Binder<K, C, R>;
-    using Base::coordinates_, Base::count_, Base::D, Base::handles_, Base::lanes, Base::states_;
-    using typename Base::T;
+/// One bind of vectors, one or more a point. What the input evaluates are gradients.
+template <Scalar T, std::size_t D>
+class VectorBinder : Binder<T, D> {
+    using Base = Binder<T, D>;
+    using Base::input_, Base::count_, Base::handles_, Base::lanes, Base::states_;
     static constexpr std::size_t piece_blocks = 4; // the gradients of a hundred handles fill the second cache
 
 public:
-    VectorBinder(const C& coordinates, const R& points, const Vectors& vector, const BindOptions& options)
-        : Base(coordinates, points, options, piece_blocks)
-        , vector_(vector) {}
+    VectorBinder(const BindInput<T, D>& input, std::span<const PointReader<T>> vectors,
+                 const BindOptions& options)
+        : Base(input, options, piece_blocks)
+        , vectors_(vectors) {}
 
-    Status run(std::array<Binding<T, D>, K>& bindings, const Running& running, BindReport& report) {
+    Status run(std::span<Binding<T, D>> bindings, const Running& running, BindReport& report) {
         return Base::run(bindings, report,
-                         [&] { return C::closed_form ? in_pieces(running) : at_once(running, report); });
+                         [&] { return input_.closed_form ? in_pieces(running) : at_once(running, report); });
     }
 
 private:
@@ -77,39 +77,44 @@ private:
         load(gradients);
         const auto states = std::span(states_).subspan(gradients.first, gradients.points.points);
         const bool to_boundary = this->options_.outside == OutsidePoints::nearest_boundary;
-        Evaluation evaluation = coordinates_.evaluate_gradients(gradients.points, gradients.rows, states,
-                                                                running.part(0, to_boundary ? 0.5 : 1));
+        const Batch<T> batch{gradients.points, gradients.rows, states};
+        Evaluation evaluation = input_.evaluate(batch, running.part(0, to_boundary ? 0.5 : 1));
         if (evaluation.status != Status::ok || !to_boundary) return evaluation;
         std::vector<std::size_t> outside;
         std::vector<T> row(handles_.count);
         for (std::size_t i = 0; i < states.size(); ++i) {
             if (states[i] != PointState::outside) continue;
             outside.push_back(i);
-            const auto q = coordinates_.nearest_boundary(block_point<D>(gradients.points, i), row);
+            const auto q = input_.nearest_boundary(block_point<D>(gradients.points, i), row);
             for (std::size_t k = 0; k < D; ++k) gradients.points(i, k) = q[k];
         }
         if (outside.empty()) return evaluation;
-        evaluation =
-            coordinates_.evaluate_gradients(gradients.points, gradients.rows, states, running.part(0.5, 1));
+        evaluation = input_.evaluate(batch, running.part(0.5, 1));
         for (const std::size_t i : outside) {
             const bool there = states[i] == PointState::inside || states[i] == PointState::on_boundary;
-            states[i] = there || (states[i] == PointState::outside && C::has_extension)
+            states[i] = there || (states[i] == PointState::outside && input_.has_extension)
                             ? PointState::outside
                             : PointState::unreached;
         }
         return evaluation;
     }
 
-    /// Reads the user's points. The rest of the last block is filled with copies of the last one.
+    /// Reads the user's points and vectors.
     void load(Gradients& gradients) {
         const BlockView<T>& points = gradients.points;
-        for (std::size_t i = 0; i < points.blocks() * lanes; ++i) {
-            const std::size_t from = gradients.first + std::min(i, points.points - 1);
-            const auto p = to_vec<T>(this->points_[from]);
-            bool finite = is_finite(p);
-            for (std::size_t n = 0; n < K; ++n) finite = finite && is_finite(vector_(from, n));
-            if (!finite) states_[from] = PointState::not_finite;
-            for (std::size_t k = 0; k < D; ++k) points(i, k) = finite ? p[k] : handles_.rest[0][k];
+        for (std::size_t b = 0; b < points.blocks(); ++b) {
+            const std::size_t block = gradients.first / lanes + b;
+            input_.points.read(block, points.block(b));
+            for (std::size_t n = 0; n < vectors_.size(); ++n)
+                vectors_[n].read(block, this->rest_[n].block(block));
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                bool finite = is_finite(block_point<D>(points, b * lanes + lane));
+                for (const BlockView<T>& rest : this->rest_)
+                    finite = finite && is_finite(block_point<D>(rest, block * lanes + lane));
+                if (finite) continue;
+                if (block * lanes + lane < count_) states_[block * lanes + lane] = PointState::not_finite;
+                for (std::size_t k = 0; k < D; ++k) points.block(b)[k][lane] = handles_.rest[0][k];
+            }
         }
     }
 
@@ -123,9 +128,10 @@ private:
                 const std::size_t i = b * lanes + lane;
                 bound[lane] = i < count_ && this->is_bound(states_[i]) ? T(1) : T(0);
             }
-            for (std::size_t n = 0; n < K; ++n) bind_block(b, n, slopes, bound);
+            for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, slopes, bound);
             // A point that lost one vector loses them all.
-            for (std::size_t n = 0; n < K; ++n) this->clear_unreached(bound, b, this->weights_[n].block(b));
+            for (const BlockView<T>& weights : this->weights_)
+                this->clear_unreached(bound, b, weights.block(b));
         }
     }
 
@@ -134,11 +140,8 @@ private:
         Lanes<T>* const row = this->weights_[n].block(b);
         Lanes<T> target[D];
         for (std::size_t lane = 0; lane < lanes; ++lane) {
-            const auto t = vector_(std::min(b * lanes + lane, count_ - 1), n);
-            for (std::size_t k = 0; k < D; ++k) {
-                this->rest_[n].block(b)[k][lane] = t[k];
-                target[k][lane] = bound[lane] == T(0) ? T(0) : t[k];
-            }
+            for (std::size_t k = 0; k < D; ++k)
+                target[k][lane] = bound[lane] == T(0) ? T(0) : this->rest_[n].block(b)[k][lane];
         }
         for (std::size_t h = 0; h < handles_.count; ++h) {
             Simd<T> sum(T(0));
@@ -152,19 +155,30 @@ private:
         this->take(this->restorer_.run_vectors(target, bound, row, this->restores()), bound, b);
     }
 
-    const Vectors& vector_;
+    std::span<const PointReader<T>> vectors_;
 };
 
-template <std::size_t K, class C, class R, class Vectors>
-VectorBindResult<typename C::scalar, C::dimension, K>
-bind_each_vector(const C& coordinates, const R& points, const Vectors& vector, const BindOptions& options,
-                 const Running& running) {
-    VectorBindResult<typename C::scalar, C::dimension, K> result;
-    result.report = report_bind(coordinates, std::size(points), [&](BindReport& report) {
-        return VectorBinder<K, C, R, Vectors>(coordinates, points, vector, options)
-            .run(result.bindings, running, report);
+template <Scalar T, std::size_t D>
+BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<T, D>& input,
+                             std::span<const PointReader<T>> vectors, const BindOptions& options,
+                             const Running& running) {
+    BindReport report = report_bind(input, [&](BindReport& into) {
+        return VectorBinder<T, D>(input, vectors, options).run(bindings, running, into);
     });
-    if (result.report.status != Status::ok) result.bindings = {};
+    if (report.status != Status::ok) std::fill(bindings.begin(), bindings.end(), Binding<T, D>{});
+    return report;
+}
+
+template <class C, class R, class Readers>
+auto bind_each_vector(const C& coordinates, const R& points, const Readers& vectors,
+                      const BindOptions& options, const Running& running) {
+    using T = typename C::scalar;
+    const auto evaluate = [&](const Batch<T>& batch, const Running& how) {
+        return coordinates.evaluate_gradients(batch.points, batch.rows, batch.states, how);
+    };
+    VectorBindResult<T, C::dimension, std::tuple_size_v<Readers>> result;
+    result.report = bind_vectors_into<T, C::dimension>(
+        result.bindings, bind_input(coordinates, points, evaluate), vectors, options, running);
     return result;
 }
 
@@ -197,10 +211,9 @@ bind_vectors(const C& coordinates, const R& points, const std::array<V, K>& vect
              const BindOptions& options = {}, const Running& running = {}) {
     for ([[maybe_unused]] const V& family : vectors)
         CAGEFORM_ASSERT(std::size(family) == std::size(points), "a vector for every point");
-    const auto vector = [&](std::size_t i, std::size_t n) {
-        return to_vec<typename C::scalar>(vectors[n][i]);
-    };
-    return detail::bind_each_vector<K>(coordinates, points, vector, options, running);
+    std::array<detail::PointReader<typename C::scalar>, K> readers;
+    for (std::size_t n = 0; n < K; ++n) readers[n] = detail::read_points<typename C::scalar>(vectors[n]);
+    return detail::bind_each_vector(coordinates, points, readers, options, running);
 }
 
 /// The same with one vector a point, or the same one for all points.
@@ -210,16 +223,17 @@ template <GradientCoordinates C, PointRangeIn<C::dimension> R, class V>
 BindResult<typename C::scalar, C::dimension> bind_vectors(const C& coordinates, const R& points,
                                                           const V& vectors, const BindOptions& options = {},
                                                           const Running& running = {}) {
-    const auto vector = [&](std::size_t i, std::size_t) {
-        if constexpr (PointRange<V>) {
-            return to_vec<typename C::scalar>(vectors[i]);
-        } else {
-            return to_vec<typename C::scalar>(vectors);
-        }
-    };
-    if constexpr (PointRange<V>)
+    using T = typename C::scalar;
+    std::array<detail::PointReader<T>, 1> reader;
+    [[maybe_unused]] Vec<T, C::dimension> same{};
+    if constexpr (PointRange<V>) {
         CAGEFORM_ASSERT(std::size(vectors) == std::size(points), "a vector for every point");
-    auto result = detail::bind_each_vector<1>(coordinates, points, vector, options, running);
+        reader[0] = detail::read_points<T>(vectors);
+    } else {
+        same = to_vec<T>(vectors);
+        reader[0] = detail::repeat_vector(std::size(points), same);
+    }
+    auto result = detail::bind_each_vector(coordinates, points, reader, options, running);
     return {std::move(result.bindings[0]), std::move(result.report)};
 }
 
@@ -228,12 +242,13 @@ template <GradientCoordinates C, PointRangeIn<C::dimension> R>
 VectorBindResult<typename C::scalar, C::dimension, C::dimension>
 bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},
                const Running& running = {}) {
-    const auto axis = [](std::size_t, std::size_t n) {
-        Vec<typename C::scalar, C::dimension> e{};
-        e[n] = 1;
-        return e;
-    };
-    return detail::bind_each_vector<C::dimension>(coordinates, points, axis, options, running);
+    std::array<Vec<typename C::scalar, C::dimension>, C::dimension> axes{};
+    std::array<detail::PointReader<typename C::scalar>, C::dimension> readers;
+    for (std::size_t n = 0; n < C::dimension; ++n) {
+        axes[n][n] = 1;
+        readers[n] = detail::repeat_vector(std::size(points), axes[n]);
+    }
+    return detail::bind_each_vector(coordinates, points, readers, options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -207,7 +207,7 @@ private:
         const auto is_chosen = [&chosen](std::size_t h) { return chosen[h] != 0; };
         const bool all_are_needed =
             std::none_of(largest.begin(), largest.end(), [](double w) { return w > 0; });
-        while (!all_are_needed && Moments<D>::least_extent(moments_.sum_of_squares(is_chosen)) < enough) {
+        while (!all_are_needed && principal_axes(moments_.sum_of_squares(is_chosen)).least() < enough) {
             std::size_t next = handles_;
             for (std::size_t h = 0; h < handles_; ++h) {
                 if (!is_chosen(h) && largest[h] > 0 && (next == handles_ || largest[h] > largest[next]))
@@ -269,8 +269,7 @@ private:
                         blob.writable(out.handle_faces));
         for (std::size_t h = 0; out.affine_fit != nullptr && h < handles_; ++h) {
             const Column fit = moments_.fit(h);
-            for (std::size_t r = 0; r <= D; ++r)
-                blob.writable(out.affine_fit)[h][r] = static_cast<T>(fit[Eigen::Index(r)]);
+            for (std::size_t r = 0; r <= D; ++r) blob.writable(out.affine_fit)[h][r] = static_cast<T>(fit[r]);
         }
     }
 
@@ -300,8 +299,8 @@ private:
 
     /// Σ w a of a point's weights in the binding.
     Column row_sums(std::size_t i) const {
-        Column sum = Column::Zero();
-        for (std::size_t h = 0; h < handles_; ++h) sum += double(binding_.weights(i, h)) * moments_[h];
+        Column sum{};
+        for (std::size_t h = 0; h < handles_; ++h) sum = sum + double(binding_.weights(i, h)) * moments_[h];
         return sum;
     }
 
@@ -310,11 +309,10 @@ private:
         Piece& piece = pieces_[block];
         const std::size_t rows = row_count(block);
         std::vector<double> kept(rows * lanes, 0.0);
-        const Matrix inverse = sparse_ ? Moments<D>::power(moments_.sum_of_squares([&](std::size_t h) {
+        const auto has_row = [&](std::size_t h) {
             return std::binary_search(piece.handles.begin(), piece.handles.end(), h);
-        }),
-                                                           -1)
-                                       : Matrix::Zero();
+        };
+        const Matrix inverse = sparse_ ? Moments<D>::power(moments_.sum_of_squares(has_row), -1) : Matrix{};
         for (std::size_t lane = 0; lane < used(block); ++lane) {
             const std::size_t i = point(block, lane);
             for (std::size_t r = 0; r < rows; ++r)
@@ -322,11 +320,12 @@ private:
             if (!sparse_) continue;
             Column missing = row_sums(i);
             for (std::size_t r = 0; r < rows; ++r)
-                missing -= kept[r * lanes + lane] * moments_[handle(block, r)];
-            if (missing.cwiseAbs().maxCoeff() <= 4 * double(epsilon<T>)) continue;
-            const Column step = inverse * missing;
+                missing = missing - kept[r * lanes + lane] * moments_[handle(block, r)];
+            const auto is_rounding = [](double x) { return std::fabs(x) <= 4 * double(epsilon<T>); };
+            if (std::all_of(missing.v, missing.v + D + 1, is_rounding)) continue;
+            const Column step = product(inverse, missing);
             for (std::size_t r = 0; r < rows; ++r) {
-                const double change = step.dot(moments_[handle(block, r)]);
+                const double change = dot(step, moments_[handle(block, r)]);
                 kept[r * lanes + lane] += change;
                 piece.change.raise({std::fabs(change), i});
             }
@@ -340,20 +339,19 @@ private:
                          PackedBinding<T, D>& blob) const {
         const auto out = blob.view();
         const std::size_t i = point(block, lane), rows = row_count(block);
-        Column residual = Column::Zero();
+        Column residual{};
         if (out.residual != nullptr) {
             residual = row_sums(i);
             for (std::size_t r = 0; r < rows; ++r)
-                residual -= stored[r * lanes + lane] * moments_[handle(block, r)];
+                residual = residual - stored[r * lanes + lane] * moments_[handle(block, r)];
             for (std::size_t k = 0; k <= D; ++k)
-                blob.writable(out.residual)[block * (D + 1) + k][lane] =
-                    static_cast<T>(residual[Eigen::Index(k)]);
+                blob.writable(out.residual)[block * (D + 1) + k][lane] = static_cast<T>(residual[k]);
         }
         double error = 0;
         for (std::size_t h = 0, r = 0; h < handles_; ++h) {
             double effective = 0;
             if (r < rows && handle(block, r) == h) effective = stored[r++ * lanes + lane];
-            if (out.residual != nullptr) effective += residual.dot(moments_.fit(h));
+            if (out.residual != nullptr) effective += dot(residual, moments_.fit(h));
             error += std::fabs(effective - double(binding_.weights(i, h)));
         }
         return static_cast<float>(error);

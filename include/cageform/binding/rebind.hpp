@@ -50,10 +50,10 @@ struct RebindResult {
 namespace detail {
 
 /// The state of one rebind.
-template <Scalar T, std::size_t D, PointRange R>
+template <Scalar T, std::size_t D>
 class Rebinder {
 public:
-    Rebinder(const BindingView<T, D>& old, const R& points, const RebindOptions& options,
+    Rebinder(const BindingView<T, D>& old, const PointReader<T>& points, const RebindOptions& options,
              const Running& running)
         : old_(old)
         , points_(points)
@@ -61,7 +61,7 @@ public:
         , running_(running)
         , handles_(old.handle_view())
         , restorer_(handles_)
-        , count_(std::size(points))
+        , count_(points.size)
         , neighbours_(options.neighbours == 0 ? 4 * D : std::max(options.neighbours, D + 1)) {}
 
     Status run(Binding<T, D>& binding, RebindReport& report) {
@@ -171,13 +171,11 @@ private:
     }
 
     /// Reads the user's points and looks for old ones in their places; one of the same number has
-    /// precedence. What is left of the last block is filled with copies of the last point.
+    /// precedence.
     void match(std::size_t block) {
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
-            const std::size_t i = block * lanes + lane;
-            const auto p = to_vec<T>(points_[std::min(i, count_ - 1)]);
-            for (std::size_t k = 0; k < D; ++k) rest_.block(block)[k][lane] = p[k];
-            if (i >= count_) continue;
+        points_.read(block, rest_.block(block));
+        for (std::size_t i = block * lanes; i < std::min((block + 1) * lanes, count_); ++i) {
+            const auto p = block_point<D>(rest_, i);
             if (!is_finite(p)) {
                 kinds_[i] = Kind::not_finite;
                 continue;
@@ -328,7 +326,7 @@ private:
     }
 
     const BindingView<T, D>& old_;
-    const R& points_;
+    const PointReader<T>& points_;
     const RebindOptions& options_;
     const Running& running_;
     HandleView<T, D> handles_;
@@ -344,6 +342,17 @@ private:
     std::vector<Kind> kinds_;
     std::vector<Piece> pieces_;
 };
+
+template <Scalar T, std::size_t D>
+RebindResult<T, D> rebind_points(const BindingView<T, D>& binding, const PointReader<T>& points,
+                                 const RebindOptions& options, const Running& running) {
+    RebindResult<T, D> result;
+    result.report.points = points.size;
+    run_into(result.report, [&] {
+        return Rebinder<T, D>(binding, points, options, running).run(result.binding, result.report);
+    });
+    return result;
+}
 
 } // namespace detail
 
@@ -375,13 +384,7 @@ template <Scalar T, std::size_t D, PointRange R>
     requires(range_dimension<R> == D)
 RebindResult<T, D> rebind(const BindingView<T, D>& binding, const R& points,
                           const RebindOptions& options = {}, const Running& running = {}) {
-    RebindResult<T, D> result;
-    result.report.points = std::size(points);
-    detail::run_into(result.report, [&] {
-        return detail::Rebinder<T, D, R>(binding, points, options, running)
-            .run(result.binding, result.report);
-    });
-    return result;
+    return detail::rebind_points(binding, detail::read_points<T>(points), options, running);
 }
 template <Scalar T, std::size_t D, PointRange R>
     requires(range_dimension<R> == D)

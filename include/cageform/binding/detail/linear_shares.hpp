@@ -1,9 +1,7 @@
 // Interpolation between scattered places.
 #pragma once
 
-#include <cageform/core/vec.hpp>
-
-#include <Eigen/Eigenvalues>
+#include <cageform/binding/detail/symmetric_matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +28,7 @@ public:
     void compute(std::span<const Vec<double, D>> places, double radius, double rounding) {
         shares_.resize(places.size());
         double sum = 0;
-        Column mean = Column::Zero();
+        Vec<double, D> mean{};
         for (std::size_t j = 0; j < places.size(); ++j) {
             // Nearer than this a place has all the share in double precision. What lies on the rim
             // has a little, for there may be no others.
@@ -38,29 +36,28 @@ public:
             const double open = 1.05 - std::min(distance, 1.0);
             shares_[j] = open * open / (distance * distance);
             sum += shares_[j];
-            mean += shares_[j] * column(places[j]);
+            mean = mean + shares_[j] * places[j];
         }
-        mean /= sum;
-        Matrix square = Matrix::Zero();
+        mean = (1 / sum) * mean;
+        SquareMatrix<D> square{};
         for (std::size_t j = 0; j < places.size(); ++j) {
-            const Column d = column(places[j]) - mean;
+            const auto d = places[j] - mean;
             shares_[j] /= sum;
-            square += shares_[j] * d * d.transpose();
+            add_outer_product(square, shares_[j] * d, d);
         }
         // Of the squares only half the digits are left in extents.
-        const Eigen::SelfAdjointEigenSolver<Matrix> axes(square);
-        const double least =
-            std::max(rounding, 1e-6 * std::sqrt(std::max(axes.eigenvalues()[Eigen::Index(D) - 1], 0.0)));
-        Column slope = Column::Zero();
-        for (Eigen::Index n = 0; n < Eigen::Index(D); ++n) {
-            const double extent = std::sqrt(std::max(axes.eigenvalues()[n], 0.0));
+        const PrincipalAxes<D> axes = principal_axes(square);
+        const double least = std::max(rounding, 1e-6 * std::sqrt(std::max(axes.largest(), 0.0)));
+        Vec<double, D> slope{};
+        for (std::size_t n = 0; n < D; ++n) {
+            const double extent = std::sqrt(std::max(axes.values[n], 0.0));
             if (!(extent > least)) continue;
-            const Column axis = axes.eigenvectors().col(n);
-            slope -= std::clamp(mean.dot(axis) / extent, -12.0, 12.0) / extent * axis;
+            const auto& axis = axes.vectors[n];
+            slope = slope - std::clamp(dot(mean, axis) / extent, -12.0, 12.0) / extent * axis;
         }
         sum = 0;
         for (std::size_t j = 0; j < places.size(); ++j) {
-            shares_[j] *= 1 + slope.dot(column(places[j]) - mean);
+            shares_[j] *= 1 + dot(slope, places[j] - mean);
             sum += shares_[j];
         }
         for (double& share : shares_) share /= sum; // large slopes round Σs away from 1
@@ -68,15 +65,6 @@ public:
     double operator[](std::size_t place) const noexcept { return shares_[place]; }
 
 private:
-    using Column = Eigen::Matrix<double, int(D), 1>;
-    using Matrix = Eigen::Matrix<double, int(D), int(D)>;
-
-    static Column column(const Vec<double, D>& p) {
-        Column c;
-        for (std::size_t k = 0; k < D; ++k) c[Eigen::Index(k)] = p[k];
-        return c;
-    }
-
     std::vector<double> shares_;
 };
 

@@ -2,9 +2,8 @@
 // with.
 #pragma once
 
+#include <cageform/binding/detail/symmetric_matrix.hpp>
 #include <cageform/coordinates/detail/affine_rows.hpp>
-
-#include <Eigen/Eigenvalues>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -13,9 +12,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <std::size_t D>
 class Moments {
 public:
-    static constexpr int size = int(D) + 1;
-    using Column = Eigen::Matrix<double, size, 1>;
-    using Matrix = Eigen::Matrix<double, size, size>;
+    using Column = Vec<double, D + 1>;
+    using Matrix = SquareMatrix<D + 1>;
 
     template <Scalar T>
     explicit Moments(const HandleView<T, D>& handles)
@@ -27,38 +25,38 @@ public:
                 frame.centre[k] += double(handles.rest[i][k]) / points;
         }
         const AffineRows<double, D> rows(handles, frame);
-        Matrix square = Matrix::Zero();
+        Matrix square{};
         for (std::size_t i = 0; i < handles.count; ++i) {
-            columns_[i] = rows.column(i);
-            square += columns_[i] * columns_[i].transpose() / double(handles.count);
+            columns_[i] = rows[i];
+            add_outer_product(square, 1 / double(handles.count) * rows[i], rows[i]);
         }
         const Matrix whiten = power(square, -0.5);
-        for (auto& a : columns_) a = whiten * a;
+        for (auto& a : columns_) a = product(whiten, a);
         inverse_of_all_ = power(sum_of_squares([](std::size_t) { return true; }), -1);
     }
 
     const Column& operator[](std::size_t handle) const { return columns_[handle]; }
     /// The best affine fit to values at all handles is Σ_i fit(i) · value_i, against these columns.
-    Column fit(std::size_t handle) const { return inverse_of_all_ * columns_[handle]; }
+    Column fit(std::size_t handle) const { return product(inverse_of_all_, columns_[handle]); }
 
     template <class Chosen>
     Matrix sum_of_squares(const Chosen& chosen) const {
-        Matrix sum = Matrix::Zero();
+        Matrix sum{};
         for (std::size_t i = 0; i < columns_.size(); ++i) {
-            if (chosen(i)) sum += columns_[i] * columns_[i].transpose();
+            if (chosen(i)) add_outer_product(sum, columns_[i], columns_[i]);
         }
         return sum;
     }
     /// Of a symmetric matrix; directions without extent are left out.
     static Matrix power(const Matrix& m, double exponent) {
-        const Eigen::SelfAdjointEigenSolver<Matrix> solver(m);
-        Column values = solver.eigenvalues();
-        const double least = values.maxCoeff() * 1e-12;
-        for (double& x : values) x = x > least ? std::pow(x, exponent) : 0;
-        return solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
-    }
-    static double least_extent(const Matrix& m) {
-        return Eigen::SelfAdjointEigenSolver<Matrix>(m, Eigen::EigenvaluesOnly).eigenvalues()[0];
+        const PrincipalAxes<D + 1> axes = principal_axes(m);
+        Matrix result{};
+        for (std::size_t k = 0; k <= D; ++k) {
+            if (axes.values[k] > axes.largest() * 1e-12)
+                add_outer_product(result, std::pow(axes.values[k], exponent) * axes.vectors[k],
+                                  axes.vectors[k]);
+        }
+        return result;
     }
 
 private:

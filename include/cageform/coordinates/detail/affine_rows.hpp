@@ -68,16 +68,14 @@ public:
     std::size_t size() const noexcept { return rows_.size(); }
     const Vec<T, D + 1>& operator[](std::size_t handle) const noexcept { return rows_[handle]; }
 
-    /// Row `handle` as a column of Eigen's.
-    Eigen::Matrix<double, int(D) + 1, 1> column(std::size_t handle) const {
-        Eigen::Matrix<double, int(D) + 1, 1> a;
-        for (std::size_t r = 0; r <= D; ++r) a[Eigen::Index(r)] = double(rows_[handle][r]);
-        return a;
-    }
     /// Σ a aᵀ over all handles.
     Square sum_of_squares() const {
         Square sum = Square::Zero();
-        for (std::size_t i = 0; i < rows_.size(); ++i) sum += column(i) * column(i).transpose();
+        for (const auto& a : rows_) {
+            for (std::size_t r = 0; r <= D; ++r) {
+                for (std::size_t c = 0; c <= D; ++c) sum(long(r), long(c)) += double(a[r]) * double(a[c]);
+            }
+        }
         return sum;
     }
 

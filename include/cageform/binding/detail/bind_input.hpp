@@ -1,0 +1,69 @@
+// Coordinates and points of whatever types, as binding sees them: what works on them is compiled
+// for a scalar and a dimension only.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/core/view.hpp>
+
+#include <algorithm>
+#include <functional>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Points that are read a block at a time.
+template <Scalar T>
+struct PointReader {
+    std::size_t size = 0;
+    /// Rows of a block; copies of the last point fill the last one.
+    std::function<void(std::size_t block, Lanes<T>* rows)> read;
+};
+
+/// Reads any range, which has to outlive the reader.
+template <Scalar T, PointRange R>
+PointReader<T> read_points(const R& points) {
+    return {std::size(points), [&points](std::size_t block, Lanes<T>* rows) {
+                for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
+                    const std::size_t i = block * lane_count<T> + lane;
+                    const auto p = to_vec<T>(points[std::min(i, std::size(points) - 1)]);
+                    for (std::size_t k = 0; k < range_dimension<R>; ++k) rows[k][lane] = p[k];
+                }
+            }};
+}
+
+/// The same vector for every point; it has to outlive the reader.
+template <Scalar T, std::size_t D>
+PointReader<T> repeat_vector(std::size_t size, const Vec<T, D>& vector) {
+    return {size, [&vector](std::size_t, Lanes<T>* rows) {
+                for (std::size_t k = 0; k < D; ++k)
+                    std::fill(rows[k].v, rows[k].v + lane_count<T>, vector[k]);
+            }};
+}
+
+/// What is bound, and by what; owns nothing.
+template <Scalar T, std::size_t D>
+struct BindInput {
+    const CageReport& cage;
+    std::function<HandleView<T, D>()> handles; ///< of a sound cage
+    bool has_extension = false, closed_form = false;
+    /// The rows are weights or gradients.
+    std::function<Evaluation(const Batch<T>&, const Running&)> evaluate;
+    std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
+    PointReader<T> points;
+};
+
+template <CageCoordinates C, PointRange R, class Evaluate>
+BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates, const R& points,
+                                                       const Evaluate& evaluate) {
+    using T = typename C::scalar;
+    return {coordinates.cage_report(),
+            [&coordinates] { return handle_view(coordinates); },
+            C::has_extension,
+            C::closed_form,
+            evaluate,
+            [&coordinates](const Vec<T, C::dimension>& p, std::span<T> row) {
+                return coordinates.nearest_boundary(p, row);
+            },
+            read_points<T>(points)};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
