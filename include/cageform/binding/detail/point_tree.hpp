@@ -41,7 +41,7 @@ public:
     void nearest(const Vec<double, D>& p, std::size_t count, const Wanted& wanted,
                  std::vector<Neighbour>& found) const {
         found.clear();
-        if (count > 0) search(0, places_.size(), p, count, wanted, found);
+        if (count > 0) search(0, places_.size(), Search<Wanted>{p, count, wanted, found});
         std::sort_heap(found.begin(), found.end());
     }
 
@@ -74,12 +74,15 @@ private:
         divide(points, middle + 1, end);
     }
 
+    /// What is looked for: a heap of the nearest found so far, the farthest of them first.
     template <class Wanted>
-    void search(std::size_t begin, std::size_t end, const Vec<double, D>& p, std::size_t count,
-                const Wanted& wanted, std::vector<Neighbour>& found) const {
-        const auto consider = [&](std::size_t n) {
-            const auto d = places_[n] - p;
-            const Neighbour next{dot(d, d), order_[n]};
+    struct Search {
+        const Vec<double, D>& p;
+        std::size_t count;
+        const Wanted& wanted;
+        std::vector<Neighbour>& found;
+
+        void consider(const Neighbour& next) const {
             if (found.size() == count) {
                 if (!(next < found.front()) || !wanted(next.point)) return;
                 std::pop_heap(found.begin(), found.end());
@@ -89,19 +92,27 @@ private:
                 found.push_back(next);
             }
             std::push_heap(found.begin(), found.end());
+        }
+    };
+
+    template <class Wanted>
+    void search(std::size_t begin, std::size_t end, const Search<Wanted>& query) const {
+        const auto consider = [&](std::size_t n) {
+            const auto d = places_[n] - query.p;
+            query.consider({dot(d, d), order_[n]});
         };
         if (end - begin <= leaf) {
             for (std::size_t n = begin; n < end; ++n) consider(n);
             return;
         }
         const std::size_t middle = begin + (end - begin) / 2, axis = axes_[middle];
-        const double beyond = p[axis] - places_[middle][axis];
+        const double beyond = query.p[axis] - places_[middle][axis];
         const auto below = std::pair(begin, middle), above = std::pair(middle + 1, end);
         const auto& [near, other] = beyond < 0 ? std::pair(below, above) : std::pair(above, below);
-        search(near.first, near.second, p, count, wanted, found);
+        search(near.first, near.second, query);
         consider(middle);
-        if (found.size() < count || beyond * beyond <= found.front().squared)
-            search(other.first, other.second, p, count, wanted, found);
+        if (query.found.size() < query.count || beyond * beyond <= query.found.front().squared)
+            search(other.first, other.second, query);
     }
 
     std::vector<Vec<double, D>> places_; // in the order of the tree
