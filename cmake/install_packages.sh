@@ -33,8 +33,13 @@ fi
 
 echo "Installing:$missing"
 export DEBIAN_FRONTEND=noninteractive
-# Another apt may hold the lock (unattended upgrades): wait for it.
+# Another apt may hold a lock (unattended upgrades): wait for it. Only dpkg's lock has an option for that.
 apt_get() { $as_root apt-get -q -o DPkg::Lock::Timeout=600 "$@" >/dev/null; }
-apt_get update
+tries=1
+until apt_get update; do
+  [ $tries -lt 6 ] || exit 1
+  tries=$((tries + 1))
+  sleep 10
+done
 # shellcheck disable=SC2086  # the list is meant to be split
 apt_get install -y --no-install-recommends $missing
