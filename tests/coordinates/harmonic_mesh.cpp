@@ -143,6 +143,17 @@ TEMPLATE_TEST_CASE(
     }
 }
 
+TEST_CASE("vertices and faces make the coordinates that their mesh makes", "[coordinates][harmonic][mesh]") {
+    const auto data = random_mesh(3);
+    const auto mesh = data.mesh<float>();
+    const std::vector<cageform::Vec<float, 3>> vertices(mesh.vertices().begin(), mesh.vertices().end());
+    const HarmonicCoordinates coordinates(vertices, data.faces, {.resolution = 20});
+    STATIC_REQUIRE(std::is_same_v<decltype(coordinates), const cageform::HarmonicCoordinates<float, 3>>);
+    CHECK(coordinates.options().resolution == 20);
+    CHECK(evaluate_all(coordinates, vertices).rows ==
+          evaluate_all(HarmonicCoordinates(mesh, {.resolution = 20}), vertices).rows);
+}
+
 TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
                    "[coordinates][harmonic][mesh][property]", CAGEFORM_SCALARS) {
     using T = TestType;

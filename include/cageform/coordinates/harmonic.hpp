@@ -79,6 +79,12 @@ public:
     explicit HarmonicCoordinates(const R& vertices, const Options& options = {})
         : HarmonicCoordinates(Cage(vertices), options) {}
 
+    /// A mesh, from what a TriangleMesh is made of.
+    template <PointRange R, FaceRange F>
+        requires(D == 3 && range_dimension<R> == 3 && std::is_same_v<C, TriangleMesh<T>>)
+    HarmonicCoordinates(const R& vertices, const F& faces, const Options& options = {})
+        : HarmonicCoordinates(Cage(vertices, faces), options) {}
+
     const Cage& cage() const noexcept { return problem_->cage; }
     const Options& options() const noexcept { return problem_->options; }
     std::span<const Vec<T, D>> handles() const noexcept { return cage().vertices(); }
@@ -182,6 +188,9 @@ HarmonicCoordinates(Polygon<T>, const HarmonicOptions& = {}) -> HarmonicCoordina
 template <Scalar T, std::size_t D>
 HarmonicCoordinates(CellComplex<T, D>, const HarmonicOptions& = {})
     -> HarmonicCoordinates<T, D, CellComplex<T, D>>;
+template <PointRange R, FaceRange F>
+HarmonicCoordinates(const R&, const F&, const HarmonicOptions& = {})
+    -> HarmonicCoordinates<range_scalar_t<R>, 3>;
 
 using HarmonicCoordinates2f = HarmonicCoordinates<float, 2>;
 using HarmonicCoordinates2d = HarmonicCoordinates<double, 2>;
