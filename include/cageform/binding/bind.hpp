@@ -333,10 +333,7 @@ struct Bind {
     BindResult<typename C::scalar, C::dimension> operator()(const C& coordinates, const R& points,
                                                             const BindOptions& options, Recycled&& recycled,
                                                             const Running& running = {}) const {
-        const auto evaluate = [&](const Batch<typename C::scalar>& batch, const Running& how) {
-            return coordinates.evaluate(batch.points, batch.rows, batch.states, how);
-        };
-        return bind_points(bind_input(coordinates, points, evaluate), options,
+        return bind_points(bind_input(coordinates, read_points<typename C::scalar>(points)), options,
                            std::forward<Recycled>(recycled), running);
     }
 };

@@ -169,16 +169,18 @@ BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<
     return report;
 }
 
-template <class C, class R, class Readers>
-auto bind_each_vector(const C& coordinates, const R& points, const Readers& vectors,
-                      const BindOptions& options, const Running& running) {
+template <class C, std::size_t K>
+VectorBindResult<typename C::scalar, C::dimension, K>
+bind_each_vector(const C& coordinates, const PointReader<typename C::scalar>& points,
+                 const std::array<PointReader<typename C::scalar>, K>& vectors, const BindOptions& options,
+                 const Running& running) {
     using T = typename C::scalar;
-    const auto evaluate = [&](const Batch<T>& batch, const Running& how) {
+    auto input = bind_input(coordinates, points);
+    input.evaluate = [&coordinates](const Batch<T>& batch, const Running& how) {
         return coordinates.evaluate_gradients(batch.points, batch.rows, batch.states, how);
     };
-    VectorBindResult<T, C::dimension, std::tuple_size_v<Readers>> result;
-    result.report = bind_vectors_into<T, C::dimension>(
-        result.bindings, bind_input(coordinates, points, evaluate), vectors, options, running);
+    VectorBindResult<T, C::dimension, K> result;
+    result.report = bind_vectors_into<T, C::dimension>(result.bindings, input, vectors, options, running);
     return result;
 }
 
@@ -211,9 +213,10 @@ bind_vectors(const C& coordinates, const R& points, const std::array<V, K>& vect
              const BindOptions& options = {}, const Running& running = {}) {
     for ([[maybe_unused]] const V& family : vectors)
         CAGEFORM_ASSERT(std::size(family) == std::size(points), "a vector for every point");
-    std::array<detail::PointReader<typename C::scalar>, K> readers;
-    for (std::size_t n = 0; n < K; ++n) readers[n] = detail::read_points<typename C::scalar>(vectors[n]);
-    return detail::bind_each_vector(coordinates, points, readers, options, running);
+    using T = typename C::scalar;
+    std::array<detail::PointReader<T>, K> readers;
+    for (std::size_t n = 0; n < K; ++n) readers[n] = detail::read_points<T>(vectors[n]);
+    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
 }
 
 /// The same with one vector a point, or the same one for all points.
@@ -233,7 +236,8 @@ BindResult<typename C::scalar, C::dimension> bind_vectors(const C& coordinates, 
         same = to_vec<T>(vectors);
         reader[0] = detail::repeat_vector(std::size(points), same);
     }
-    auto result = detail::bind_each_vector(coordinates, points, reader, options, running);
+    auto result =
+        detail::bind_each_vector(coordinates, detail::read_points<T>(points), reader, options, running);
     return {std::move(result.bindings[0]), std::move(result.report)};
 }
 
@@ -242,13 +246,14 @@ template <GradientCoordinates C, PointRangeIn<C::dimension> R>
 VectorBindResult<typename C::scalar, C::dimension, C::dimension>
 bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},
                const Running& running = {}) {
-    std::array<Vec<typename C::scalar, C::dimension>, C::dimension> axes{};
-    std::array<detail::PointReader<typename C::scalar>, C::dimension> readers;
+    using T = typename C::scalar;
+    std::array<Vec<T, C::dimension>, C::dimension> axes{};
+    std::array<detail::PointReader<T>, C::dimension> readers;
     for (std::size_t n = 0; n < C::dimension; ++n) {
         axes[n][n] = 1;
         readers[n] = detail::repeat_vector(std::size(points), axes[n]);
     }
-    return detail::bind_each_vector(coordinates, points, readers, options, running);
+    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <span>
+#include <utility>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -45,25 +47,27 @@ struct BindInput {
     const CageReport& cage;
     std::function<HandleView<T, D>()> handles; ///< of a sound cage
     bool has_extension = false, closed_form = false;
-    /// The rows are weights or gradients.
+    /// The rows are weights; of vectors gradients.
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate;
     std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
     PointReader<T> points;
 };
 
-template <CageCoordinates C, PointRange R, class Evaluate>
-BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates, const R& points,
-                                                       const Evaluate& evaluate) {
+template <CageCoordinates C>
+BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
+                                                       PointReader<typename C::scalar> points) {
     using T = typename C::scalar;
     return {coordinates.cage_report(),
             [&coordinates] { return handle_view(coordinates); },
             C::has_extension,
             C::closed_form,
-            evaluate,
+            [&coordinates](const Batch<T>& batch, const Running& running) {
+                return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
+            },
             [&coordinates](const Vec<T, C::dimension>& p, std::span<T> row) {
                 return coordinates.nearest_boundary(p, row);
             },
-            read_points<T>(points)};
+            std::move(points)};
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

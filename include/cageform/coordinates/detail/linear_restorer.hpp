@@ -23,7 +23,7 @@ public:
 
     explicit LinearRestorer(const HandleView<T, D>& handles)
         : rows_(handles, frame_of(handles)) {
-        const auto inverse = rows_.sum_of_squares().inverse().eval();
+        const auto inverse = inverse_of(rows_.sum_of_squares());
         for (std::size_t r = 0; r <= D; ++r) {
             for (std::size_t c = 0; c <= D; ++c) inverse_[r][c] = static_cast<T>(inverse(long(r), long(c)));
         }
@@ -52,6 +52,16 @@ public:
 
 private:
     using Simd = detail::Simd<T>;
+    using Square = typename AffineRows<T, D>::Square;
+
+    /// Eigen has formulas for up to four rows; above it compiles one algorithm for each size.
+    static Square inverse_of(const Square& m) {
+        if constexpr (D <= 3) {
+            return m.inverse();
+        } else {
+            return Eigen::MatrixXd(m).fullPivLu().inverse();
+        }
+    }
 
     const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
 
