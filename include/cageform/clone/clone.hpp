@@ -82,7 +82,8 @@ Status clone(const B& binding, const Pose& pose, Out&& out,
     const auto view = detail::view_of(binding);
     const Status status = detail::check_clone(view, pose, out, options);
     if (status != Status::ok) return status;
-    const detail::BlockCloner cloner(view, pose, out, options);
+    auto&& target = detail::as_target<typename B::scalar, B::dimension>(out);
+    const detail::BlockCloner cloner(view, pose, target, options);
     parallel_for(block_count<typename B::scalar>(view.point_count()), detail::clone_grain,
                  [&](std::size_t begin, std::size_t end) { cloner.run(begin, end); });
     return Status::ok;

@@ -57,7 +57,7 @@ noexcept {
     if (out.size() < displacement_count(binding)) return Status::output_too_small;
     const Status status = detail::check_pose(binding, pose);
     if (status != Status::ok) return status;
-    const auto displacement = [&](std::size_t i) { return to_vec<float>(pose[i]) - binding.rest_handles[i]; };
+    const detail::TakenDisplacements<float, D, Pose> displacement{binding.rest_handles, pose};
     const auto write = [&out](std::size_t place, const Vec<float, D>& v) {
         std::array<float, 4> padded{};
         for (std::size_t k = 0; k < D; ++k) padded[k] = v[k];

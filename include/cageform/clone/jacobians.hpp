@@ -59,7 +59,7 @@ noexcept {
     const std::size_t blocks = block_count<typename B::scalar>(views[0].point_count());
     parallel_for(blocks, detail::clone_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = 0; k < D; ++k) {
-            const auto column = jacobians.column(k);
+            auto column = jacobians.column(k);
             detail::BlockCloner(views[k], pose, column, {}).run(begin, end);
         }
     });

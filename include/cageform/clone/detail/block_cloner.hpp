@@ -39,6 +39,69 @@ struct AffineFit {
 
 inline constexpr std::size_t clone_grain = 256; ///< blocks that are worth a thread
 
+/// The blocks of a clone: the sums of their rows, completed and written.
+template <Scalar T, std::size_t D, class Out>
+struct DisplacedBlocks {
+    PackedBindingView<T, D> binding; ///< a dense binding is a packed one from which nothing was dropped
+    CloneTarget<T, D, Out> target;
+
+    /// For blocks that have rows for all handles or for some.
+    template <WeightFormat Format, class Displacement>
+    void add(const Displacement& displacement, const AffineFit<T, D>& fit, std::size_t begin,
+             std::size_t end) const noexcept {
+        if (binding.row_begin == nullptr) return add_dense<Format>(displacement, fit, begin, end);
+        for (std::size_t b = begin; b < end; ++b) {
+            Lanes<T> sums[D];
+            const std::size_t first = binding.row_begin[b];
+            const DisplacementsOfRows<Displacement> of_rows{displacement, binding.row_handle + first};
+            sum_block<Format, T, D>(binding.weights + first * row_bytes<Format>,
+                                    binding.row_begin[b + 1] - first, of_rows, sums);
+            finish(fit, b, sums);
+        }
+    }
+
+    /// For blocks that have a row for every handle.
+    template <WeightFormat Format, class Displacement>
+    void add_dense(const Displacement& displacement, const AffineFit<T, D>& fit, std::size_t begin,
+                   std::size_t end) const noexcept {
+        // From caches, blocks beside each other take a third less time, for they save loads; from
+        // memory a third more, for one stream is fetched ahead better than several that break off
+        // at every block.
+        constexpr std::size_t cached = std::size_t{16} << 20;
+        constexpr std::size_t together = sums_in_registers<D>;
+        const std::size_t handles = binding.handles, block_bytes = handles * row_bytes<Format>;
+        std::size_t b = begin;
+        if (binding.block_count() * block_bytes < cached) {
+            // One by one at the end, in the same order of additions: ranges may be cut anywhere.
+            const auto sum = [&](auto count, std::size_t block) {
+                Lanes<T> sums[count][D];
+                sum_rows<count, 1, Format, T, D>(binding.weights + block * block_bytes, handles, handles,
+                                                 displacement, sums);
+                for (std::size_t n = 0; n < count; ++n) finish(fit, block + n, sums[n]);
+            };
+            for (; b + together <= end; b += together)
+                sum(std::integral_constant<std::size_t, together>{}, b);
+            for (; b < end; ++b) sum(std::integral_constant<std::size_t, 1>{}, b);
+            return;
+        }
+        for (; b < end; ++b) {
+            Lanes<T> sums[D];
+            sum_block<Format, T, D>(binding.weights + b * block_bytes, handles, displacement, sums);
+            finish(fit, b, sums);
+        }
+    }
+
+private:
+    template <WeightFormat Format>
+    static constexpr std::size_t row_bytes = lane_count<T>* weight_bytes<T>(Format);
+
+    CAGEFORM_DETAIL_NO_INLINE void finish(const AffineFit<T, D>& fit, std::size_t block,
+                                          Lanes<T>* sums) const noexcept {
+        fit.complete(binding, block, sums);
+        target.write(block, sums);
+    }
+};
+
 /// One clone: `View` by `pose` into `out`, any of its blocks at a time.
 template <class View, class Pose, class Out>
 class BlockCloner {
@@ -48,89 +111,35 @@ public:
 
     /// Refers to all its arguments but the view.
     BlockCloner(const View& binding, const Pose& pose, Out& out, const CloneOptions<T>& options) noexcept
-        : binding_(binding)
-        , pose_(pose)
-        , target_{binding_.rest, binding_.order, binding_.points, options, out} {}
+        : blocks_{binding, {binding, options, out}}
+        , pose_(pose) {}
 
     /// Writes the points of blocks [begin, end).
     void run(std::size_t begin, std::size_t end) const noexcept {
-        const Displacements<T, D, Pose> displacements(binding_.rest_handles, binding_.handles, pose_);
+        const PackedBindingView<T, D>& binding = blocks_.binding;
+        const Displacements<T, D, Pose> displacements(binding.rest_handles, binding.handles, pose_);
         displacements.with([&](const auto& displacement) {
-            if constexpr (std::is_same_v<View,
-                                         BindingView<T, D>>) { // has one format, and rows for all handles
-                add_dense<WeightFormat::scalar>(
-                    displacement, begin, end,
-                    [&](std::size_t block, Lanes<T>* sums) { target_.write(block, sums); });
+            const AffineFit<T, D> fit(binding, displacement);
+            if constexpr (std::is_same_v<View, BindingView<T, D>>) { // one format, rows for all handles
+                blocks_.template add_dense<WeightFormat::scalar>(displacement, fit, begin, end);
             } else {
-                switch (binding_.format) {
-                case WeightFormat::scalar: return add<WeightFormat::scalar>(displacement, begin, end);
-                case WeightFormat::half: return add<WeightFormat::half>(displacement, begin, end);
-                case WeightFormat::int16: return add<WeightFormat::int16>(displacement, begin, end);
-                case WeightFormat::int8: return add<WeightFormat::int8>(displacement, begin, end);
+                switch (binding.format) {
+                case WeightFormat::scalar:
+                    return blocks_.template add<WeightFormat::scalar>(displacement, fit, begin, end);
+                case WeightFormat::half:
+                    return blocks_.template add<WeightFormat::half>(displacement, fit, begin, end);
+                case WeightFormat::int16:
+                    return blocks_.template add<WeightFormat::int16>(displacement, fit, begin, end);
+                case WeightFormat::int8:
+                    return blocks_.template add<WeightFormat::int8>(displacement, fit, begin, end);
                 }
             }
         });
     }
 
 private:
-    template <WeightFormat Format>
-    static constexpr std::size_t row_bytes = lane_count<T>* weight_bytes<T>(Format);
-
-    template <WeightFormat Format, class Displacement>
-    void add(const Displacement& displacement, std::size_t begin, std::size_t end) const noexcept {
-        const AffineFit<T, D> fit(binding_, displacement);
-        const auto finish = [&](std::size_t block, Lanes<T>* sums) {
-            fit.complete(binding_, block, sums);
-            target_.write(block, sums);
-        };
-        if (binding_.row_begin == nullptr) return add_dense<Format>(displacement, begin, end, finish);
-        for (std::size_t b = begin; b < end; ++b) {
-            Lanes<T> sums[D];
-            const std::size_t first = binding_.row_begin[b];
-            sum_block<Format, T, D>(
-                binding_.weights + first * row_bytes<Format>, binding_.row_begin[b + 1] - first,
-                [&, handle = binding_.row_handle + first](std::size_t row) -> decltype(auto) {
-                    return displacement(handle[row]);
-                },
-                sums);
-            finish(b, sums);
-        }
-    }
-
-    /// For blocks that have a row for every handle; finish(block, sums) takes what is summed.
-    template <WeightFormat Format, class Displacement, class Finish>
-    void add_dense(const Displacement& displacement, std::size_t begin, std::size_t end,
-                   const Finish& finish) const noexcept {
-        // From caches, blocks beside each other take a third less time, for they save loads; from
-        // memory a third more, for one stream is fetched ahead better than several that break off
-        // at every block.
-        constexpr std::size_t cached = std::size_t{16} << 20;
-        constexpr std::size_t together = sums_in_registers<D>;
-        const std::size_t handles = binding_.handles, block_bytes = handles * row_bytes<Format>;
-        std::size_t b = begin;
-        if (binding_.block_count() * block_bytes < cached) {
-            // One by one at the end, in the same order of additions: ranges may be cut anywhere.
-            const auto sum = [&](auto count, std::size_t block) {
-                Lanes<T> sums[count][D];
-                sum_rows<count, 1, Format, T, D>(binding_.weights + block * block_bytes, handles, handles,
-                                                 displacement, sums);
-                for (std::size_t n = 0; n < count; ++n) finish(block + n, sums[n]);
-            };
-            for (; b + together <= end; b += together)
-                sum(std::integral_constant<std::size_t, together>{}, b);
-            for (; b < end; ++b) sum(std::integral_constant<std::size_t, 1>{}, b);
-            return;
-        }
-        for (; b < end; ++b) {
-            Lanes<T> sums[D];
-            sum_block<Format, T, D>(binding_.weights + b * block_bytes, handles, displacement, sums);
-            finish(b, sums);
-        }
-    }
-
-    PackedBindingView<T, D> binding_; ///< a dense binding is a packed one from which nothing was dropped
+    DisplacedBlocks<T, D, Out> blocks_;
     const Pose& pose_;
-    CloneTarget<T, D, Out> target_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

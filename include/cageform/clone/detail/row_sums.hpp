@@ -8,35 +8,58 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// The displacement of a handle, from a table of them.
+template <Scalar T, std::size_t D>
+struct TabledDisplacements {
+    const Vec<T, D>* table;
+
+    const Vec<T, D>& operator()(std::size_t i) const noexcept { return table[i]; }
+};
+
+/// The displacement of a handle, taken from the pose.
+template <Scalar T, std::size_t D, class Pose>
+struct TakenDisplacements {
+    const Vec<T, D>* rest;
+    const Pose& pose;
+
+    Vec<T, D> operator()(std::size_t i) const noexcept { return to_vec<T>(pose[i]) - rest[i]; }
+};
+
+/// The displacement that a row of weights belongs to, where rows name their handles.
+template <class Source>
+struct DisplacementsOfRows {
+    Source source;
+    const std::uint16_t* handle;
+
+    decltype(auto) operator()(std::size_t row) const noexcept { return source(handle[row]); }
+};
+
 /// The displacements of handles. Up to 16 kB of them are put into a table on the stack, more are
 /// taken again for each use: nothing is allocated whatever their number.
 template <Scalar T, std::size_t D, class Pose>
 class Displacements {
 public:
     Displacements(const Vec<T, D>* rest, std::size_t handles, const Pose& pose) noexcept
-        : rest_(rest)
-        , pose_(pose)
+        : taken_{rest, pose}
         , tabled_(handles <= capacity) {
         if (!tabled_) return;
-        for (std::size_t i = 0; i < handles; ++i) table_[i] = taken(i);
+        for (std::size_t i = 0; i < handles; ++i) table_[i] = taken_(i);
     }
 
     /// f(displacement), where displacement(i) is that of handle i.
     template <class F>
     void with(const F& f) const noexcept {
         if (tabled_) {
-            f([table = table_](std::size_t i) -> const Vec<T, D>& { return table[i]; });
+            f(TabledDisplacements<T, D>{table_});
         } else {
-            f([this](std::size_t i) { return taken(i); });
+            f(taken_);
         }
     }
 
 private:
     static constexpr std::size_t capacity = 16384 / sizeof(Vec<T, D>);
-    Vec<T, D> taken(std::size_t i) const noexcept { return to_vec<T>(pose_[i]) - rest_[i]; }
 
-    const Vec<T, D>* rest_;
-    const Pose& pose_;
+    TakenDisplacements<T, D, Pose> taken_;
     bool tabled_;
     Vec<T, D> table_[capacity];
 };
@@ -50,45 +73,54 @@ CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
     (std::make_index_sequence<N>{});
 }
 
+template <Scalar T, std::size_t Blocks, std::size_t D>
+using BlockSums = typename Simd<T>::Register[Blocks][D];
+
+/// Adds w d of one row to the sums of blocks `block_bytes` apart.
+template <WeightFormat Format, Scalar T, std::size_t Blocks, std::size_t D>
+CAGEFORM_DETAIL_INLINE inline void add_row(const std::byte* row, std::size_t block_bytes, const Vec<T, D>& d,
+                                           BlockSums<T, Blocks, D>& sum) noexcept {
+    using Register = typename Simd<T>::Register;
+    Register factor[D];
+    unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
+    unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
+        Register w = load_weights<Format, T>(row + b * block_bytes);
+        conceal(w); // GNU would load it anew for every product
+        unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { sum[b][k] = multiply_add(w, factor[k], sum[b][k]); });
+    });
+}
+
+template <Scalar T, std::size_t Blocks, std::size_t D>
+CAGEFORM_DETAIL_INLINE inline void add_sums(BlockSums<T, Blocks, D>& sum,
+                                            const BlockSums<T, Blocks, D>& other) noexcept {
+    unroll<Blocks * D>(
+        [&](auto n) CAGEFORM_DETAIL_INLINE { sum[n / D][n % D] = sum[n / D][n % D] + other[n / D][n % D]; });
+}
+
 /// Σ w_r d_r of `Blocks` blocks beside each other, `stride` rows apart, and for each in `Chains`
 /// sums that need not wait for each other. `displacement(row)` is d of the rows [0, rows).
 template <std::size_t Blocks, std::size_t Chains, WeightFormat Format, Scalar T, std::size_t D,
           class Displacement>
 void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
               const Displacement& displacement, Lanes<T> (*sums)[D]) noexcept {
-    using Register = typename Simd<T>::Register;
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
     // A register's width of the block at a time; the rows stay in the first cache level meanwhile.
     for (std::size_t part = 0; part < Simd<T>::count; ++part) {
         const std::byte* const begin = weights + part * (row_bytes / Simd<T>::count);
-        Register sum[Chains][Blocks][D] = {};
-        const auto add = [&](std::size_t row, auto chain) CAGEFORM_DETAIL_INLINE {
-            const auto& d = displacement(row);
-            Register factor[D];
-            unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
-            unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
-                Register w = load_weights<Format, T>(begin + (b * stride + row) * row_bytes);
-                conceal(w); // GNU would load it anew for every product
-                unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE {
-                    sum[chain][b][k] = multiply_add(w, factor[k], sum[chain][b][k]);
-                });
-            });
+        BlockSums<T, Blocks, D> sum[Chains] = {};
+        const auto add = [&](std::size_t row, std::size_t chain) CAGEFORM_DETAIL_INLINE {
+            add_row<Format, T, Blocks, D>(begin + row * row_bytes, stride * row_bytes, displacement(row),
+                                          sum[chain]);
         };
         std::size_t row = 0;
         for (; row + Chains <= rows; row += Chains)
             unroll<Chains>([&](auto c) CAGEFORM_DETAIL_INLINE { add(row + c, c); });
-        unroll<Chains - 1>([&](auto c) CAGEFORM_DETAIL_INLINE {
-            unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
-                unroll<D>([&](auto k)
-                              CAGEFORM_DETAIL_INLINE { sum[0][b][k] = sum[0][b][k] + sum[c + 1][b][k]; });
-            });
-        });
-        for (; row < rows; ++row) add(row, std::integral_constant<std::size_t, 0>{});
-        unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
-            unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE {
-                std::memcpy(sums[b][k].v + part * (lane_count<T> / Simd<T>::count), &sum[0][b][k],
-                            sizeof(Register));
-            });
+        unroll<Chains - 1>([&](auto c)
+                               CAGEFORM_DETAIL_INLINE { add_sums<T, Blocks, D>(sum[0], sum[c + 1]); });
+        for (; row < rows; ++row) add(row, 0);
+        unroll<Blocks * D>([&](auto n) CAGEFORM_DETAIL_INLINE {
+            std::memcpy(sums[n / D][n % D].v + part * (lane_count<T> / Simd<T>::count), &sum[0][n / D][n % D],
+                        sizeof(typename Simd<T>::Register));
         });
     }
 }

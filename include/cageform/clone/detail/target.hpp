@@ -2,6 +2,7 @@
 // one after the other.
 #pragma once
 
+#include <cageform/binding/packed_binding.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/core/view.hpp>
 
@@ -87,61 +88,66 @@ template <class P, class T, std::size_t D>
 inline constexpr bool is_plain_point =
     std::is_same_v<P, Vec<T, D>> || std::is_same_v<P, std::array<T, D>> || std::is_same_v<P, T[D]>;
 
-/// Where the numbers of a range's points lie one after the other, its first; else null.
-template <class T, std::size_t D, class R>
-T* plain_numbers(R& range) noexcept {
+/// A range as a clone writes to it. Those of numbers one after the other are views of them, whatever
+/// they were, and share their code.
+template <Scalar T, std::size_t D, class Out>
+decltype(auto) as_target(Out& out) noexcept {
     if constexpr (requires {
-                      { range.plain_numbers() } -> std::same_as<T*>;
+                      requires is_plain_point<std::remove_pointer_t<decltype(std::data(out))>, T, D>;
                   }) {
-        return range.plain_numbers();
-    } else if constexpr (requires {
-                             requires is_plain_point<std::remove_pointer_t<decltype(std::data(range))>, T, D>;
-                         }) {
-        return reinterpret_cast<T*>(std::data(range));
+        return StridedPoints<T, D>(reinterpret_cast<T*>(std::data(out)), std::size(out));
+    } else if constexpr (std::is_same_v<const Out, const StridedPoints<T, D>>) {
+        return StridedPoints<T, D>(out);
     } else {
-        return nullptr;
+        return (out);
     }
 }
 
 /// Where the points of a clone go.
 template <Scalar T, std::size_t D, class Out>
-struct CloneTarget {
-    const Lanes<T>* rest;       ///< D rows a block
-    const std::uint32_t* order; ///< null: in order
-    std::size_t points;
-    const CloneOptions<T>& options;
-    Out& out;
+class CloneTarget {
+public:
+    CloneTarget(const PackedBindingView<T, D>& binding, const CloneOptions<T>& options, Out& out) noexcept
+        : rest_(binding.rest)
+        , order_(binding.order)
+        , points_(binding.points)
+        , options_(options)
+        , out_(out) {
+        if constexpr (is_strided) {
+            numbers_ = out.plain_numbers();
+            by_axes_ = order_ == nullptr && out.plain_axis(0) != nullptr;
+        }
+    }
 
     /// Writes the points of a block, displaced by `sums`.
     void write(std::size_t block, Lanes<T>* sums) const noexcept {
         const std::size_t first = block * lanes;
-        if (points - first >= lanes) {
-            write(block, first, std::integral_constant<std::size_t, lanes>{}, sums);
+        if (points_ - first >= lanes) {
+            write(block, std::integral_constant<std::size_t, lanes>{}, sums);
         } else {
-            write(block, first, points - first, sums);
+            write(block, points_ - first, sums);
         }
     }
 
 private:
     static constexpr std::size_t lanes = lane_count<T>;
+    static constexpr bool is_strided = std::is_same_v<Out, StridedPoints<T, D>>;
 
     /// `used` is a constant for full blocks, whose loops unroll.
     template <class Count>
-    void write(std::size_t block, std::size_t first, Count used, Lanes<T>* sums) const noexcept {
-        if (options.mask.size() != 0) {
+    void write(std::size_t block, Count used, Lanes<T>* sums) const noexcept {
+        const std::size_t first = block * lanes;
+        if (options_.mask.size() != 0) {
             for (std::size_t lane = 0; lane < used; ++lane) {
-                const T m = options.mask[place(first + lane)][0];
+                const T m = options_.mask[place(first + lane)][0];
                 for (std::size_t k = 0; k < D; ++k) sums[k][lane] = product(sums[k][lane], m);
             }
         }
         Lanes<T> onto[D];
-        if (options.onto == CloneOnto::output) {
-            for (std::size_t lane = 0; lane < lanes; ++lane) {
-                const auto p = to_vec<T>(out[place(first + (lane < used ? lane : 0))]);
-                for (std::size_t k = 0; k < D; ++k) onto[k][lane] = p[k];
-            }
+        if (options_.onto == CloneOnto::output) {
+            load(first, used, onto);
         } else {
-            for (std::size_t k = 0; k < D; ++k) onto[k] = rest[block * D + k];
+            for (std::size_t k = 0; k < D; ++k) onto[k] = rest_[block * D + k];
         }
         Simd<T> moved[D];
         for (std::size_t k = 0; k < D; ++k) {
@@ -149,35 +155,66 @@ private:
             // An unmoved point keeps its bits: −0 plus nothing would be +0.
             moved[k] = select<T>((to <= from) & (from <= to), from, to);
         }
-        if constexpr (requires {
-                          { out.plain_axis(0) } -> std::same_as<T*>;
-                      }) {
-            if (order == nullptr && out.plain_axis(0) != nullptr) {
+        store(first, used, moved);
+    }
+
+    /// The `used` points of a block that stand in the output, and the first in place of others.
+    template <class Count>
+    void load(std::size_t first, Count used, Lanes<T>* rows) const noexcept {
+        const auto take = [&](const auto& point_at) {
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                const Vec<T, D> p = point_at(place(first + (lane < used ? lane : 0)));
+                for (std::size_t k = 0; k < D; ++k) rows[k][lane] = p[k];
+            }
+        };
+        if (numbers_ != nullptr) {
+            take([numbers = numbers_](std::size_t i) {
+                Vec<T, D> p;
+                std::memcpy(&p, numbers + i * D, sizeof(p));
+                return p;
+            });
+        } else {
+            take([this](std::size_t i) { return to_vec<T>(out_[i]); });
+        }
+    }
+
+    template <class Count>
+    void store(std::size_t first, Count used, const Simd<T>* moved) const noexcept {
+        if constexpr (is_strided) {
+            if (by_axes_) {
+                Lanes<T> row;
                 for (std::size_t k = 0; k < D; ++k) {
-                    moved[k].store(sums[k]);
-                    std::memcpy(out.plain_axis(k) + first, sums[k].v, used * sizeof(T));
+                    moved[k].store(row);
+                    std::memcpy(out_.plain_axis(k) + first, row.v, used * sizeof(T));
                 }
                 return;
             }
         }
-        T* const plain = plain_numbers<T, D>(out);
-        if (plain != nullptr && order == nullptr && used == lanes)
-            return interleave<T, D>(moved, plain + first * D);
+        if (numbers_ != nullptr && order_ == nullptr && used == lanes)
+            return interleave<T, D>(moved, numbers_ + first * D);
         alignas(64) T numbers[lanes * D];
         interleave<T, D>(moved, numbers);
-        if (plain != nullptr) {
+        if (numbers_ != nullptr) {
             for (std::size_t lane = 0; lane < used; ++lane)
-                std::memcpy(plain + place(first + lane) * D, numbers + lane * D, D * sizeof(T));
+                std::memcpy(numbers_ + place(first + lane) * D, numbers + lane * D, D * sizeof(T));
             return;
         }
         for (std::size_t lane = 0; lane < used; ++lane) {
             Vec<T, D> p{};
             for (std::size_t k = 0; k < D; ++k) p[k] = numbers[lane * D + k];
-            store_point(out, place(first + lane), p);
+            store_point(out_, place(first + lane), p);
         }
     }
 
-    std::size_t place(std::size_t i) const noexcept { return order != nullptr ? order[i] : i; }
+    std::size_t place(std::size_t i) const noexcept { return order_ != nullptr ? order_[i] : i; }
+
+    const Lanes<T>* rest_;       ///< D rows a block
+    const std::uint32_t* order_; ///< null: in order
+    std::size_t points_;
+    const CloneOptions<T>& options_;
+    Out& out_;
+    T* numbers_ = nullptr; ///< where all numbers of the output lie one after the other
+    bool by_axes_ = false; ///< where those of an axis do, in order
 };
 
 } // namespace detail

@@ -30,8 +30,10 @@ public:
     template <class View, class Pose>
     void load(View view, const Pose& pose, std::size_t begin, std::size_t end) noexcept {
         if constexpr (requires { view.order; }) view.order = nullptr;
-        Window window{moved_[0], begin * lane_count<T>, view.point_count()};
-        BlockCloner(view, pose, window, {}).run(begin, end);
+        // An axis after the other, from where point 0 would be, were it in the tile.
+        StridedPoints<T, D> tile(moved_[0][0].v - begin * lane_count<T>, view.point_count(), sizeof(T),
+                                 sizeof(moved_[0]));
+        BlockCloner(view, pose, tile, {}).run(begin, end);
         rest_ = PackedBindingView<T, D>(view).rest;
         first_ = begin;
     }
@@ -46,24 +48,6 @@ public:
     }
 
 private:
-    /// Where a clone writes the points of the tile: an axis after the other.
-    struct Window {
-        Lanes<T>* memory;
-        std::size_t first, count;
-
-        std::size_t size() const noexcept { return count; }
-        /// As of StridedPoints: where point 0 would be, were it in the tile.
-        T* plain_axis(std::size_t k) const noexcept { return memory[k * blocks].v - first; }
-        Vec<T, D> operator[](std::size_t i) const noexcept {
-            Vec<T, D> v{};
-            for (std::size_t k = 0; k < D; ++k) v[k] = plain_axis(k)[i];
-            return v;
-        }
-        void store(std::size_t i, const Vec<T, D>& v) const noexcept {
-            for (std::size_t k = 0; k < D; ++k) plain_axis(k)[i] = v[k];
-        }
-    };
-
     const Lanes<T>* rest_ = nullptr;
     std::size_t first_ = 0; ///< block
     Lanes<T> moved_[D][blocks];
