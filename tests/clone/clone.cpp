@@ -100,12 +100,11 @@ bool same_bits(T a, T b) {
 
 } // namespace
 
-#define CAGEFORM_TEST_ALL_TYPES                                                                              \
-    (Bary<float, 1>), (Bary<double, 1>), (Bary<float, 2>), (Bary<double, 2>), (Bary<float, 3>),              \
-        (Bary<double, 3>), (Mean<float>), (Mean<double>), (Harmonic<float>), (Harmonic<double>)
+// Each family, scalar and dimension, but not every combination: those are binding's to test.
+#define CAGEFORM_TEST_TYPES                                                                                  \
+    (Bary<double, 1>), (Bary<float, 2>), (Bary<double, 3>), (Mean<double>), (Harmonic<float>)
 
-TEMPLATE_TEST_CASE("the rest pose gives the bound points bit for bit", "[clone][rest]",
-                   CAGEFORM_TEST_ALL_TYPES) {
+TEMPLATE_TEST_CASE("the rest pose gives the bound points bit for bit", "[clone][rest]", CAGEFORM_TEST_TYPES) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
     const auto seed = GENERATE(seeds(6));
@@ -133,7 +132,7 @@ TEMPLATE_TEST_CASE("the rest pose gives the bound points bit for bit", "[clone][
 }
 
 TEMPLATE_TEST_CASE("an affine pose moves every point by the affine map", "[clone][affine]",
-                   CAGEFORM_TEST_ALL_TYPES) {
+                   CAGEFORM_TEST_TYPES) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
     const auto seed = GENERATE(seeds(12));
@@ -158,7 +157,7 @@ TEMPLATE_TEST_CASE("an affine pose moves every point by the affine map", "[clone
 }
 
 TEMPLATE_TEST_CASE("clones are linear in the displacement of the pose", "[clone][linear]",
-                   CAGEFORM_TEST_ALL_TYPES) {
+                   CAGEFORM_TEST_TYPES) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
     const auto seed = GENERATE(seeds(6));
@@ -320,7 +319,7 @@ TEST_CASE("a view into memory of one's own clones like the binding", "[clone]") 
     CHECK(out == cloned(binding, pose));
 }
 
-TEMPLATE_TEST_CASE("poses and outputs are any kind of range", "[clone][ranges]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("poses and outputs lie in memory in any way", "[clone][ranges]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr std::size_t points = 21, handles = 5;
     const auto binding = random_binding<T, 3>(points, handles, 11);
@@ -334,16 +333,10 @@ TEMPLATE_TEST_CASE("poses and outputs are any kind of range", "[clone][ranges]",
     };
 
     std::vector<std::array<T, 3>> arrays(points);
-    std::vector<glm::vec<3, T>> glms(points);
-    std::vector<Eigen::Matrix<T, 3, 1>> columns(points);
     T c_array[points][3] = {};
     std::array<Vec<T, 3>, points> fixed{};
     CHECK(cageform::clone(binding, pose, arrays) == Status::ok);
     CHECK(is_expected(arrays));
-    CHECK(cageform::clone(binding, pose, glms) == Status::ok);
-    CHECK(is_expected(glms));
-    CHECK(cageform::clone(binding, pose, columns) == Status::ok);
-    CHECK(is_expected(columns));
     CHECK(cageform::clone(binding, pose, c_array) == Status::ok);
     CHECK(is_expected(c_array));
     CHECK(cageform::clone(binding, pose, fixed) == Status::ok);
@@ -351,17 +344,6 @@ TEMPLATE_TEST_CASE("poses and outputs are any kind of range", "[clone][ranges]",
     std::fill(arrays.begin(), arrays.end(), std::array<T, 3>{});
     CHECK(cageform::clone(binding, pose, std::span(arrays)) == Status::ok);
     CHECK(is_expected(arrays));
-
-    Eigen::Matrix<T, 3, Eigen::Dynamic> wide(3, points);
-    CHECK(cageform::clone(binding, pose, cageform::points_in_columns<3>(wide)) == Status::ok);
-    CHECK(is_expected(cageform::points_in_columns<3>(wide)));
-    CHECK(wide(1, 20) == expected[20][1]);
-    Eigen::Matrix<T, Eigen::Dynamic, 4> tall(points, 4);
-    tall.setConstant(7);
-    auto block = tall.template leftCols<3>();
-    CHECK(cageform::clone(binding, pose, cageform::points_in_rows<3>(block)) == Status::ok);
-    CHECK(is_expected(cageform::points_in_rows<3>(block)));
-    CHECK((tall.col(3).array() == 7).all());
 
     std::vector<T> interleaved(points * 5, T(7)); // x y z and two things of another kind
     const cageform::StridedPoints<T, 3> strided(interleaved.data(), points, 5 * sizeof(T));
@@ -374,20 +356,53 @@ TEMPLATE_TEST_CASE("poses and outputs are any kind of range", "[clone][ranges]",
     CHECK(is_expected(by_axis));
     CHECK(apart[points + 2] == expected[2][1]);
 
-    std::vector<glm::vec<3, T>> glm_pose;
-    Eigen::Matrix<T, Eigen::Dynamic, 3> pose_rows(handles, 3);
     T c_pose[handles][3];
     for (std::size_t h = 0; h < handles; ++h) {
-        glm_pose.emplace_back(pose[h][0], pose[h][1], pose[h][2]);
-        for (std::size_t k = 0; k < 3; ++k)
-            pose_rows(Eigen::Index(h), Eigen::Index(k)) = c_pose[h][k] = pose[h][k];
+        for (std::size_t k = 0; k < 3; ++k) c_pose[h][k] = pose[h][k];
     }
-    CHECK(cageform::clone(binding, glm_pose, fixed) == Status::ok);
-    CHECK(is_expected(fixed));
-    CHECK(cageform::clone(binding, cageform::points_in_rows<3>(pose_rows), fixed) == Status::ok);
-    CHECK(is_expected(fixed));
     CHECK(cageform::clone(binding, c_pose, fixed) == Status::ok);
     CHECK(is_expected(fixed));
+}
+
+TEST_CASE("poses and outputs are points and matrices of other libraries", "[clone][ranges]") {
+    constexpr std::size_t points = 21, handles = 5;
+    const auto binding = random_binding<float, 3>(points, handles, 11);
+    const auto pose = random_points<float, 3>(handles, 10, 12);
+    const auto expected = cloned(binding, pose);
+    const auto is_expected = [&](const auto& range) {
+        for (std::size_t i = 0; i < points; ++i) {
+            if (cageform::to_vec<float>(range[i]) != expected[i]) return false;
+        }
+        return true;
+    };
+    std::vector<glm::vec3> glms(points);
+    std::vector<Eigen::Vector3f> columns(points);
+    CHECK(cageform::clone(binding, pose, glms) == Status::ok);
+    CHECK(is_expected(glms));
+    CHECK(cageform::clone(binding, pose, columns) == Status::ok);
+    CHECK(is_expected(columns));
+    Eigen::Matrix<float, 3, Eigen::Dynamic> wide(3, points);
+    CHECK(cageform::clone(binding, pose, cageform::points_in_columns<3>(wide)) == Status::ok);
+    CHECK(is_expected(cageform::points_in_columns<3>(wide)));
+    CHECK(wide(1, 20) == expected[20][1]);
+    Eigen::Matrix<float, Eigen::Dynamic, 4> tall(points, 4);
+    tall.setConstant(7);
+    auto block = tall.leftCols<3>();
+    CHECK(cageform::clone(binding, pose, cageform::points_in_rows<3>(block)) == Status::ok);
+    CHECK(is_expected(cageform::points_in_rows<3>(block)));
+    CHECK((tall.col(3).array() == 7).all());
+
+    std::vector<glm::vec3> glm_pose;
+    Eigen::Matrix<float, Eigen::Dynamic, 3> pose_rows(handles, 3);
+    for (std::size_t h = 0; h < handles; ++h) {
+        glm_pose.emplace_back(pose[h][0], pose[h][1], pose[h][2]);
+        for (std::size_t k = 0; k < 3; ++k) pose_rows(Eigen::Index(h), Eigen::Index(k)) = pose[h][k];
+    }
+    std::vector<Vec<float, 3>> out(points);
+    CHECK(cageform::clone(binding, glm_pose, out) == Status::ok);
+    CHECK(is_expected(out));
+    CHECK(cageform::clone(binding, cageform::points_in_rows<3>(pose_rows), out) == Status::ok);
+    CHECK(is_expected(out));
 }
 
 TEST_CASE("the output may have another scalar than the binding", "[clone][ranges]") {

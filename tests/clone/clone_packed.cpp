@@ -60,8 +60,11 @@ TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whate
             CHECK(worst <= 2 * double(epsilon<T>) * reach * std::sqrt(double(D * handles)));
         }
     };
-    check(std::integral_constant<std::size_t, 1>{});
-    check(std::integral_constant<std::size_t, 2>{});
+    // Formats are read in the same way whatever the dimension, so one scalar is enough for one of them.
+    if constexpr (std::is_same_v<T, float>) {
+        check(std::integral_constant<std::size_t, 1>{});
+        check(std::integral_constant<std::size_t, 2>{});
+    }
     check(std::integral_constant<std::size_t, 3>{});
 }
 

@@ -308,7 +308,10 @@ TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", CAG
         CHECK(distance(product, moved[i]) <= 1e-4);
         CHECK((j[11] == -7 && j[12] == -7 && j[13] == -7));
     }
+}
 
+TEST_CASE("Jacobians in the plane are those of an affine map", "[clone][jacobians][plane]") {
+    using T = double;
     const Polygon<T> cage(random_star<T>(4));
     const Points2<T> flat{cage[0], T(0.25) * (cage[0] + cage[1] + cage[2] + cage[3])};
     const auto in_plane = bind_jacobians(Mean2<T>(cage), flat).bindings;

@@ -60,8 +60,9 @@ void save(std::span<const std::byte> blob) {
     file_bytes += blob.size();
 }
 
-template <class T>
+// What symbols.cpp finds of double's functions allocates nothing either.
 int play(std::size_t points, std::size_t handles) {
+    using T = float;
     using Vector = cageform::Vec<T, 3>;
     const auto dense = made_up::binding<T, 3>(points, handles, 1);
     const auto clip = made_up::clip<T, 3>(handles, cageform::Extrapolation::ping_pong, 2);
@@ -94,7 +95,7 @@ int play(std::size_t points, std::size_t handles) {
             at += blob.bytes;
             expect(clone(blob.binding, pose, figure, {{mask.data(), points}, cageform::CloneOnto::output}));
             expect(clone_tangent_frames(std::array{blob.binding, blob.binding}, pose, normals, tangents));
-            if constexpr (std::is_same_v<T, float>) expect(write_displacements(blob.binding, pose, uniforms));
+            expect(write_displacements(blob.binding, pose, uniforms));
         }
         failures += blobs == 8 ? 0 : 1;
     }
@@ -105,8 +106,8 @@ int play(std::size_t points, std::size_t handles) {
 } // namespace
 
 int main() {
-    int failures = play<float>(777, 9) + play<double>(777, 9);
-    failures += play<float>(50, 1500);  // more handles than the table of displacements holds
+    int failures = play(777, 9);
+    failures += play(50, 1500);         // more handles than the table of displacements holds
     if (allocations == 0) failures = 1; // or operator new was not replaced
     std::printf(failures == 0 ? "ok\n" : "%d failures\n", failures);
     return failures;

@@ -1,5 +1,5 @@
 // The run-time headers as an engine uses them: no exceptions, no RTTI, no dependency, no bind-time header.
-// The same program also runs under -ffast-math, and where min and max are macros.
+// The same program also runs under -ffast-math.
 #include "made_up.hpp"
 
 #include <cageform/clone/clone.hpp>
@@ -253,20 +253,14 @@ int main() {
     expect(second_file_agrees(binding), "two files with the same headers link and agree");
     expect(clip_plays(), "a clip plays and goes round");
     check_blobs<float, 1>();
-    check_blobs<float, 2>();
-    check_blobs<float, 3>();
     check_blobs<double, 2>();
-    check_blobs<double, 3>();
+    check_blobs<float, 3>();
     check_refusals();
-    check_ranges<float, 2>();
+    check_ranges<double, 2>();
     check_ranges<float, 3>();
-    check_ranges<double, 3>();
     check_normals();
     check_displacements();
     check_pose_handles();
-#if defined(CAGEFORM_TEST_MIN_MAX) && !(defined(min) && defined(max))
-#error "a standard header has undefined the macros: this file checks nothing"
-#endif
     if (failures == 0) std::printf("ok\n");
     return failures;
 }

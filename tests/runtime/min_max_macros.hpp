@@ -19,4 +19,3 @@
 
 #define min(a, b) (((a) < (b)) ? (a) : (b))
 #define max(a, b) (((a) > (b)) ? (a) : (b))
-#define CAGEFORM_TEST_MIN_MAX

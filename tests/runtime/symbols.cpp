@@ -40,7 +40,6 @@ Status turn(const Binding<T, 3>& dense, const PackedBindingView<T, 3>& packed, P
                                CageClip<T, D>::Cursor&, T, Points<T, D>, Points<T, D>, StridedPoints<T, D>,  \
                                const CloneOptions<T>&) noexcept;
 CAGEFORM_TEST_MOVE(float, 2)
-CAGEFORM_TEST_MOVE(float, 3)
 CAGEFORM_TEST_MOVE(double, 3)
 template Status turn<float>(const Binding<float, 3>&, const PackedBindingView<float, 3>&, Points<float, 3>,
                             Points<float, 3>, Points<float, 3>, const StridedMatrices<float, 3>&) noexcept;
