@@ -195,6 +195,7 @@ private:
 
     void plant_tree() {
         std::vector<Vec<double, D>> points;
+        points.reserve(places_.size());
         for (const std::size_t i : places_) points.push_back(in_units(old_point(i)));
         tree_ = Tree(points);
         any_kept_ =
