@@ -1,5 +1,6 @@
 // Barycentric coordinates in one to four dimensions.
 #include "catch.hpp"
+#include "support/effort.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
@@ -25,14 +26,21 @@ Vec<T, D> mix(const std::vector<Vec<T, D>>& corners, const std::vector<double>& 
 /// The longest extent of a simplex over its least height: what rounding of places is multiplied by.
 template <class T, std::size_t D>
 double condition(const std::vector<Vec<T, D>>& corners) {
-    const auto d = static_cast<Eigen::Index>(D);
-    Eigen::MatrixXd m(d + 1, d + 1);
-    for (Eigen::Index i = 0; i <= d; ++i) {
-        for (Eigen::Index k = 0; k < d; ++k) m(k, i) = double(corners[std::size_t(i)][std::size_t(k)]);
-        m(d, i) = 1;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t top = 0; top <= D; ++top) {
+        // Edges from another corner, by Gram and Schmidt, that to the top last: what is left of it is the height.
+        std::vector<Vec<long double, D>> edges;
+        const auto at = [&](std::size_t i) {
+            return cageform::vec_cast<long double>(corners[(top + i) % (D + 1)]);
+        };
+        for (std::size_t i = 2; i <= D + 1; ++i) {
+            auto edge = at(i) - at(1);
+            for (const auto& e : edges) edge = edge - (dot(edge, e) / dot(e, e)) * e;
+            edges.push_back(edge);
+        }
+        least = std::min(least, double(std::sqrt(dot(edges.back(), edges.back()))));
     }
-    const Eigen::MatrixXd inverse = m.inverse();
-    return inverse.leftCols(d).rowwise().norm().maxCoeff() * size_of(corners);
+    return size_of(corners) / least;
 }
 
 template <class T, std::size_t D>
@@ -61,11 +69,11 @@ TEMPLATE_TEST_CASE("the worked example: a triangle whose first vertex is moved",
 }
 
 TEMPLATE_TEST_CASE("barycentric coordinates are the shares a point was mixed by",
-                   "[coordinates][barycentric][property]", (In<float, 1>), (In<double, 1>), (In<float, 2>),
-                   (In<double, 2>), (In<float, 3>), (In<double, 3>), (In<float, 4>), (In<double, 4>)) {
+                   "[coordinates][barycentric][property]", (In<float, 1>), (In<double, 2>), (In<float, 3>),
+                   (In<double, 4>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
-    const auto seed = GENERATE(seeds(50));
+    const auto seed = GENERATE(seeds(effort(50, 10)));
     CAPTURE(seed, D);
     Random random(std::uint64_t(seed) + 100);
     const auto corners = random_simplex<T, D>(std::uint64_t(seed));
@@ -103,11 +111,11 @@ TEMPLATE_TEST_CASE("barycentric coordinates are the shares a point was mixed by"
 }
 
 TEMPLATE_TEST_CASE("on a face of a simplex the weights are the face's own",
-                   "[coordinates][barycentric][property]", (In<float, 1>), (In<double, 1>), (In<float, 2>),
-                   (In<double, 2>), (In<float, 3>), (In<double, 3>), (In<float, 4>), (In<double, 4>)) {
+                   "[coordinates][barycentric][property]", (In<float, 1>), (In<double, 2>), (In<float, 3>),
+                   (In<double, 4>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
-    const auto seed = GENERATE(seeds(30));
+    const auto seed = GENERATE(seeds(effort(30, 6)));
     CAPTURE(seed, D);
     Random random(std::uint64_t(seed) + 200);
     const auto corners = random_simplex<T, D>(std::uint64_t(seed));
@@ -132,11 +140,11 @@ TEMPLATE_TEST_CASE("on a face of a simplex the weights are the face's own",
 }
 
 TEMPLATE_TEST_CASE("cages that are no simplex, degenerate or not finite each have their status",
-                   "[coordinates][barycentric][status]", (In<float, 1>), (In<double, 1>), (In<float, 2>),
-                   (In<double, 2>), (In<float, 3>), (In<double, 3>), (In<float, 4>), (In<double, 4>)) {
+                   "[coordinates][barycentric][status]", (In<float, 1>), (In<double, 2>), (In<float, 3>),
+                   (In<double, 4>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
-    const auto seed = GENERATE(seeds(20));
+    const auto seed = GENERATE(seeds(effort(20, 4)));
     CAPTURE(seed, D);
     Random random(std::uint64_t(seed) + 300);
     const auto good = random_simplex<T, D>(std::uint64_t(seed));
@@ -186,11 +194,10 @@ TEMPLATE_TEST_CASE("cages that are no simplex, degenerate or not finite each hav
 }
 
 TEMPLATE_TEST_CASE("the nearest boundary point of a simplex is the nearest",
-                   "[coordinates][barycentric][nearest]", (In<float, 2>), (In<double, 2>), (In<float, 3>),
-                   (In<double, 3>)) {
+                   "[coordinates][barycentric][nearest]", (In<double, 2>), (In<float, 3>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
-    const auto seed = GENERATE(seeds(30));
+    const auto seed = GENERATE(seeds(effort(30, 6)));
     CAPTURE(seed, D);
     Random random(std::uint64_t(seed) + 400);
     const auto corners = random_simplex<T, D>(std::uint64_t(seed));
@@ -233,16 +240,16 @@ TEMPLATE_TEST_CASE("the nearest boundary point of a simplex is the nearest",
     }
 }
 
-TEMPLATE_TEST_CASE("the boundary of a segment is its ends, nearest in four dimensions too",
-                   "[coordinates][barycentric][nearest]", CAGEFORM_SCALARS) {
-    using T = TestType;
-    const BarycentricCoordinates<T, 1> segment(std::vector<Vec<T, 1>>{{1}, {3}});
-    std::array<T, 2> row{};
-    CHECK(segment.nearest_boundary({T(-5)}, row) == Vec<T, 1>{1});
-    CHECK(row == std::array<T, 2>{1, 0});
-    CHECK(segment.nearest_boundary({T(2.5)}, row) == Vec<T, 1>{3});
-    CHECK(row == std::array<T, 2>{0, 1});
+TEST_CASE("the boundary of a segment is its ends, nearest in four dimensions too",
+          "[coordinates][barycentric][nearest]") {
+    const BarycentricCoordinates<float, 1> segment(std::vector<Vec<float, 1>>{{1}, {3}});
+    std::array<float, 2> row{};
+    CHECK(segment.nearest_boundary({-5}, row) == Vec<float, 1>{1});
+    CHECK(row == std::array<float, 2>{1, 0});
+    CHECK(segment.nearest_boundary({2.5f}, row) == Vec<float, 1>{3});
+    CHECK(row == std::array<float, 2>{0, 1});
 
+    using T = double;
     const std::vector<Vec<T, 4>> corners{
         {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
     const BarycentricCoordinates<T, 4> simplex(corners);
@@ -255,11 +262,10 @@ TEMPLATE_TEST_CASE("the boundary of a segment is its ends, nearest in four dimen
 }
 
 TEMPLATE_TEST_CASE("barycentric coordinates at the ends of the scalar's range",
-                   "[coordinates][barycentric][scale]", (In<float, 2>), (In<double, 2>), (In<float, 3>),
-                   (In<double, 3>)) {
+                   "[coordinates][barycentric][scale]", (In<double, 2>), (In<float, 3>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
-    const auto seed = GENERATE(seeds(10));
+    const auto seed = GENERATE(seeds(effort(10, 2)));
     const double scale = sizeof(T) == 4 ? GENERATE(1e-15, 1e15) : GENERATE(1e-150, 1e150);
     CAPTURE(seed, scale, D);
     Random random(std::uint64_t(seed) + 500);

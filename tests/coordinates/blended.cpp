@@ -1,5 +1,6 @@
 // Several cages over one figure.
 #include "../catch.hpp"
+#include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 #include "../support/weights.hpp"
 
@@ -38,7 +39,7 @@ BlendedCoordinates<C> pair_of_cages() {
 TEMPLATE_TEST_CASE("depth is smooth, positive inside, and goes like the distance at the boundary",
                    "[cage][depth][property]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const int seed = GENERATE(seeds(12));
+    const int seed = GENERATE(seeds(effort(12, 4)));
     CAPTURE(seed);
     const auto rings = random_rings<T>(std::uint64_t(seed));
     const Depth<Polygon<T>> depth(rings);
@@ -83,8 +84,7 @@ TEST_CASE("the depth of meshes and boxes", "[cage][depth]") {
 
 TEMPLATE_TEST_CASE(
     "blended weights sum to 1, reproduce the point, and are those of the one cage where there is one",
-    "[coordinates][blended][property]", (MeanValueCoordinates<float, 2>), (MeanValueCoordinates<double, 2>),
-    (HarmonicCoordinates<float, 2>), (HarmonicCoordinates<double, 2>)) {
+    "[coordinates][blended][property]", (MeanValueCoordinates<float, 2>), (HarmonicCoordinates<double, 2>)) {
     using C = TestType;
     using T = typename C::scalar;
     const auto coordinates = pair_of_cages<C>();

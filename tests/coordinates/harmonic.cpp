@@ -1,5 +1,6 @@
 // Harmonic coordinates by the papers' averaging solver, whose cells on the boundary are a staircase.
 #include "catch.hpp"
+#include "support/effort.hpp"
 #include "support/oracle.hpp"
 #include "support/weights.hpp"
 
@@ -110,7 +111,7 @@ TEMPLATE_TEST_CASE("harmonic weights come near the oracle as the grid becomes fi
 TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates][harmonic][property]", float,
                    double) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(20));
+    const auto seed = GENERATE(seeds(effort(20, 5)));
     const auto interpolation = GENERATE(Interpolation::nearest_cell, Interpolation::multilinear);
     CAPTURE(seed, int(interpolation));
     const auto cage = seed % 2 == 0 ? Polygon<T>(random_star<T>(std::uint64_t(seed)))
@@ -178,7 +179,7 @@ TEST_CASE("harmonic weights have no maximum inside", "[coordinates][harmonic][pr
 TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of evaluating at once",
                    "[coordinates][harmonic][solve]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(6));
+    const auto seed = GENERATE(seeds(effort(6, 2)));
     CAPTURE(seed);
     const auto cage = random_rings<T>(std::uint64_t(seed));
     const auto points = points_inside(cage, 60, std::uint64_t(seed) + 200);
@@ -221,7 +222,7 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
 TEMPLATE_TEST_CASE("harmonic states are those of locate, or unreached", "[coordinates][harmonic][state]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(20));
+    const auto seed = GENERATE(seeds(effort(20, 5)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 300);
     const auto cage = random_rings<T>(std::uint64_t(seed));

@@ -1,5 +1,6 @@
 // Harmonic coordinates with cells inside the cage: what the cells say holds on them, the laws hold between them.
 #include "../catch.hpp"
+#include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 #include "../support/weights.hpp"
 
@@ -73,7 +74,7 @@ TEMPLATE_TEST_CASE(
     "[coordinates][harmonic][complex][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     std::size_t number = 0;
-    for (const auto& cage : random_complexes<T>(12)) {
+    for (const auto& cage : random_complexes<T>(effort(12, 4))) {
         CAPTURE(number++);
         Random random(number);
         Points2<T> points;
@@ -94,9 +95,8 @@ TEMPLATE_TEST_CASE(
     }
 }
 
-TEMPLATE_TEST_CASE("on interior cells the weights are their hat functions",
-                   "[coordinates][harmonic][complex]", CAGEFORM_SCALARS) {
-    using T = TestType;
+TEST_CASE("on interior cells the weights are their hat functions", "[coordinates][harmonic][complex]") {
+    using T = double;
     CellComplex<T, 2> flat(Polygon<T>(square<T>(0, 4)));
     const auto chain = flat.add_chain(Points2<T>{{1, 2}, {T(2.25), 2}, {3, T(2.5)}});
     const auto head = flat.add_point(Vec<T, 2>{2, 3}, T(0.25));
@@ -131,28 +131,36 @@ TEMPLATE_TEST_CASE("on interior cells the weights are their hat functions",
 TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
           "[coordinates][harmonic][complex]") {
     // The weight of a vertex of radius a in the middle of a circle of radius b is ln(r/b)/ln(a/b); of a sphere,
-    // (1/r − 1/b)/(1/a − 1/b). The outlines are polygons of many corners, which the bounds allow for.
+    // (1/r − 1/b)/(1/a − 1/b). The outlines are polygons of many corners, as large as circle and sphere.
     Points2<double> circle;
-    for (int i = 0; i < 200; ++i)
-        circle.push_back({std::cos(i * std::numbers::pi / 100), std::sin(i * std::numbers::pi / 100)});
+    constexpr double turn = std::numbers::pi / 24;
+    const double outer = std::sqrt(turn / std::sin(turn));
+    for (int i = 0; i < 48; ++i) circle.push_back({outer * std::cos(i * turn), outer * std::sin(i * turn)});
     CellComplex<double, 2> disc{Polygon<double>(circle)};
     const auto middle = disc.add_point(Vec<double, 2>{0, 0}, 0.1);
     Points2<double> points;
     for (const double r : {0.105, 0.15, 0.3, 0.6, 0.9})
         points.push_back({r * std::cos(r * 9), r * std::sin(r * 9)});
-    const auto flat = evaluate_all(HarmonicCoordinates(disc, {.resolution = 256}), points);
+    const auto flat = evaluate_all(HarmonicCoordinates(disc, {.resolution = effort(256u, 64u)}), points);
     REQUIRE(flat.status() == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i);
         const double r = distance(points[i], Vec<double, 2>{0, 0});
-        CHECK(std::fabs(flat.rows[i][middle] - std::log(r) / std::log(0.1)) <= 2e-4);
+        CHECK(std::fabs(flat.rows[i][middle] - std::log(r) / std::log(0.1)) <= effort(2e-4, 2e-3));
     }
-#if !defined(CAGEFORM_SANITIZED) // minutes under the sanitizer, and the same code as in other tests
-    const auto round = sphere(4);
+#if !defined(CAGEFORM_SANITIZED) // half a minute there, and the same code as in other tests
+    auto round = sphere(3);
+    double volume = 0;
+    for (const auto& [a, b, c] : round.faces) {
+        volume += dot(round.vertices[std::size_t(a)],
+                      cross(round.vertices[std::size_t(b)], round.vertices[std::size_t(c)])) /
+                  6;
+    }
+    for (auto& v : round.vertices) v = std::cbrt(4 * std::numbers::pi / 3 / std::fabs(volume)) * v;
     CellComplex<double, 3> ball{round.mesh<double>()};
     const auto heart = ball.add_point(Vec<double, 3>{0, 0, 0}, 0.25);
     const Points3<double> inside{{0.3, 0.0, 0.1}, {0.2, -0.4, 0.1}, {0.5, 0.5, 0.5}};
-    const auto deep = evaluate_all(HarmonicCoordinates(ball, {.resolution = 96}), inside);
+    const auto deep = evaluate_all(HarmonicCoordinates(ball, {.resolution = 40}), inside);
     REQUIRE(deep.status() == Status::ok);
     for (std::size_t i = 0; i < inside.size(); ++i) {
         CAPTURE(i);
@@ -310,15 +318,15 @@ TEST_CASE("handles that no cell uses get a warning and no weight", "[coordinates
 
 TEST_CASE("ends of chains are treated whichever way they point", "[coordinates][harmonic][complex]") {
     // Next to the end of a slit the grid alone is some hundredths off.
-    for (int n = 0; n < 24; ++n) {
+    for (int n = 0; n < effort(12, 4); ++n) {
         CAPTURE(n);
-        const double angle = 0.2617 * n + 0.0531;
+        const double angle = 0.5234 * n + 0.0531;
         CellComplex<double, 2> cage(Polygon<double>(square<double>(0, 1)));
         const Vec<double, 2> tip{0.5 + 0.25 * std::cos(angle), 0.5 + 0.25 * std::sin(angle)};
         cage.add_chain(Points2<double>{{0.5, 0.5}, tip});
         const Points2<double> beyond{{tip[0] + 0.003 * std::cos(angle), tip[1] + 0.003 * std::sin(angle)}};
         const auto coarse = evaluate_all(HarmonicCoordinates(cage, {.resolution = 129}), beyond);
-        const auto fine = evaluate_all(HarmonicCoordinates(cage, {.resolution = 401}), beyond);
+        const auto fine = evaluate_all(HarmonicCoordinates(cage, {.resolution = 257}), beyond);
         REQUIRE(coarse.status() == Status::ok);
         CHECK(difference(coarse.rows[0], fine.rows[0]) <= 5e-4);
     }

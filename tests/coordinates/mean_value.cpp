@@ -1,5 +1,6 @@
 // Mean value coordinates against reference values, a slow formula with angles, and their limits.
 #include "catch.hpp"
+#include "support/effort.hpp"
 #include "support/oracle.hpp"
 #include "support/weights.hpp"
 
@@ -136,7 +137,7 @@ TEST_CASE("mean value weights in float are those of the oracle up to the roundin
 TEMPLATE_TEST_CASE("mean value weights are those of the definition", "[coordinates][mean_value][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(100));
+    const auto seed = GENERATE(seeds(effort(100, 20)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 1000);
     const auto cage = seed % 2 == 0 ? Polygon<T>(random_star<T>(std::uint64_t(seed)))
@@ -165,7 +166,7 @@ TEMPLATE_TEST_CASE("mean value weights are those of the definition", "[coordinat
 TEMPLATE_TEST_CASE("mean value weights sum to 1 and reproduce the point",
                    "[coordinates][mean_value][property]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(50));
+    const auto seed = GENERATE(seeds(effort(50, 10)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 2000);
     const auto cage = seed % 2 == 0 ? Polygon<T>(random_star<T>(std::uint64_t(seed)))
@@ -188,7 +189,7 @@ TEMPLATE_TEST_CASE("mean value weights sum to 1 and reproduce the point",
 TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordinates][mean_value][far]", float,
                    double) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(50));
+    const auto seed = GENERATE(seeds(effort(50, 10)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 3000);
     const auto cage = seed % 2 == 0 ? Polygon<T>(random_star<T>(std::uint64_t(seed)))
@@ -215,7 +216,7 @@ TEMPLATE_TEST_CASE("points absurdly far are outside or unreached, with finite we
                    "[coordinates][mean_value][far]", CAGEFORM_SCALARS) {
     // The sum of the weights is of the order of one over the square of the distance, which no scalar resolves here.
     using T = TestType;
-    const auto seed = GENERATE(seeds(30));
+    const auto seed = GENERATE(seeds(effort(30, 6)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 3500);
     const Polygon<T> cage(random_star<T>(std::uint64_t(seed)));
@@ -236,7 +237,7 @@ TEMPLATE_TEST_CASE("points absurdly far are outside or unreached, with finite we
 TEMPLATE_TEST_CASE("mean value weights pass continuously into their limits on edges",
                    "[coordinates][mean_value][limit]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(60));
+    const auto seed = GENERATE(seeds(effort(60, 12)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 4000);
     const auto cage = seed % 2 == 0 ? Polygon<T>(random_star<T>(std::uint64_t(seed)))
@@ -274,7 +275,7 @@ TEMPLATE_TEST_CASE("mean value weights pass continuously into their limits on ed
 TEST_CASE("mean value weights have a continuous derivative", "[coordinates][mean_value][smooth]") {
     // Among the points are those where the implementation changes between its formulas: where the angle over an
     // edge is right (on the circle about the edge), and on the edge's line beyond its ends.
-    const auto seed = GENERATE(seeds(40));
+    const auto seed = GENERATE(seeds(effort(40, 8)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 5000);
     const auto cage = seed % 2 == 0 ? Polygon<double>(random_star<double>(std::uint64_t(seed)))
@@ -312,7 +313,7 @@ TEST_CASE("mean value weights have a continuous derivative", "[coordinates][mean
 TEMPLATE_TEST_CASE("mean value states are those of locate", "[coordinates][mean_value][state]", float,
                    double) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(40));
+    const auto seed = GENERATE(seeds(effort(40, 8)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 6000);
     const auto cage = random_rings<T>(std::uint64_t(seed));
@@ -369,7 +370,7 @@ TEMPLATE_TEST_CASE("mean value weights at the ends of the scalar's range", "[coo
                    CAGEFORM_SCALARS) {
     // Squares of lengths are representable, barely.
     using T = TestType;
-    const auto seed = GENERATE(seeds(10));
+    const auto seed = GENERATE(seeds(effort(10, 2)));
     const double scale = sizeof(T) == 4 ? GENERATE(1e-15, 1e15) : GENERATE(1e-150, 1e150);
     CAPTURE(seed, scale);
     Random random(std::uint64_t(seed) + 7000);
@@ -406,7 +407,7 @@ TEMPLATE_TEST_CASE("mean value weights at the ends of the scalar's range", "[coo
 TEMPLATE_TEST_CASE("the boundary point that mean value coordinates call nearest is the nearest",
                    "[coordinates][mean_value][nearest]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto seed = GENERATE(seeds(20));
+    const auto seed = GENERATE(seeds(effort(20, 4)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 8000);
     const auto cage = random_rings<T>(std::uint64_t(seed));

@@ -4,6 +4,8 @@
 #include <cageform/grid/multigrid.hpp>
 #include <cageform/grid/solve_groups.hpp>
 
+#include <functional>
+
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
@@ -21,9 +23,9 @@ struct CycleGoal {
 ///            and returns by how much that moves the solution; the goal is met only when that is
 ///            within the tolerance as well
 ///   fails    not_converged, cancelled
-template <std::size_t D, class Between>
+template <std::size_t D>
 Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, const CycleGoal& goal,
-                  GroupWork& work, const Between& between) {
+                  GroupWork& work, const std::function<double()>& between) {
     const auto largest = [&](const typename Multigrid<D>::Values& values) {
         return *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(goal.functions));
     };

@@ -6,6 +6,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// `weigh` as one piece of code, which keeps numbers in registers; for gradients the same whatever the cage's scalar.
+template <class N, class S, std::size_t D>
+CAGEFORM_DETAIL_FLATTEN WeightSum<N>
+weigh_registers(const MeanValueFrame<S, D>& frame, const MeanValueLimits<S>& limits,
+                const Vec<ValueOf<N>, D>& p, WeightRows<N>& memory) noexcept {
+    return weigh(frame, limits, p, memory);
+}
+
 /// What MeanValueCoordinates are in both dimensions. Points are evaluated a register at a time, gradients in double whatever
 /// the scalar. Points next to the boundary and far away, where the formula loses digits, follow one by one in a wider
 /// scalar, in lengths relative to their distance from the boundary, so that nothing overflows.
@@ -104,7 +112,7 @@ private:
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k)
             p[k] = X(S(scale_)) * (load<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
-        const WeightSum<N> result = weigh_registers(p, memory);
+        const WeightSum<N> result = weigh_registers(frame<N>(), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for_results(memory.weights, inverse, S(scale_),
                     [&](std::size_t row, const X& x) { store(x, rows[row], first); });
@@ -124,14 +132,12 @@ private:
         }
     }
 
-    /// As one piece of code, which keeps numbers in registers.
     template <class N>
-    CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Vec<ValueOf<N>, D>& p,
-                                                         WeightRows<N>& memory) const noexcept {
+    const auto& frame() const noexcept {
         if constexpr (has_gradient<N>)
-            return weigh(gradient_frame_, limits<N>(), p, memory);
+            return gradient_frame_;
         else
-            return weigh(frame_, limits<N>(), p, memory);
+            return frame_;
     }
 
     /// set(row, value) for the weights, or for their gradients times `scale`, normalised.
