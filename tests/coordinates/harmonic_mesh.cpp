@@ -162,7 +162,8 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
     CAPTURE(seed);
     const auto compare = [](const auto& cage, const auto& points) { // whatever the weights
         const auto weights = evaluate_all(
-            HarmonicCoordinates(cage, {.resolution = 40, .multigrid = {.tolerance = 1}}), points);
+            HarmonicCoordinates(cage, {.resolution = effort(40u, 16u), .multigrid = {.tolerance = 1}}),
+            points);
         if (weights.status() != Status::ok) return;
         const auto tolerance = cageform::coincidence_tolerance(cageform::bounds_of(cage.vertices()));
         for (std::size_t i = 0; i < points.size(); ++i) {
