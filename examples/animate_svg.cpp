@@ -6,11 +6,15 @@
 // Curves and long lines are refined so that they follow the shape in all frames, in the same pieces in every
 // frame, as SVG asks. support/clip_file.hpp tells what a clip file holds.
 
+#include "bind_report.hpp"
 #include "cage_file.hpp"
 #include "clip_file.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "guard.hpp"
+#include "svg_document.hpp"
 
-#include <CLI/CLI.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <iostream>
 
@@ -123,9 +127,8 @@ struct Settings {
     CoordinatesChoice choice;
 };
 
-template <class Coordinates>
-int animate(const Settings& settings, SvgDocument document, const CageFile& cage, const ClipFile& file,
-            const Coordinates& coordinates) {
+int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
+            const ClipFile& file) {
     const auto clip = make_clip(file, cage.vertices);
     if (!clip) return fail(to_string(clip.error()));
 
@@ -133,13 +136,12 @@ int animate(const Settings& settings, SvgDocument document, const CageFile& cage
     SvgDocument work = detail::copy_of(document);
     std::vector<std::string> warnings;
     detail::adapt_style_sheets(work, warnings);
-    detail::ShapeCollector collector(work, true);
-    if (const auto error = collector.collect()) return fail(to_string(*error));
-    warnings.insert(warnings.end(), collector.warnings.begin(), collector.warnings.end());
+    auto all = detail::drawn_shapes(work, warnings);
+    if (!all) return fail(to_string(all.error()));
     for (const std::string& warning : warnings) std::cerr << "animate_svg: warning: " << warning << '\n';
     std::vector<MovedShape> shapes;
     std::vector<Point2> points;
-    for (detail::DrawnShape& drawn : collector.shapes) {
+    for (detail::DrawnShape& drawn : *all) {
         MovedShape shape{std::move(drawn), 0, points.size()};
         for (pugi::xml_node up = shape.drawn.node; up; up = up.parent()) {
             for (std::size_t n = 0; n < file.late.size(); ++n) {
@@ -165,7 +167,7 @@ int animate(const Settings& settings, SvgDocument document, const CageFile& cage
             return fail(settings.clip + ": the figure has no shape in \"" + file.late[n].element + '"');
     }
 
-    const auto [binding, report] = cageform::bind(coordinates, points);
+    const auto [binding, report] = make_coordinates<double>(settings.choice, cage)->bind(points);
     if (report.status != cageform::Status::ok) return fail(describe_faults(settings.cage, report));
     if (!report.outside.empty() || !report.unreached.empty())
         return fail(settings.figure + ": points lie outside the cage, or are not reached by the grid");
@@ -282,40 +284,33 @@ int animate(const Settings& settings, SvgDocument document, const CageFile& cage
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Animates an SVG figure by a cage and a motion of it.");
+    CommandLine line("Animates an SVG figure by a cage and a motion of it.");
     Settings settings;
     settings.choice.name = "harmonic";
-    app.add_option("figure", settings.figure, "the SVG file to animate")->required();
-    app.add_option("--cage", settings.cage, "its cage, as deform_svg takes it")->required();
-    app.add_option("--clip", settings.clip, "a CSV file of controls and keys: see support/clip_file.hpp")
-        ->required();
-    app.add_option("-o,--output", settings.out, "the SVG file to write")->required();
-    app.add_option("--rate", settings.rate, "frames a second written; a browser goes straight between them")
-        ->check(CLI::Range(1.0, 240.0))
-        ->capture_default_str();
-    app.add_option("--flatness", settings.tolerance, "how far curves may miss the shape, in user units")
-        ->check(CLI::Range(1e-6, 1e100))
-        ->capture_default_str();
-    app.add_option("--stills", settings.stills,
-                   "also write frames to files that begin so: 01.svg, 02.svg, …");
-    app.add_option("--still-count", settings.still_count, "how many, equally far apart")
-        ->check(CLI::Range(1, 99))
-        ->capture_default_str();
-    settings.choice.add_options(app);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
-    auto document = load_svg(settings.figure);
+    line.add("figure", settings.figure, "the SVG file to animate").required();
+    line.add("--cage", settings.cage, "its cage, as deform_svg takes it").required();
+    line.add("--clip", settings.clip, "a CSV file of controls and keys: see support/clip_file.hpp")
+        .required();
+    line.add("-o,--output", settings.out, "the SVG file to write").required();
+    line.add("--rate", settings.rate, "frames a second written; a browser goes straight between them")
+        .range(1.0, 240.0)
+        .show_default();
+    line.add("--flatness", settings.tolerance, "how far curves may miss the shape, in user units")
+        .range(1e-6, 1e100)
+        .show_default();
+    line.add("--stills", settings.stills, "also write frames to files that begin so: 01.svg, 02.svg, …");
+    line.add("--still-count", settings.still_count, "how many, equally far apart")
+        .range(1, 99)
+        .show_default();
+    settings.choice.add_options(line);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    const auto document = load_svg(settings.figure);
     if (!document) return fail(to_string(document.error()));
     const auto cage = load_cage(settings.cage);
     if (!cage) return fail(to_string(cage.error()));
     const auto file = load_clip(settings.clip, cage->vertices.size());
     if (!file) return fail(to_string(file.error()));
-    return with_coordinates<double>(settings.choice, *cage, [&](const auto& coordinates) {
-        return animate(settings, std::move(*document), *cage, *file, coordinates);
-    });
+    return animate(settings, *document, *cage, *file);
 }
 
 } // namespace

@@ -8,15 +8,14 @@
 
 #include "atomic_file.hpp"
 #include "clip_file.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "figure_file.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/pack.hpp>
-#include <cageform/cageform.hpp>
-
-#include <CLI/CLI.hpp>
+#include <cageform/binding/tangents.hpp>
 
 #include <iostream>
 
@@ -28,11 +27,10 @@ using cageform::WeightFormat;
 
 struct Arguments {
     std::string figure, cage, clip, out;
-    std::string coordinates = "mean-value";
     WeightFormat format = WeightFormat::scalar;
     std::size_t largest = 0;
     bool report = false;
-    cageform::HarmonicOptions harmonic{.resolution = 64};
+    CoordinatesChoice choice{"mean-value", {.resolution = 64}};
 };
 
 int fail(const std::string& message) {
@@ -65,10 +63,9 @@ std::vector<cageform::PiecewiseCubic<float>> curves_of(const PoseClip& clip) {
     return curves;
 }
 
-template <class Coordinates>
-int bind_figure(const Arguments& given, const Coordinates& coordinates, const ObjFile& figure,
-                const ObjFile& cage) {
-    warn_of_closed_gaps("bind_mesh", cage.name, coordinates.cage_report());
+int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage) {
+    const auto coordinates = make_coordinates<float>(given.choice, cage);
+    warn_of_closed_gaps("bind_mesh", cage.name, coordinates->cage_report);
     std::vector<cageform::PiecewiseCubic<float>> curves;
     if (!given.clip.empty()) {
         const auto clip = load_pose_clip(given.clip, cage.vertices.size());
@@ -77,7 +74,7 @@ int bind_figure(const Arguments& given, const Coordinates& coordinates, const Ob
     }
     cageform::BindOptions bind_options;
     bind_options.outside = cageform::OutsidePoints::keep_in_place;
-    const auto bound = cageform::bind(coordinates, figure.vertices, bind_options);
+    const auto bound = coordinates->bind(figure.vertices, bind_options);
     if (bound.report.status != Status::ok) return fail(describe_mesh_faults(cage.name, bound.report));
     if (!bound.report.outside.empty() || !bound.report.unreached.empty()) {
         return fail(std::to_string(bound.report.outside.size()) + " vertices of " + figure.name +
@@ -85,7 +82,7 @@ int bind_figure(const Arguments& given, const Coordinates& coordinates, const Ob
                     std::to_string(bound.report.unreached.size()) + " have no weights");
     }
     const auto tangents = cageform::tangents_of(normals_of(figure));
-    const auto turned = cageform::bind_vectors(coordinates, figure.vertices, tangents, bind_options);
+    const auto turned = bind_vectors(*coordinates, figure.vertices, tangents, bind_options);
     if (turned.report.status != Status::ok) return fail(describe_mesh_faults(cage.name, turned.report));
 
     AtomicFile out(given.out);
@@ -115,33 +112,29 @@ int bind_figure(const Arguments& given, const Coordinates& coordinates, const Ob
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Binds an OBJ figure to a cage and packs what a game needs of it into one file.");
+    CommandLine line("Binds an OBJ figure to a cage and packs what a game needs of it into one file.");
     Arguments given;
     std::string format = "float";
-    app.add_option("figure", given.figure, "the OBJ file to bind")->required();
-    app.add_option("--cage", given.cage,
-                   "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
-        ->required();
-    app.add_option("--clip", given.clip, "a motion of the cage: poses as make_character writes them");
-    app.add_option("-o,--out", given.out, "the file to write")->required();
-    app.add_option("--coordinates", given.coordinates, "mean-value or harmonic")
-        ->check(CLI::IsMember({"mean-value", "harmonic"}))
-        ->capture_default_str();
-    app.add_option("--resolution", given.harmonic.resolution,
-                   "grid cells along the cage's longest side, for harmonic")
-        ->capture_default_str();
-    app.add_option("--largest", given.largest,
-                   "weights of its place that a vertex keeps at least, 4 or more; 0: all")
-        ->capture_default_str();
-    app.add_option("--format", format, "of weights: float, half, int16 or int8")
-        ->check(CLI::IsMember({"float", "half", "int16", "int8"}))
-        ->capture_default_str();
-    app.add_flag("--report", given.report, "print sizes and errors");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("figure", given.figure, "the OBJ file to bind").required();
+    line.add("--cage", given.cage,
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
+        .required();
+    line.add("--clip", given.clip, "a motion of the cage: poses as make_character writes them");
+    line.add("-o,--out", given.out, "the file to write").required();
+    line.add("--coordinates", given.choice.name, "mean-value or harmonic")
+        .one_of({"mean-value", "harmonic"})
+        .show_default();
+    line.add("--resolution", given.choice.harmonic.resolution,
+             "grid cells along the cage's longest side, for harmonic")
+        .show_default();
+    line.add("--largest", given.largest,
+             "weights of its place that a vertex keeps at least, 4 or more; 0: all")
+        .show_default();
+    line.add("--format", format, "of weights: float, half, int16 or int8")
+        .one_of({"float", "half", "int16", "int8"})
+        .show_default();
+    line.add_flag("--report", given.report, "print sizes and errors");
+    if (const auto code = line.parse(argc, argv)) return *code;
     given.format = format == "half"    ? WeightFormat::half
                    : format == "int16" ? WeightFormat::int16
                    : format == "int8"  ? WeightFormat::int8
@@ -151,12 +144,7 @@ int run_program(int argc, char** argv) {
     if (!figure) return fail(to_string(figure.error()));
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
-    const cageform::TriangleMesh<float> mesh(cage->vertices, cage->triangles);
-    if (given.coordinates == "harmonic") {
-        return bind_figure(given, cageform::HarmonicCoordinates<float, 3>(mesh, given.harmonic), *figure,
-                           *cage);
-    }
-    return bind_figure(given, cageform::MeanValueCoordinates<float, 3>(mesh), *figure, *cage);
+    return bind_figure(given, *figure, *cage);
 }
 
 } // namespace

@@ -17,12 +17,18 @@
 // ones of chains and points. Points are read, bound and written in batches, so a file may have any length.
 
 #include "atomic_file.hpp"
+#include "bind_report.hpp"
+#include "cage_file.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
+#include "csv.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
 #include "progress_bar.hpp"
 
-#include <CLI/CLI.hpp>
-
+#include <array>
+#include <bit>
+#include <charconv>
 #include <iostream>
 
 namespace {
@@ -64,9 +70,8 @@ void merge(cageform::BindReport& total, const cageform::BindReport& part, std::s
     total.cage = part.cage;
 }
 
-template <class Cage>
-int run(const Settings& settings, const Cage& cage) {
-    constexpr std::size_t D = Cage::dimension;
+template <class T, std::size_t D>
+int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
     PointReader<D> reader(settings.points_path);
     if (!reader.error().empty()) return fail(reader.error());
     AtomicFile out(settings.out_path);
@@ -82,75 +87,76 @@ int run(const Settings& settings, const Cage& cage) {
         return fail(D == 2 ? describe_faults(settings.cage_path, report)
                            : describe_mesh_faults(settings.cage_path, report));
     };
-    return with_coordinates(settings.choice, cage, [&](auto coordinates) {
-        warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report());
-        cageform::BindReport total;
-        if constexpr (requires { coordinates.solve(); }) {
-            ProgressBar bar("solving");
-            const auto evaluation = coordinates.solve({.progress = bar.callback()});
-            total.status = evaluation.status;
-            total.cage = coordinates.cage_report();
-            total.solver = evaluation.solver;
-            if (evaluation.status != cageform::Status::ok) return refuse(total);
-            total.seconds = evaluation.solver.seconds;
-        }
-        std::string text = "status";
-        const std::size_t handles = coordinates.handles().size();
-        for (std::size_t h = 0; h < handles; ++h) text += ",w" + std::to_string(h);
-        text += '\n';
+    warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report);
+    cageform::BindReport total;
+    if (!coordinates.closed_form) {
+        ProgressBar bar("solving");
+        const auto evaluation = coordinates.solve({.progress = bar.callback()});
+        total.status = evaluation.status;
+        total.cage = coordinates.cage_report;
+        total.solver = evaluation.solver;
+        if (evaluation.status != cageform::Status::ok) return refuse(total);
+        total.seconds = evaluation.solver.seconds;
+    }
+    std::string text = "status";
+    const std::size_t handles = coordinates.handles;
+    for (std::size_t h = 0; h < handles; ++h) text += ",w" + std::to_string(h);
+    text += '\n';
 
-        const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
-        const bool weights_outside =
-            settings.outside == "nearest" ||
-            (settings.outside == "extend" && std::decay_t<decltype(coordinates)>::has_extension);
-        ProgressBar bar("binding");
-        const auto progress = bar.callback();
-        std::vector<std::array<double, D>> points;
-        std::vector<cageform::PointState> states;
-        // A first round without points checks the cage even where there are none.
-        bool more = true;
-        while (more) {
-            more = reader.read(points, batch);
-            if (!reader.error().empty()) return fail(reader.error());
-            const auto [binding, report] = cageform::bind(coordinates, points, options);
-            if (report.status != cageform::Status::ok) return refuse(report);
-            states.assign(points.size(), cageform::PointState::inside);
-            for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
-            for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;
-            for (const std::size_t i : report.not_finite) states[i] = cageform::PointState::not_finite;
-            for (const std::size_t i : report.unreached) states[i] = cageform::PointState::unreached;
-            for (std::size_t i = 0; i < points.size(); ++i) {
-                const auto state = states[i];
-                const bool known = state == cageform::PointState::inside ||
-                                   state == cageform::PointState::on_boundary ||
-                                   (state == cageform::PointState::outside && weights_outside);
-                text += to_string(state);
-                for (std::size_t h = 0; h < binding.handle_count(); ++h) {
-                    text += ',';
-                    if (!known) {
-                        text += "nan";
-                        continue;
-                    }
-                    std::array<char, 32> digits;
-                    const auto end = std::to_chars(digits.begin(), digits.end(), double(binding.weight(i, h)),
-                                                   std::chars_format::general, 17);
-                    text.append(digits.data(), end.ptr);
+    const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
+    const bool weights_outside =
+        settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
+    ProgressBar bar("binding");
+    const auto progress = bar.callback();
+    std::vector<std::array<double, D>> numbers;
+    std::vector<std::conditional_t<D == 2, Point2, Point3>> points;
+    std::vector<cageform::PointState> states;
+    // A first round without points checks the cage even where there are none.
+    bool more = true;
+    while (more) {
+        more = reader.read(numbers, batch);
+        if (!reader.error().empty()) return fail(reader.error());
+        points.clear();
+        for (const auto& p : numbers)
+            points.push_back(std::bit_cast<std::conditional_t<D == 2, Point2, Point3>>(p));
+        const auto [binding, report] = coordinates.bind(points, options);
+        if (report.status != cageform::Status::ok) return refuse(report);
+        states.assign(points.size(), cageform::PointState::inside);
+        for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
+        for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;
+        for (const std::size_t i : report.not_finite) states[i] = cageform::PointState::not_finite;
+        for (const std::size_t i : report.unreached) states[i] = cageform::PointState::unreached;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto state = states[i];
+            const bool known = state == cageform::PointState::inside ||
+                               state == cageform::PointState::on_boundary ||
+                               (state == cageform::PointState::outside && weights_outside);
+            text += to_string(state);
+            for (std::size_t h = 0; h < binding.handle_count(); ++h) {
+                text += ',';
+                if (!known) {
+                    text += "nan";
+                    continue;
                 }
-                text += '\n';
+                std::array<char, 32> digits;
+                const auto end = std::to_chars(digits.begin(), digits.end(), double(binding.weight(i, h)),
+                                               std::chars_format::general, 17);
+                text.append(digits.data(), end.ptr);
             }
-            out.write(text);
-            text.clear();
-            if (settings.report)
-                merge(total, report, total.points);
-            else
-                total.points += report.points;
-            if (progress) progress(reader.fraction());
+            text += '\n';
         }
-        if (total.points == 0) return fail(settings.points_path + ": holds no points");
-        if (const auto error = out.commit()) return fail(*error);
-        if (settings.report) std::cout << describe(total);
-        return 0;
-    });
+        out.write(text);
+        text.clear();
+        if (settings.report)
+            merge(total, report, total.points);
+        else
+            total.points += report.points;
+        if (progress) progress(reader.fraction());
+    }
+    if (total.points == 0) return fail(settings.points_path + ": holds no points");
+    if (const auto error = out.commit()) return fail(*error);
+    if (settings.report) std::cout << describe(total);
+    return 0;
 }
 
 /// Reads the cage.
@@ -159,44 +165,37 @@ int run(const Settings& settings) {
     if (settings.cage_path.ends_with(".obj")) {
         const auto file = load_mesh_cage(settings.cage_path);
         if (!file) return fail(to_string(file.error()));
-        return run(settings, cageform::TriangleMesh<T>(file->vertices, file->triangles));
+        return run(settings, *make_coordinates<T>(settings.choice, *file));
     }
     const auto file = load_cage(settings.cage_path);
     if (!file) return fail(to_string(file.error()));
-    return file->visit<T>([&](const auto& cage) { return run(settings, cage); });
+    return run(settings, *make_coordinates<T>(settings.choice, *file));
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Writes the cage coordinates of points.");
+    CommandLine line("Writes the cage coordinates of points.");
     Settings settings;
-    app.add_option("--cage", settings.cage_path,
-                   "in the plane a CSV or an SVG, in space an OBJ of a closed mesh")
-        ->required();
-    app.add_option("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space")->required();
-    app.add_option("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…")->required();
-    app.footer(
+    line.add("--cage", settings.cage_path, "in the plane a CSV or an SVG, in space an OBJ of a closed mesh")
+        .required();
+    line.add("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space").required();
+    line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required();
+    line.set_footer(
         "The CSV of a cage is blocks of x,y lines with empty lines between them: loops, the outer one\n"
         "first, and for harmonic coordinates chains, headed by a line \"# chain\", and single points,\n"
         "headed by \"# point RADIUS\". A point of a chain that equals a vertex given before is that vertex.\n"
         "w0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones of chains and\n"
         "points, as they come in the file.");
-    app.add_option("--scalar", settings.scalar, "float or double")
-        ->check(CLI::IsMember({"float", "double"}))
-        ->capture_default_str();
-    app.add_option("--outside", settings.outside, "points outside: extend, keep or nearest")
-        ->check(CLI::IsMember({"extend", "keep", "nearest"}))
-        ->capture_default_str();
-    app.add_option("--linear-precision", settings.linear_precision,
-                   "restore or leave what weights miss of it: a solver's, and those about interior points")
-        ->check(CLI::IsMember({"restore", "leave"}))
-        ->capture_default_str();
-    app.add_flag("--report", settings.report, "print the bind report");
-    settings.choice.add_options(app);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
+    line.add("--outside", settings.outside, "points outside: extend, keep or nearest")
+        .one_of({"extend", "keep", "nearest"})
+        .show_default();
+    line.add("--linear-precision", settings.linear_precision,
+             "restore or leave what weights miss of it: a solver's, and those about interior points")
+        .one_of({"restore", "leave"})
+        .show_default();
+    line.add_flag("--report", settings.report, "print the bind report");
+    settings.choice.add_options(line);
+    if (const auto code = line.parse(argc, argv)) return *code;
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);
 }
 

@@ -3,13 +3,14 @@
 //     contact_sheet -o sheet.svg --columns 2 --png "at rest" cat.svg "a step" step.svg
 
 #include "base64.hpp"
+#include "command_line.hpp"
 #include "guard.hpp"
 #include "render.hpp"
 #include "svg_document.hpp"
 
-#include <CLI/CLI.hpp>
-
+#include <fstream>
 #include <iostream>
+#include <iterator>
 
 namespace {
 
@@ -64,25 +65,19 @@ SvgResult<SvgDocument> wrap_png(const std::string& path) {
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Puts several SVG and PNG files side by side, with captions.");
+    CommandLine line("Puts several SVG and PNG files side by side, with captions.");
     std::string out_path;
     std::vector<std::string> words;
     std::size_t columns = 2;
     bool png = false;
     int png_width = 1200, tile = 400;
-    app.add_option("-o,--output", out_path, "the SVG file to write")->required();
-    app.add_option("--columns", columns, "tiles in a row")->check(CLI::Range(1, 64))->capture_default_str();
-    app.add_option("--tile", tile, "width of a tile, in user units")
-        ->check(CLI::Range(10, 10000))
-        ->capture_default_str();
-    app.add_flag("--png", png, "also render it, to the same name with .png");
-    app.add_option("--png-width", png_width, "in pixels")->check(CLI::Range(1, 16384))->capture_default_str();
-    app.add_option("tiles", words, "CAPTION FILE, alternately; an SVG, or a PNG by its name")->required();
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("-o,--output", out_path, "the SVG file to write").required();
+    line.add("--columns", columns, "tiles in a row").range(1, 64).show_default();
+    line.add("--tile", tile, "width of a tile, in user units").range(10, 10000).show_default();
+    line.add_flag("--png", png, "also render it, to the same name with .png");
+    line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
+    line.add("tiles", words, "CAPTION FILE, alternately; an SVG, or a PNG by its name").required();
+    if (const auto code = line.parse(argc, argv)) return *code;
     if (words.size() % 2 != 0) return fail("captions and files have to alternate");
 
     SvgDocument sheet;

@@ -4,14 +4,21 @@
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 
 #include "atomic_file.hpp"
+#include "bind_report.hpp"
 #include "cage_file.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "guard.hpp"
 #include "render.hpp"
 
-#include <CLI/CLI.hpp>
+#include <cageform/grid/embed.hpp>
+#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/simplex_boundary.hpp>
 
 #include <cstdio>
 #include <iostream>
+
+extern template class cageform::grid::Multigrid<2>; // compiled in coordinates_2d.cpp
 
 namespace {
 
@@ -76,45 +83,43 @@ Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resoluti
 }
 
 /// Points spread over a cage (a Halton sequence), the same for every grid.
-std::vector<cageform::Vec<double, 2>> points_in(const cageform::Polygon<double>& cage, std::size_t count) {
+std::vector<Point2> points_in(const cageform::Polygon<double>& cage, std::size_t count) {
     const auto bounds = cageform::bounds_of(cage.vertices());
     const auto radical_inverse = [](std::size_t n, std::size_t base) {
         double x = 0, digit = 1;
         for (; n > 0; n /= base) x += (digit /= double(base)) * double(n % base);
         return x;
     };
-    std::vector<cageform::Vec<double, 2>> points;
+    std::vector<Point2> points;
     for (std::size_t n = 1; points.size() < count; ++n) {
         const cageform::Vec<double, 2> p{
             bounds.lower[0] + radical_inverse(n, 2) * (bounds.upper[0] - bounds.lower[0]),
             bounds.lower[1] + radical_inverse(n, 3) * (bounds.upper[1] - bounds.lower[1])};
-        if (cageform::locate(cage, p, 0.0) == cageform::PointState::inside) points.push_back(p);
+        if (cageform::locate(cage, p, 0.0) == cageform::PointState::inside) points.push_back({p[0], p[1]});
     }
     return points;
 }
 
-/// The largest difference of weights to those of a grid four times as fine as the finest shown.
-Curve error_by_cells(const cageform::Polygon<double>& cage, const cageform::HarmonicOptions& options,
-                     std::string& refused) {
-    const auto points = points_in(cage, 1000);
-    const auto weights = [&](cageform::HarmonicOptions with, std::size_t resolution) {
-        with.resolution = resolution;
-        return cageform::bind(cageform::HarmonicCoordinates2d(cage, with), points);
-    };
-    constexpr std::size_t finest = 512;
-    const auto exact = weights({}, 4 * finest);
+constexpr std::size_t finest = 512; // cells shown
+
+cageform::BindResult<double, 2> weights_of(const CageFile& cage, cageform::HarmonicOptions options,
+                                           std::size_t resolution) {
+    options.resolution = resolution;
+    return make_coordinates<double>({"harmonic", options}, cage)
+        ->bind(points_in(cage.polygon<double>(), 1000));
+}
+
+/// The largest difference of weights to those that are `exact` beside.
+Curve error_by_cells(const CageFile& cage, const cageform::HarmonicOptions& options,
+                     const cageform::Binding<double, 2>& exact) {
     Curve curve;
-    if (exact.report.status != cageform::Status::ok) {
-        refused = cageform::to_string(exact.report.status);
-        return curve;
-    }
     for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
-        const auto coarse = weights(options, resolution);
+        const auto coarse = weights_of(cage, options, resolution);
         if (coarse.report.status != cageform::Status::ok) continue; // too coarse for a part of the cage
         double error = 1e-16;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            for (std::size_t k = 0; k < cage.size(); ++k)
-                error = std::max(error, std::fabs(coarse.binding.weight(i, k) - exact.binding.weight(i, k)));
+        for (std::size_t i = 0; i < exact.point_count(); ++i) {
+            for (std::size_t k = 0; k < exact.handle_count(); ++k)
+                error = std::max(error, std::fabs(coarse.binding.weight(i, k) - exact.weight(i, k)));
         }
         curve.points.push_back({std::log2(double(resolution)), std::log10(error)});
     }
@@ -175,22 +180,18 @@ std::string diagram(double left, const std::string& title, const std::string& x_
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Draws how the solver of harmonic coordinates converges for some cages.");
+    CommandLine line("Draws how the solver of harmonic coordinates converges for some cages.");
     std::vector<std::string> cage_paths;
     std::string out_path;
     bool png = false;
     std::size_t resolution = 512;
-    app.add_option("--cage", cage_paths, "SVG or CSV files, six at most")->required()->expected(1, 6);
-    app.add_option("-o,--output", out_path, "the SVG file to write")->required();
-    app.add_option("--resolution", resolution, "cells of the grid the cycles are shown on")
-        ->check(CLI::Range(16, 4096))
-        ->capture_default_str();
-    app.add_flag("--png", png, "also render it, to the same name with .png");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("--cage", cage_paths, "SVG or CSV files, six at most").required().count(1, 6);
+    line.add("-o,--output", out_path, "the SVG file to write").required();
+    line.add("--resolution", resolution, "cells of the grid the cycles are shown on")
+        .range(16, 4096)
+        .show_default();
+    line.add_flag("--png", png, "also render it, to the same name with .png");
+    if (const auto code = line.parse(argc, argv)) return *code;
 
     std::vector<Curve> by_cycle, by_cells;
     for (std::size_t n = 0; n < cage_paths.size(); ++n) {
@@ -222,10 +223,12 @@ int run_program(int argc, char** argv) {
                                 Way{", the papers' sweeps", "2 4", {}}};
         ways[1].options.multigrid.corner_functions = false;
         ways[2].options.solver = cageform::HarmonicSolver::averaging_pyramid;
+        // A grid four times as fine as the finest shown.
+        const auto exact = weights_of(*file, {}, 4 * finest);
+        if (exact.report.status != cageform::Status::ok)
+            return fail(cage_paths[n] + ": " + cageform::to_string(exact.report.status));
         for (const Way& way : ways) {
-            std::string refused;
-            auto curve = error_by_cells(cage, way.options, refused);
-            if (!refused.empty()) return fail(cage_paths[n] + ": " + refused);
+            auto curve = error_by_cells(*file, way.options, exact.binding);
             curve.name = name + way.name;
             curve.colour = colours[n];
             curve.dashes = way.dashes;

@@ -2,12 +2,13 @@
 //
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
 
+#include "bind_report.hpp"
 #include "cage_file.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "guard.hpp"
 #include "picture.hpp"
 #include "progress_bar.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <iostream>
 
@@ -21,27 +22,21 @@ int fail(const std::string& message) {
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app(
+    CommandLine line(
         "Draws one coordinate over its cage. Warm colours are positive, blue is negative, green is the "
         "value on the boundary; level lines every tenth.");
     std::string cage_path, out_path;
     std::size_t vertex = 0, size = 900;
     bool y_up = false;
     CoordinatesChoice choice;
-    app.add_option("--cage", cage_path, "an SVG or CSV file")->required();
-    app.add_option("--vertex", vertex, "whose coordinate, from 0")->required();
-    app.add_option("-o,--output", out_path, "the PNG file to write")->required();
-    app.add_option("--size", size, "pixels along the longer side")
-        ->check(CLI::Range(16, 8192))
-        ->capture_default_str();
-    app.add_flag("--y-up", y_up, "the cage's y axis points up (as in most CSV files)");
+    line.add("--cage", cage_path, "an SVG or CSV file").required();
+    line.add("--vertex", vertex, "whose coordinate, from 0").required();
+    line.add("-o,--output", out_path, "the PNG file to write").required();
+    line.add("--size", size, "pixels along the longer side").range(16, 8192).show_default();
+    line.add_flag("--y-up", y_up, "the cage's y axis points up (as in most CSV files)");
     choice.harmonic.resolution = 256;
-    choice.add_options(app);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    choice.add_options(line);
+    if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto cage = load_cage(cage_path);
     if (!cage) return fail(to_string(cage.error()));
@@ -50,11 +45,11 @@ int run_program(int argc, char** argv) {
                     std::to_string(cage->vertices.size()));
     }
     const auto polygon = cage->polygon<double>();
-    const auto report = cage->visit<double>([](const auto& shape) { return cageform::check(shape); });
-    if (report.status != cageform::Status::ok) {
+    const auto coordinates = make_coordinates<double>(choice, *cage);
+    if (coordinates->cage_report.status != cageform::Status::ok) {
         cageform::BindReport bad;
-        bad.status = report.status;
-        bad.cage = report;
+        bad.cage = coordinates->cage_report;
+        bad.status = bad.cage.status;
         return fail(describe_faults(cage_path, bad));
     }
 
@@ -85,23 +80,17 @@ int run_program(int argc, char** argv) {
     std::vector<bool> inside(points.size(), true);
     double least = 0, largest = 0;
     std::string failure;
-    with_coordinates<double>(choice, *cage, [&](const auto& coordinates) {
+    {
         // Of the weights only one row is kept, so the picture is bound in strips.
         ProgressBar bar("coordinate field");
-        auto solved = coordinates;
-        if constexpr (requires { solved.solve(); }) {
-            const auto evaluation = solved.solve({.progress = bar.callback()});
-            if (evaluation.status != cageform::Status::ok) failure = cageform::to_string(evaluation.status);
-        }
+        const auto evaluation = coordinates->solve({.progress = bar.callback()});
+        if (evaluation.status != cageform::Status::ok) failure = cageform::to_string(evaluation.status);
         const std::size_t strip = 16 * width;
         for (std::size_t first = 0; first < points.size() && failure.empty(); first += strip) {
             const std::span<const Point2> part(points.data() + first, std::min(strip, points.size() - first));
             const auto [binding, bound] =
-                cageform::bind(solved, part, {.linear_precision = cageform::LinearPrecision::leave});
-            if (bound.status != cageform::Status::ok) {
-                failure = describe_faults(cage_path, bound);
-                return;
-            }
+                coordinates->bind(part, {.linear_precision = cageform::LinearPrecision::leave});
+            if (bound.status != cageform::Status::ok) return fail(describe_faults(cage_path, bound));
             for (const auto* list : {&bound.outside, &bound.unreached}) {
                 for (const std::size_t i : *list) inside[first + i] = false;
             }
@@ -112,7 +101,7 @@ int run_program(int argc, char** argv) {
                 largest = std::max(largest, values[first + i]);
             }
         }
-    });
+    }
     if (!failure.empty()) return fail(failure);
 
     Picture fine(width, height);

@@ -6,12 +6,15 @@
 // materials, texture coordinates, comments.
 
 #include "atomic_file.hpp"
+#include "bind_report.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
 #include "mesh_picture.hpp"
 #include "progress_bar.hpp"
 
-#include <CLI/CLI.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <iostream>
 
@@ -26,16 +29,15 @@ int fail(const std::string& message) {
 
 struct Arguments {
     std::string figure, cage, pose, out, picture;
-    std::string coordinates = "mean-value", outside = "refuse";
+    std::string outside = "refuse";
     bool report = false;
-    cageform::HarmonicOptions harmonic{.resolution = 64};
+    CoordinatesChoice choice{"mean-value", {.resolution = 64}};
 };
 
 /// Binds the figure, moves it and writes what was asked for.
-template <class Coordinates>
-int deform_figure(const Arguments& given, const Coordinates& coordinates, const ObjFile& figure,
-                  const ObjFile& cage, const ObjFile& pose) {
-    warn_of_closed_gaps("deform_mesh", cage.name, coordinates.cage_report());
+int deform_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage, const ObjFile& pose) {
+    const auto coordinates = make_coordinates<double>(given.choice, cage);
+    warn_of_closed_gaps("deform_mesh", cage.name, coordinates->cage_report);
     cageform::BindOptions options;
     options.outside = given.outside == "nearest"  ? cageform::OutsidePoints::nearest_boundary
                       : given.outside == "extend" ? cageform::OutsidePoints::extend
@@ -43,7 +45,7 @@ int deform_figure(const Arguments& given, const Coordinates& coordinates, const 
     cageform::BindResult<double, 3> bound;
     {
         ProgressBar bar("binding");
-        bound = cageform::bind(coordinates, figure.vertices, options, {.progress = bar.callback()});
+        bound = coordinates->bind(figure.vertices, options, {.progress = bar.callback()});
     }
     const auto& report = bound.report;
     if (report.status != cageform::Status::ok) return fail(describe_mesh_faults(cage.name, report));
@@ -53,14 +55,14 @@ int deform_figure(const Arguments& given, const Coordinates& coordinates, const 
         return fail(points + " lie outside the cage " + cage.name + ", first " +
                     name_points(figure.vertices, report.outside) + "; --outside says what to do with them");
     }
-    if (given.outside == "extend" && !Coordinates::has_extension && !report.outside.empty()) {
-        return fail(given.coordinates + " coordinates are not defined outside the cage, where " + points +
+    if (given.outside == "extend" && !coordinates->has_extension && !report.outside.empty()) {
+        return fail(given.choice.name + " coordinates are not defined outside the cage, where " + points +
                     " lie, first " + name_points(figure.vertices, report.outside));
     }
     if (!report.unreached.empty()) {
         return fail(figure.name + ": no weights can be had for " +
                     name_points(figure.vertices, report.unreached) +
-                    (Coordinates::closed_form ? ": too far from the cage"
+                    (coordinates->closed_form ? ": too far from the cage"
                                               : ": the grid is too coarse, raise --resolution"));
     }
     std::vector<Point3> moved(figure.vertices.size());
@@ -90,34 +92,30 @@ int deform_figure(const Arguments& given, const Coordinates& coordinates, const 
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Deforms an OBJ figure by a cage, a closed mesh around it, and a pose of the cage.");
+    CommandLine line("Deforms an OBJ figure by a cage, a closed mesh around it, and a pose of the cage.");
     Arguments given;
-    app.add_option("figure", given.figure, "the OBJ file to deform")->required();
-    app.add_option("--cage", given.cage,
-                   "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
-        ->required();
-    app.add_option("--pose", given.pose, "the same mesh with its vertices moved")->required();
-    app.add_option("-o,--output", given.out, "the OBJ file to write")->required();
-    app.add_option("--coordinates", given.coordinates, "mean-value or harmonic")
-        ->check(CLI::IsMember({"mean-value", "harmonic"}))
-        ->capture_default_str();
-    app.add_option("--resolution", given.harmonic.resolution, "harmonic: grid cells along the longest side")
-        ->capture_default_str();
-    app.add_option("--tolerance", given.harmonic.multigrid.tolerance,
-                   "harmonic: where the solver ends, an error of the functions")
-        ->capture_default_str();
-    app.add_option("--outside", given.outside,
-                   "vertices outside the cage: refuse, keep (in place), nearest (follow the nearest boundary "
-                   "point) or extend (where the coordinates are defined outside)")
-        ->check(CLI::IsMember({"refuse", "keep", "nearest", "extend"}))
-        ->capture_default_str();
-    app.add_option("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file");
-    app.add_flag("--report", given.report, "print the bind report");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("figure", given.figure, "the OBJ file to deform").required();
+    line.add("--cage", given.cage,
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
+        .required();
+    line.add("--pose", given.pose, "the same mesh with its vertices moved").required();
+    line.add("-o,--output", given.out, "the OBJ file to write").required();
+    line.add("--coordinates", given.choice.name, "mean-value or harmonic")
+        .one_of({"mean-value", "harmonic"})
+        .show_default();
+    line.add("--resolution", given.choice.harmonic.resolution, "harmonic: grid cells along the longest side")
+        .show_default();
+    line.add("--tolerance", given.choice.harmonic.multigrid.tolerance,
+             "harmonic: where the solver ends, an error of the functions")
+        .show_default();
+    line.add("--outside", given.outside,
+             "vertices outside the cage: refuse, keep (in place), nearest (follow the nearest boundary "
+             "point) or extend (where the coordinates are defined outside)")
+        .one_of({"refuse", "keep", "nearest", "extend"})
+        .show_default();
+    line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file");
+    line.add_flag("--report", given.report, "print the bind report");
+    if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
@@ -128,12 +126,7 @@ int run_program(int argc, char** argv) {
     const std::string why = pose_difference(*cage, *pose);
     if (!why.empty()) return fail(why);
 
-    const cageform::TriangleMesh<double> mesh(cage->vertices, cage->triangles);
-    if (given.coordinates == "harmonic") {
-        return deform_figure(given, cageform::HarmonicCoordinates<double, 3>(mesh, given.harmonic), *figure,
-                             *cage, *pose);
-    }
-    return deform_figure(given, cageform::MeanValueCoordinates<double, 3>(mesh), *figure, *cage, *pose);
+    return deform_figure(given, *figure, *cage, *pose);
 }
 
 } // namespace

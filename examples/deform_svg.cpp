@@ -8,14 +8,19 @@
 // Cages of CSV files may have chains and points inside (see cage_weights.cpp), which harmonic coordinates
 // honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
 
+#include "bind_report.hpp"
 #include "cage_file.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "guard.hpp"
 #include "progress_bar.hpp"
 #include "render.hpp"
+#include "svg_document.hpp"
 
-#include <CLI/CLI.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <iostream>
+#include <sstream>
 
 namespace {
 
@@ -67,38 +72,33 @@ void draw_cage(SvgDocument& document, const CageFile& cage) {
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Deforms an SVG figure by a cage and a pose of it.");
+    CommandLine line("Deforms an SVG figure by a cage and a pose of it.");
     std::string figure_path, cage_path, pose_path, out_path, outside = "refuse";
     bool png = false, show_cage = false, report = false;
     int png_width = 900;
     CoordinatesChoice choice;
     DeformOptions options;
-    app.add_option("figure", figure_path, "the SVG file to deform")->required();
-    app.add_option(
-           "--cage", cage_path,
-           "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points, as "
-           "cage_weights --help says")
-        ->required();
-    app.add_option("--pose", pose_path, "the moved cage: the same blocks, vertex by vertex")->required();
-    app.add_option("-o,--output", out_path, "the SVG file to write")->required();
-    app.add_flag("--png", png, "also render it, to the same name with .png");
-    app.add_option("--png-width", png_width, "in pixels")->check(CLI::Range(1, 16384))->capture_default_str();
-    app.add_option("--outside", outside,
-                   "points outside the cage: refuse, keep (in place), nearest (follow the nearest boundary "
-                   "point) or extend (where the coordinates are defined outside)")
-        ->check(CLI::IsMember({"refuse", "keep", "nearest", "extend"}))
-        ->capture_default_str();
-    app.add_option("--flatness", options.tolerance,
-                   "how far curves may miss the deformed shape, in user units; 0: invisibly little")
-        ->check(CLI::Range(0.0, 1e100));
-    app.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
-    app.add_flag("--report", report, "print the bind report and what became of the shapes");
-    choice.add_options(app);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("figure", figure_path, "the SVG file to deform").required();
+    line.add("--cage", cage_path,
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points, as "
+             "cage_weights --help says")
+        .required();
+    line.add("--pose", pose_path, "the moved cage: the same blocks, vertex by vertex").required();
+    line.add("-o,--output", out_path, "the SVG file to write").required();
+    line.add_flag("--png", png, "also render it, to the same name with .png");
+    line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
+    line.add("--outside", outside,
+             "points outside the cage: refuse, keep (in place), nearest (follow the nearest boundary "
+             "point) or extend (where the coordinates are defined outside)")
+        .one_of({"refuse", "keep", "nearest", "extend"})
+        .show_default();
+    line.add("--flatness", options.tolerance,
+             "how far curves may miss the deformed shape, in user units; 0: invisibly little")
+        .range(0.0, 1e100);
+    line.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
+    line.add_flag("--report", report, "print the bind report and what became of the shapes");
+    choice.add_options(line);
+    if (const auto code = line.parse(argc, argv)) return *code;
 
     auto document = load_svg(figure_path);
     if (!document) return fail(to_string(document.error()));
@@ -107,77 +107,74 @@ int run_program(int argc, char** argv) {
     const auto pose = load_pose(pose_path, *cage);
     if (!pose) return fail(to_string(pose.error()));
 
-    return with_coordinates<double>(choice, *cage, [&](auto coordinates) {
-        using Coordinates = std::decay_t<decltype(coordinates)>;
-        cageform::BindReport last;
-        if constexpr (requires { coordinates.solve(); }) {
-            // The points come in several batches; the functions are solved once.
-            ProgressBar bar("solving");
-            const auto evaluation = coordinates.solve({.progress = bar.callback()});
-            last.status = evaluation.status;
-            last.cage = coordinates.cage_report();
-            last.solver = evaluation.solver;
-            if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage_path, last));
+    const auto coordinates = make_coordinates<double>(choice, *cage);
+    cageform::BindReport last;
+    if (!coordinates->closed_form) {
+        // The points come in several batches; the functions are solved once.
+        ProgressBar bar("solving");
+        const auto evaluation = coordinates->solve({.progress = bar.callback()});
+        last.status = evaluation.status;
+        last.cage = coordinates->cage_report;
+        last.solver = evaluation.solver;
+        if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage_path, last));
+    }
+    cageform::BindOptions bind_options;
+    bind_options.outside = outside == "nearest"  ? cageform::OutsidePoints::nearest_boundary
+                           : outside == "extend" ? cageform::OutsidePoints::extend
+                                                 : cageform::OutsidePoints::keep_in_place;
+    std::string failure;
+    const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
+        const auto [binding, bound] = coordinates->bind(in, bind_options);
+        if (bound.status != cageform::Status::ok) {
+            failure = describe_faults(cage_path, bound);
+            return false;
         }
-        cageform::BindOptions bind_options;
-        bind_options.outside = outside == "nearest"  ? cageform::OutsidePoints::nearest_boundary
-                               : outside == "extend" ? cageform::OutsidePoints::extend
-                                                     : cageform::OutsidePoints::keep_in_place;
-        std::string failure;
-        const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
-            const auto [binding, bound] = cageform::bind(coordinates, in, bind_options);
-            if (bound.status != cageform::Status::ok) {
-                failure = describe_faults(cage_path, bound);
-                return false;
-            }
-            if (outside == "refuse" && !bound.outside.empty()) {
-                failure = figure_path + ": " + std::to_string(bound.outside.size()) + " of " +
-                          std::to_string(in.size()) + " points lie outside the cage " + cage_path +
-                          ", first " + name_points(in, bound.outside) +
-                          "; --outside says what to do with them";
-                return false;
-            }
-            if (outside == "extend" && !Coordinates::has_extension && !bound.outside.empty()) {
-                failure = choice.name + " coordinates are not defined outside the cage, where " +
-                          std::to_string(bound.outside.size()) + " points lie, first " +
-                          name_points(in, bound.outside);
-                return false;
-            }
-            if (!bound.unreached.empty()) {
-                failure = "no weights can be had for " + name_points(in, bound.unreached) +
-                          (Coordinates::closed_form ? ": too far from the cage"
-                                                    : ": the grid is too coarse, raise --resolution");
-                return false;
-            }
-            const auto status = cageform::clone(binding, pose->vertices, moved);
-            if (status != cageform::Status::ok) failure = pose_path + ": " + cageform::to_string(status);
-            if (last.points == 0) last = bound;
-            return status == cageform::Status::ok;
-        };
-        const auto deformed = deform(*document, deformer, options);
-        if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
-        for (const std::string& warning : deformed->warnings)
-            std::cerr << "deform_svg: warning: " << warning << '\n';
-        if (deformed->coarse > 0) {
-            std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
-                      << " segments miss the --flatness asked for\n";
+        if (outside == "refuse" && !bound.outside.empty()) {
+            failure = figure_path + ": " + std::to_string(bound.outside.size()) + " of " +
+                      std::to_string(in.size()) + " points lie outside the cage " + cage_path + ", first " +
+                      name_points(in, bound.outside) + "; --outside says what to do with them";
+            return false;
         }
-        if (show_cage) draw_cage(*document, *pose);
-        if (const auto error = save_svg(*document, out_path)) return fail(to_string(*error));
-        if (png) {
-            if (const auto error = render_png(
-                    out_path, std::filesystem::path(out_path).replace_extension(".png"), png_width)) {
-                return fail(*error);
-            }
+        if (outside == "extend" && !coordinates->has_extension && !bound.outside.empty()) {
+            failure = choice.name + " coordinates are not defined outside the cage, where " +
+                      std::to_string(bound.outside.size()) + " points lie, first " +
+                      name_points(in, bound.outside);
+            return false;
         }
-        if (report) {
-            std::cout << "shapes: " << deformed->shapes << ", segments written: " << deformed->segments
-                      << ", points bound: " << deformed->points << " in " << deformed->batches
-                      << " batches\nfirst batch:\n"
-                      << describe(last);
+        if (!bound.unreached.empty()) {
+            failure = "no weights can be had for " + name_points(in, bound.unreached) +
+                      (coordinates->closed_form ? ": too far from the cage"
+                                                : ": the grid is too coarse, raise --resolution");
+            return false;
         }
-        return 0;
-    });
+        const auto status = cageform::clone(binding, pose->vertices, moved);
+        if (status != cageform::Status::ok) failure = pose_path + ": " + cageform::to_string(status);
+        if (last.points == 0) last = bound;
+        return status == cageform::Status::ok;
+    };
+    const auto deformed = deform(*document, deformer, options);
+    if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
+    for (const std::string& warning : deformed->warnings)
+        std::cerr << "deform_svg: warning: " << warning << '\n';
+    if (deformed->coarse > 0) {
+        std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
+                  << " segments miss the --flatness asked for\n";
+    }
+    if (show_cage) draw_cage(*document, *pose);
+    if (const auto error = save_svg(*document, out_path)) return fail(to_string(*error));
+    if (png) {
+        if (const auto error =
+                render_png(out_path, std::filesystem::path(out_path).replace_extension(".png"), png_width)) {
+            return fail(*error);
+        }
+    }
+    if (report) {
+        std::cout << "shapes: " << deformed->shapes << ", segments written: " << deformed->segments
+                  << ", points bound: " << deformed->points << " in " << deformed->batches
+                  << " batches\nfirst batch:\n"
+                  << describe(last);
+    }
+    return 0;
 }
 
 } // namespace

@@ -13,12 +13,15 @@
 // written with CUBICSPLINE interpolation, without loss. Materials and groups of the OBJ file are left out.
 
 #include "atomic_file.hpp"
+#include "bind_report.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "gltf_file.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
 #include "progress_bar.hpp"
 
-#include <CLI/CLI.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <iostream>
 
@@ -246,17 +249,17 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
 }
 
 /// Binds the figure and writes what was asked for.
-template <class Coordinates>
-int export_figure(const Arguments& given, const Coordinates& coordinates, const Scene& scene) {
+int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
-    warn_of_closed_gaps("export_gltf", cage.name, coordinates.cage_report());
+    const auto coordinates = make_coordinates<double>(given.choice, cage);
+    warn_of_closed_gaps("export_gltf", cage.name, coordinates->cage_report);
     cageform::BindOptions options;
     options.outside = given.outside == "nearest" ? cageform::OutsidePoints::nearest_boundary
                                                  : cageform::OutsidePoints::keep_in_place;
     cageform::BindResult<double, 3> bound;
     {
         ProgressBar bar("binding");
-        bound = cageform::bind(coordinates, figure.vertices, options, {.progress = bar.callback()});
+        bound = coordinates->bind(figure.vertices, options, {.progress = bar.callback()});
     }
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
@@ -268,7 +271,7 @@ int export_figure(const Arguments& given, const Coordinates& coordinates, const 
     if (!report.unreached.empty()) {
         return fail(figure.name + ": no weights can be had for " +
                     name_points(figure.vertices, report.unreached) +
-                    (Coordinates::closed_form ? ": too far from the cage"
+                    (coordinates->closed_form ? ": too far from the cage"
                                               : ": the grid is too coarse, raise --resolution"));
     }
     if (given.report) std::cout << describe(report);
@@ -340,43 +343,38 @@ SvgResult<PoseClip> through_poses(const Arguments& given, const ObjFile& cage) {
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
+    CommandLine line(
+        "Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
     Arguments given;
     given.choice.name = "harmonic";
     given.choice.harmonic.resolution = 64;
-    app.add_option("figure", given.figure, "the OBJ file")->required();
-    app.add_option("--cage", given.cage,
-                   "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
-        ->required();
-    auto* const clip =
-        app.add_option("--clip", given.clip, "the motion: a CSV file of poses (support/clip_file.hpp)");
-    app.add_option("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
-        ->excludes(clip);
-    app.add_option("--seconds", given.seconds, "from one pose to the next")
-        ->check(CLI::Range(0.001, 1e5))
-        ->capture_default_str();
-    auto* const skin = app.add_option("--skin", given.influences, "a skin of at most so many joints a vertex")
-                           ->check(CLI::Range(1, 16));
-    app.add_flag("--morph", given.morph, "morph targets, one a pose")->excludes(skin);
-    app.add_option("--weights", given.weights, "of a skin: float, unorm8 or unorm16 (normalised integers)")
-        ->check(CLI::IsMember({"float", "unorm8", "unorm16"}))
-        ->capture_default_str();
-    app.add_option("--threshold", given.threshold, "of a skin: lesser weights are left out")
-        ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str();
-    app.add_option("-o,--output", given.out, "the file to write: .glb or .gltf")->required();
-    given.choice.add_options(app);
-    app.add_option("--outside", given.outside,
-                   "vertices outside the cage: refuse, keep (in place) or nearest (follow the nearest "
-                   "boundary point)")
-        ->check(CLI::IsMember({"refuse", "keep", "nearest"}))
-        ->capture_default_str();
-    app.add_flag("--report", given.report, "print the bind report, and what the skin loses");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("figure", given.figure, "the OBJ file").required();
+    line.add("--cage", given.cage,
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
+        .required();
+    const CommandOption clip =
+        line.add("--clip", given.clip, "the motion: a CSV file of poses (support/clip_file.hpp)");
+    line.add("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
+        .excludes(clip);
+    line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+    const CommandOption skin =
+        line.add("--skin", given.influences, "a skin of at most so many joints a vertex").range(1, 16);
+    line.add_flag("--morph", given.morph, "morph targets, one a pose").excludes(skin);
+    line.add("--weights", given.weights, "of a skin: float, unorm8 or unorm16 (normalised integers)")
+        .one_of({"float", "unorm8", "unorm16"})
+        .show_default();
+    line.add("--threshold", given.threshold, "of a skin: lesser weights are left out")
+        .range(0.0, 1.0)
+        .show_default();
+    line.add("-o,--output", given.out, "the file to write: .glb or .gltf").required();
+    given.choice.add_options(line);
+    line.add("--outside", given.outside,
+             "vertices outside the cage: refuse, keep (in place) or nearest (follow the nearest "
+             "boundary point)")
+        .one_of({"refuse", "keep", "nearest"})
+        .show_default();
+    line.add_flag("--report", given.report, "print the bind report, and what the skin loses");
+    if (const auto code = line.parse(argc, argv)) return *code;
     const std::string extension = std::filesystem::path(given.out).extension().string();
     if (extension != ".glb" && extension != ".gltf")
         return fail(given.out + ": the name of a glTF file ends with .glb or .gltf");
@@ -407,10 +405,7 @@ int run_program(int argc, char** argv) {
                             ": a coordinate is too large for glTF");
         }
     }
-    const cageform::TriangleMesh<double> shell(scene.cage.vertices, scene.cage.triangles);
-    return with_coordinates(given.choice, shell, [&](const auto& coordinates) {
-        return export_figure(given, coordinates, scene);
-    });
+    return export_figure(given, scene);
 }
 
 } // namespace

@@ -2,11 +2,18 @@
 //
 //     figure_table FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…] …
 
+#include "bind_report.hpp"
 #include "cage_file.hpp"
+#include "coordinates.hpp"
 #include "guard.hpp"
+#include "svg_document.hpp"
 
+#include <cageform/clone/clone.hpp>
+
+#include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <sstream>
 
 namespace {
 
@@ -39,28 +46,27 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
     if (!pose) return to_string(pose.error());
     CoordinatesChoice choice;
     choice.name = coordinates_name;
-    return with_coordinates<double>(choice, *cage, [&](const auto& coordinates) -> std::string {
-        const auto [binding, report] = cageform::bind(coordinates, *figure);
-        if (report.status != cageform::Status::ok) return describe_faults(cage_path, report);
-        if (!report.outside.empty()) {
-            return figure_path + ": " + std::to_string(report.outside.size()) +
-                   " points lie outside the cage " + cage_path;
-        }
-        const double bind_seconds = median_seconds(5, 1, [&] { (void)cageform::bind(coordinates, *figure); });
-        std::vector<Point2> out(figure->size());
-        cageform::Status status = cageform::Status::ok;
-        const double clone_seconds =
-            median_seconds(21, 100, [&] { status = cageform::clone(binding, pose->vertices, out); });
-        if (status != cageform::Status::ok) return cageform::to_string(status);
-        if (cageform::clone(binding, cage->vertices, out) != cageform::Status::ok || !(out == *figure)) {
-            return figure_path + ": the rest pose is not exact";
-        }
-        std::printf("%-8s %-12s %6zu %8zu %9.3f %9.2f %15.1e %13.4f\n",
-                    std::filesystem::path(figure_path).stem().string().c_str(), coordinates_name.c_str(),
-                    binding.point_count(), binding.handle_count(), bind_seconds * 1e3, clone_seconds * 1e6,
-                    report.reproduction_error.value, report.least_weight.value);
-        return {};
-    });
+    const auto coordinates = make_coordinates<double>(choice, *cage);
+    const auto [binding, report] = coordinates->bind(*figure);
+    if (report.status != cageform::Status::ok) return describe_faults(cage_path, report);
+    if (!report.outside.empty()) {
+        return figure_path + ": " + std::to_string(report.outside.size()) + " points lie outside the cage " +
+               cage_path;
+    }
+    const double bind_seconds = median_seconds(5, 1, [&] { (void)coordinates->bind(*figure); });
+    std::vector<Point2> out(figure->size());
+    cageform::Status status = cageform::Status::ok;
+    const double clone_seconds =
+        median_seconds(21, 100, [&] { status = cageform::clone(binding, pose->vertices, out); });
+    if (status != cageform::Status::ok) return cageform::to_string(status);
+    if (cageform::clone(binding, cage->vertices, out) != cageform::Status::ok || !(out == *figure)) {
+        return figure_path + ": the rest pose is not exact";
+    }
+    std::printf("%-8s %-12s %6zu %8zu %9.3f %9.2f %15.1e %13.4f\n",
+                std::filesystem::path(figure_path).stem().string().c_str(), coordinates_name.c_str(),
+                binding.point_count(), binding.handle_count(), bind_seconds * 1e3, clone_seconds * 1e6,
+                report.reproduction_error.value, report.least_weight.value);
+    return {};
 }
 
 int run_program(int argc, char** argv) {

@@ -9,13 +9,13 @@
 // null is infinite.
 
 #include "atomic_file.hpp"
+#include "command_line.hpp"
 #include "csv.hpp"
 #include "guard.hpp"
 #include "render.hpp"
 
 #include <cageform/animate/fit.hpp>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
@@ -550,36 +550,31 @@ Case run_one(const Arguments& given) {
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app("Replaces a Bézier curve between two keys by a few polynomials in time.");
+    CommandLine line("Replaces a Bézier curve between two keys by a few polynomials in time.");
     Arguments given;
-    app.add_option("--bezier", given.bezier,
-                   "x0,y0,x1,y1,x2,y2,x3,y3: keys and handles (--bezier=-1,… if negative)");
-    app.add_option("--css", given.css, "a,b,c,d: the handles of CSS's cubic-bezier(), from (0, 0) to (1, 1)");
-    app.add_option("--cases", given.cases, "a JSON file of curves (bezier-sobolev-cases/1); needs --json");
-    app.add_option("--pieces", given.pieces, "how many polynomials")->check(CLI::Range(1, int(most_pieces)));
-    auto* tolerance = app.add_option("--tolerance", given.tolerance,
-                                     "the largest error, in units of the value; as few pieces as meet it");
-    app.add_option("--degree", given.degree, "3, 4 or 5")->capture_default_str();
-    app.add_option("--knots", given.knots,
-                   "where pieces meet: optimal (the default), uniform (in time), arcs (of the curve's "
-                   "parameter), or times, the keys' included");
-    app.add_option("--conditions", given.conditions,
-                   "of end_value, knot_c0, knot_value, end_d1, knot_c1, knot_d1, end_d2, knot_c2, knot_d2")
-        ->capture_default_str();
-    app.add_option("--norm", given.norm,
-                   "what is least: w12, l2, sup, or W0,W1: the weights of value and slope")
-        ->capture_default_str();
-    app.add_flag("--in-units", given.in_units,
-                 "weights count in the curve's unit of time, not where the interval is 1 long");
-    app.add_option("--json", given.json, "the JSON file to write");
-    app.add_option("--plot", given.plot, "the SVG file to draw to");
-    app.add_flag("--png", given.png, "also render the plot, to the same name with .png");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
-    given.has_tolerance = tolerance->count() > 0;
+    line.add("--bezier", given.bezier,
+             "x0,y0,x1,y1,x2,y2,x3,y3: keys and handles (--bezier=-1,… if negative)");
+    line.add("--css", given.css, "a,b,c,d: the handles of CSS's cubic-bezier(), from (0, 0) to (1, 1)");
+    line.add("--cases", given.cases, "a JSON file of curves (bezier-sobolev-cases/1); needs --json");
+    line.add("--pieces", given.pieces, "how many polynomials").range(1, int(most_pieces));
+    const CommandOption tolerance = line.add(
+        "--tolerance", given.tolerance, "the largest error, in units of the value; as few pieces as meet it");
+    line.add("--degree", given.degree, "3, 4 or 5").show_default();
+    line.add("--knots", given.knots,
+             "where pieces meet: optimal (the default), uniform (in time), arcs (of the curve's "
+             "parameter), or times, the keys' included");
+    line.add("--conditions", given.conditions,
+             "of end_value, knot_c0, knot_value, end_d1, knot_c1, knot_d1, end_d2, knot_c2, knot_d2")
+        .show_default();
+    line.add("--norm", given.norm, "what is least: w12, l2, sup, or W0,W1: the weights of value and slope")
+        .show_default();
+    line.add_flag("--in-units", given.in_units,
+                  "weights count in the curve's unit of time, not where the interval is 1 long");
+    line.add("--json", given.json, "the JSON file to write");
+    line.add("--plot", given.plot, "the SVG file to draw to");
+    line.add_flag("--png", given.png, "also render the plot, to the same name with .png");
+    if (const auto code = line.parse(argc, argv)) return *code;
+    given.has_tolerance = tolerance.is_given();
     if (given.png && given.plot.empty()) throw Refused("--png needs --plot");
 
     std::string json, svg;

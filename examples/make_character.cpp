@@ -8,11 +8,11 @@
 
 #include "atomic_file.hpp"
 #include "clip_file.hpp"
+#include "command_line.hpp"
+#include "coordinates.hpp"
 #include "guard.hpp"
 
-#include <cageform/cageform.hpp>
-
-#include <CLI/CLI.hpp>
+#include <cageform/cage/triangle_mesh.hpp>
 
 #include <algorithm>
 #include <array>
@@ -383,18 +383,13 @@ bool is_sound(const Mesh& mesh, const char* what) {
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app(
+    cageform_examples::CommandLine line(
         "Makes a puppet, a cage around it and a pose of the cage, as OBJ files, and a dance of the cage.");
     std::string folder;
-    app.add_option(
-           "folder", folder,
-           "where character.obj, character_cage.obj, character_pose.obj and character_clip.csv are written")
-        ->required();
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 1;
-    }
+    line.add("folder", folder,
+             "where character.obj, character_cage.obj, character_pose.obj and character_clip.csv are written")
+        .required();
+    if (const auto code = line.parse(argc, argv)) return *code;
 
     const Mesh figure = surface({-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
     std::vector<Point> normals;
@@ -425,9 +420,11 @@ int run_program(int argc, char** argv) {
         motion.sample(double(k) / double(2 * keys) * dance_length, cursor, now.vertices);
         if (!is_sound(now, "the dance")) return 1;
     }
-    const cageform::MeanValueCoordinates<double, 3> coordinates(
-        cageform::TriangleMesh<double>(cage.mesh.vertices, cage.mesh.faces));
-    const auto outside = cageform::bind(coordinates, figure.vertices).report.outside;
+    cageform_examples::ObjFile shell;
+    shell.vertices = cage.mesh.vertices;
+    shell.triangles = cage.mesh.faces;
+    const auto coordinates = cageform_examples::make_coordinates<double>({"mean-value", {}}, shell);
+    const auto outside = coordinates->bind(figure.vertices).report.outside;
     if (!outside.empty()) {
         const Point& p = figure.vertices[outside.front()];
         return fail(std::to_string(outside.size()) + " vertices of the figure lie outside the cage, first (" +

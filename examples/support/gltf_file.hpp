@@ -7,6 +7,7 @@
 
 #include "base64.hpp"
 #include "clip_file.hpp"
+#include "csv.hpp"
 #include "obj_file.hpp"
 
 #include <cageform/animate/import/gltf.hpp>

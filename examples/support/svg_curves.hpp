@@ -2,38 +2,17 @@
 
 // Paths under a deformation: curves and long lines are refined until they follow the deformed shape.
 
-#include "svg_path.hpp"
+#include "svg_document.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace cageform_examples {
-
-/// Maps `in` to `out`, of the same length, both in root user space; false stops the deformation. Has to be
-/// a pure function of the point: curves meet because the same point always goes to the same place.
-using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
-
-struct DeformOptions {
-    double tolerance =
-        0; // user units of the root; 0 takes 2e-5 of the viewBox's diagonal, which is invisible
-    int max_halvings = 8; // of a piece that misses the tolerance
-    int decimals = -1;    // written; negative takes what makes rounding a twentieth of the tolerance
-};
-
-struct DeformReport {
-    std::size_t shapes = 0;
-    std::size_t points = 0;   // handed to the deformer
-    std::size_t batches = 0;  // calls of the deformer
-    std::size_t segments = 0; // written
-    std::size_t coarse = 0;   // of these, accepted outside the tolerance after `max_halvings`
-    std::vector<std::string> warnings;
-};
 
 namespace detail {
 

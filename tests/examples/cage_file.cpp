@@ -1,4 +1,5 @@
 #include "cage_file.hpp"
+#include "bind_report.hpp"
 
 #include "catch.hpp"
 

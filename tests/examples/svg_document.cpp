@@ -1,4 +1,5 @@
 #include "svg_document.hpp"
+#include "atomic_file.hpp"
 
 #include "catch.hpp"
 

@@ -8,8 +8,10 @@
 #include "clip_file.hpp"
 #include "mesh_cage.hpp"
 
+#include <cageform/binding/bind.hpp>
 #include <cageform/binding/skin_weights.hpp>
-#include <cageform/cageform.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
 
 #include <tiny_gltf.h>
 

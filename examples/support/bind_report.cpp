@@ -1,0 +1,111 @@
+#include "bind_report.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace cageform_examples {
+
+/// How many of its two numbers mean something to a kind of fault.
+int numbers_of(cageform::CageFaultKind kind) {
+    using Kind = cageform::CageFaultKind;
+    switch (kind) {
+    case Kind::degenerate_simplex:
+    case Kind::no_volume: // of a mesh; no program reads a box, which would have an axis
+        return 0;
+    case Kind::vertex_not_finite:
+    case Kind::no_area:
+    case Kind::face_without_vertex:
+    case Kind::face_without_area:
+    case Kind::vertex_not_manifold:
+    case Kind::radius_not_positive:
+    case Kind::interior_cell_outside:
+    case Kind::interior_cells_not_supported:
+    case Kind::collinear_vertex:
+    case Kind::vertex_unused:
+    case Kind::loop_turns_otherwise:
+    case Kind::shell_turns_otherwise: return 1;
+    case Kind::too_few_vertices:
+    case Kind::not_a_simplex:
+    case Kind::loops_do_not_match:
+    case Kind::duplicate_vertices:
+    case Kind::edges_cross:
+    case Kind::open_edge:
+    case Kind::edge_not_manifold:
+    case Kind::face_flipped:
+    case Kind::faces_cross:
+    case Kind::interior_cells_touch:
+    case Kind::gap_closed: return 2;
+    }
+    return 0;
+}
+
+std::string describe_fault(const cageform::CageFault& fault) {
+    const int count = numbers_of(fault.kind);
+    std::string text = cageform::to_string(fault.kind);
+    if (count > 0) text += " (" + std::to_string(fault.a);
+    if (count > 1) text += ", " + std::to_string(fault.b);
+    return count > 0 ? text + ")" : text;
+}
+
+std::string describe_faults(const std::string& name, const cageform::BindReport& report) {
+    std::string text = name + ": " + cageform::to_string(report.status);
+    if (report.solver.unseen_handle != report.solver.none) {
+        text += " (vertex " + std::to_string(report.solver.unseen_handle) + ")";
+        if (report.solver.sufficient_resolution != 0)
+            text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " sees it";
+    }
+    for (const auto& fault : report.cage.faults) {
+        if (cageform::status_of(fault.kind) == cageform::Status::ok) continue;
+        text += "\n  " + describe_fault(fault);
+        if (fault.kind == cageform::CageFaultKind::interior_cells_not_supported)
+            text += ": --coordinates harmonic takes them";
+    }
+    return text;
+}
+
+std::string describe(const cageform::BindReport& report) {
+    std::ostringstream text;
+    const auto list = [&](const char* what, const std::vector<std::size_t>& indices) {
+        text << "  " << what << ": " << indices.size();
+        for (std::size_t i = 0; i < std::min<std::size_t>(indices.size(), 8); ++i)
+            text << (i == 0 ? " (" : ", ") << indices[i];
+        if (!indices.empty()) text << (indices.size() > 8 ? ", …)" : ")");
+        text << '\n';
+    };
+    text << "status: " << cageform::to_string(report.status) << '\n';
+    for (const auto& fault : report.cage.faults) {
+        text << "  cage: " << describe_fault(fault) << '\n';
+    }
+    text << "points: " << report.points << '\n';
+    list("on the boundary", report.on_boundary);
+    list("outside", report.outside);
+    list("not finite", report.not_finite);
+    list("not reached by the solver", report.unreached);
+    const auto extreme = [&](const char* what, const cageform::Extreme& value) {
+        text << what << ": ";
+        if (value.point == value.none)
+            text << "no point bound\n";
+        else
+            text << value.value << " at point " << value.point << '\n';
+    };
+    extreme("largest |sum w - 1|", report.partition_error);
+    extreme("largest |sum w c - p|", report.reproduction_error);
+    extreme("least weight", report.least_weight);
+    text << "linear precision restored from: " << report.residual_restored.value
+         << " (largest change of a weight " << report.weight_change.value << ")\n";
+    if (report.solver.cycles > 0) {
+        text << "solver: " << report.solver.cells << " unknowns, " << report.solver.solves << " functions, "
+             << report.solver.cycles << " cycles, error " << report.solver.error_estimate << " (never above "
+             << report.solver.error_bound << "), convergence factor " << report.solver.convergence_factor
+             << ", " << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
+    } else if (report.solver.solves > 0) {
+        text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "
+             << report.solver.sweeps << " sweeps of the finest grid, last mean change "
+             << report.solver.largest_mean_change << ", " << report.solver.crowded_cells << " crowded cells, "
+             << report.solver.seconds << " s\n";
+    }
+    text << "time: " << report.seconds << " s\n";
+    return text.str();
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,92 @@
+#include "command_line.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace cageform_examples {
+
+CommandOption& CommandOption::required() {
+    option_->required();
+    return *this;
+}
+CommandOption& CommandOption::show_default() {
+    option_->capture_default_str();
+    return *this;
+}
+CommandOption& CommandOption::show_default(const std::string& text) {
+    option_->default_str(text);
+    return *this;
+}
+CommandOption& CommandOption::range(int least, int most) {
+    option_->check(CLI::Range(least, most));
+    return *this;
+}
+CommandOption& CommandOption::range(double least, double most) {
+    option_->check(CLI::Range(least, most));
+    return *this;
+}
+CommandOption& CommandOption::one_of(const std::vector<std::string>& words) {
+    option_->check(CLI::IsMember(words));
+    return *this;
+}
+CommandOption& CommandOption::check(const std::function<std::string(const std::string&)>& fault) {
+    option_->check(fault);
+    return *this;
+}
+CommandOption& CommandOption::count(int least, int most) {
+    option_->expected(least, most);
+    return *this;
+}
+CommandOption& CommandOption::excludes(const CommandOption& other) {
+    option_->excludes(other.option_);
+    return *this;
+}
+bool CommandOption::is_given() const {
+    return option_->count() > 0;
+}
+
+CommandLine::CommandLine(const std::string& description)
+    : app_(std::make_unique<CLI::App>(description)) {}
+CommandLine::~CommandLine() = default;
+
+CommandOption CommandLine::add(const std::string& name, std::string& value, const std::string& help) {
+    return CommandOption(app_->add_option(name, value, help));
+}
+CommandOption CommandLine::add(const std::string& name, std::vector<std::string>& value,
+                               const std::string& help) {
+    return CommandOption(app_->add_option(name, value, help));
+}
+CommandOption CommandLine::add(const std::string& name, int& value, const std::string& help) {
+    return CommandOption(app_->add_option(name, value, help));
+}
+CommandOption CommandLine::add(const std::string& name, std::size_t& value, const std::string& help) {
+    return CommandOption(app_->add_option(name, value, help));
+}
+CommandOption CommandLine::add(const std::string& name, double& value, const std::string& help) {
+    return CommandOption(app_->add_option(name, value, help));
+}
+CommandOption CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {
+    return CommandOption(app_->add_flag(name, value, help));
+}
+CommandOption CommandLine::add_text(const std::string& name,
+                                    const std::function<void(const std::string&)>& take,
+                                    const std::string& help) {
+    return CommandOption(app_->add_option_function<std::string>(name, take, help));
+}
+CommandOption CommandLine::add_number(const std::string& name, const std::function<void(double)>& take,
+                                      const std::string& help) {
+    return CommandOption(app_->add_option_function<double>(name, take, help));
+}
+void CommandLine::set_footer(const std::string& text) {
+    app_->footer(text);
+}
+
+std::optional<int> CommandLine::parse(int argc, char** argv) {
+    try {
+        app_->parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app_->exit(error) == 0 ? 0 : 1;
+    }
+    return std::nullopt;
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,68 @@
+#pragma once
+
+// A program's options, read by CLI11. Its headers take longer to compile than most programs, so only command_line.cpp
+// includes them.
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+} // namespace CLI
+
+namespace cageform_examples {
+
+/// An option of a CommandLine.
+class CommandOption {
+public:
+    explicit CommandOption(CLI::Option* option)
+        : option_(option) {}
+
+    CommandOption& required();
+    CommandOption& show_default(); ///< the value before parsing, in the help
+    CommandOption& show_default(const std::string& text);
+    CommandOption& range(int least, int most);
+    CommandOption& range(double least, double most);
+    CommandOption& one_of(const std::vector<std::string>& words);
+    CommandOption& check(const std::function<std::string(const std::string&)>& fault); ///< empty: none
+    CommandOption& count(int least, int most);                                         ///< how many values
+    CommandOption& excludes(const CommandOption& other);
+
+    bool is_given() const; ///< after parsing
+
+private:
+    CLI::Option* option_;
+};
+
+class CommandLine {
+public:
+    explicit CommandLine(const std::string& description);
+    ~CommandLine();
+
+    /// "-o,--output" is an option, "figure" an argument in its place. `value` is set by parse().
+    CommandOption add(const std::string& name, std::string& value, const std::string& help);
+    CommandOption add(const std::string& name, std::vector<std::string>& value, const std::string& help);
+    CommandOption add(const std::string& name, int& value, const std::string& help);
+    CommandOption add(const std::string& name, std::size_t& value, const std::string& help);
+    CommandOption add(const std::string& name, double& value, const std::string& help);
+    CommandOption add_flag(const std::string& name, bool& value, const std::string& help);
+    /// Options whose value goes to a function.
+    CommandOption add_text(const std::string& name, const std::function<void(const std::string&)>& take,
+                           const std::string& help);
+    CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
+                             const std::string& help);
+    void set_footer(const std::string& text);
+
+    /// Nothing, or the code to exit with: 0 after --help, 1 where the words are wrong and stderr says why.
+    [[nodiscard]] std::optional<int> parse(int argc, char** argv);
+
+private:
+    std::unique_ptr<CLI::App> app_;
+};
+
+} // namespace cageform_examples

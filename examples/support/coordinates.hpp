@@ -1,0 +1,61 @@
+#pragma once
+
+// Coordinates by the name that a user gave. The library is a set of templates: what the programs need of it is compiled
+// once, in coordinates_2d.cpp and coordinates_3d.cpp, behind an interface without templates of its own.
+
+#include "cage_file.hpp"
+#include "command_line.hpp"
+#include "obj_file.hpp"
+
+#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/coordinates/harmonic_options.hpp>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace cageform_examples {
+
+/// What the programs' --coordinates, --resolution and --tolerance say.
+struct CoordinatesChoice {
+    std::string name = "mean-value"; // one of names()
+    cageform::HarmonicOptions harmonic;
+
+    static const std::vector<std::string>& names();
+
+    /// Adds --coordinates, --resolution, --tolerance and --solver.
+    void add_options(CommandLine& line);
+};
+
+/// Coordinates of a type known when the program runs.
+template <cageform::Scalar T, std::size_t D>
+class AnyCoordinates {
+public:
+    using Points = std::span<const std::conditional_t<D == 2, Point2, Point3>>;
+
+    virtual ~AnyCoordinates() = default;
+
+    bool has_extension = false, closed_form = false; // as the library's types say
+    std::size_t handles = 0;
+    cageform::CageReport cage_report;
+
+    /// Solves the functions and keeps them, for several batches of points. Nothing where closed_form.
+    virtual cageform::Evaluation solve(const cageform::Running& running = {}) = 0;
+    virtual cageform::BindResult<T, D> bind(Points points, const cageform::BindOptions& options = {},
+                                            const cageform::Running& running = {}) const = 0;
+};
+
+template <class T>
+std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice, const CageFile& cage);
+template <class T>
+std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
+
+/// Binds two vectors a point; mean value and harmonic coordinates only.
+cageform::VectorBindResult<float, 3, 2> bind_vectors(const AnyCoordinates<float, 3>& coordinates,
+                                                     std::span<const Point3> points,
+                                                     const std::array<std::vector<Point3>, 2>& vectors,
+                                                     const cageform::BindOptions& options);
+
+} // namespace cageform_examples

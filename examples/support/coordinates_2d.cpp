@@ -1,0 +1,26 @@
+#include "coordinates_model.hpp"
+
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+
+namespace cageform_examples {
+
+template <class T>
+std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice,
+                                                       const CageFile& file) {
+    return file.visit<T>([&](const auto& cage) -> std::unique_ptr<AnyCoordinates<T, 2>> {
+        if (choice.name == "harmonic") return model_of(cageform::HarmonicCoordinates(cage, choice.harmonic));
+        if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 2>(cage));
+        return model_of(cageform::BarycentricCoordinates<T, 2>(cage));
+    });
+}
+template std::unique_ptr<AnyCoordinates<float, 2>> make_coordinates(const CoordinatesChoice&,
+                                                                    const CageFile&);
+template std::unique_ptr<AnyCoordinates<double, 2>> make_coordinates(const CoordinatesChoice&,
+                                                                     const CageFile&);
+
+} // namespace cageform_examples
+
+// That convergence.cpp looks into.
+template class cageform::grid::Multigrid<2>;

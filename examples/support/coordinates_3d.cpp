@@ -1,0 +1,33 @@
+#include "coordinates_model.hpp"
+
+#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+
+namespace cageform_examples {
+
+template <class T>
+std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
+    const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
+    if (choice.name == "harmonic")
+        return model_of(cageform::HarmonicCoordinates<T, 3>(cage, choice.harmonic));
+    if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 3>(cage));
+    return model_of(cageform::BarycentricCoordinates<T, 3>(cage.vertices()));
+}
+template std::unique_ptr<AnyCoordinates<float, 3>> make_coordinates(const CoordinatesChoice&, const ObjFile&);
+template std::unique_ptr<AnyCoordinates<double, 3>> make_coordinates(const CoordinatesChoice&,
+                                                                     const ObjFile&);
+
+cageform::VectorBindResult<float, 3, 2> bind_vectors(const AnyCoordinates<float, 3>& coordinates,
+                                                     std::span<const Point3> points,
+                                                     const std::array<std::vector<Point3>, 2>& vectors,
+                                                     const cageform::BindOptions& options) {
+    using Harmonic = CoordinatesModel<cageform::HarmonicCoordinates<float, 3>>;
+    using MeanValue = CoordinatesModel<cageform::MeanValueCoordinates<float, 3>>;
+    if (const auto* harmonic = dynamic_cast<const Harmonic*>(&coordinates))
+        return cageform::bind_vectors(harmonic->own, points, vectors, options);
+    return cageform::bind_vectors(dynamic_cast<const MeanValue&>(coordinates).own, points, vectors, options);
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,73 @@
+#include "mesh_cage.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <sstream>
+
+namespace cageform_examples {
+
+SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
+    auto file = load_obj(path);
+    if (file && !file->folded.empty()) {
+        return SvgError{file->name + ": a face cannot be cut into triangles; please split it",
+                        file->faces[file->folded.front()].line};
+    }
+    return file;
+}
+
+std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report) {
+    return describe_faults(name, report) +
+           (report.cage.faults.empty() ? "" : "\n  (vertices and triangles are counted from 0)");
+}
+
+void warn_of_closed_gaps(const char* program, const std::string& name, const cageform::CageReport& report) {
+    std::size_t count = 0;
+    const cageform::CageFault* first = nullptr;
+    for (const auto& fault : report.faults) {
+        if (fault.kind != cageform::CageFaultKind::gap_closed) continue;
+        if (count++ == 0) first = &fault;
+    }
+    if (count == 0 || report.status != cageform::Status::ok) return;
+    std::cerr << program << ": warning: " << name << ": " << count
+              << " open edges were closed, first between vertices " << first->a + 1 << " and " << first->b + 1
+              << " (counted from 1, as in the file)\n";
+}
+
+std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices) {
+    std::ostringstream text;
+    for (std::size_t n = 0; n < std::min<std::size_t>(indices.size(), 3); ++n) {
+        const Point3& p = points[indices[n]];
+        text << (n == 0 ? "" : ", ") << "v " << indices[n] + 1 << " (" << p[0] << ", " << p[1] << ", " << p[2]
+             << ')';
+    }
+    if (indices.size() > 3) text << ", …";
+    return text.str();
+}
+
+std::string pose_difference(const ObjFile& cage, const ObjFile& pose) {
+    const auto count = [](const ObjFile& file, std::size_t vertices, const char* what) {
+        return file.name + " has " + std::to_string(vertices) + what;
+    };
+    if (cage.vertices.size() != pose.vertices.size()) {
+        return "the pose " + count(pose, pose.vertices.size(), " vertices, the cage ") +
+               count(cage, cage.vertices.size(), "");
+    }
+    const auto same = [](const ObjFace& a, const ObjFace& b) {
+        return std::equal(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
+                          [](const ObjCorner& p, const ObjCorner& q) { return p.vertex == q.vertex; });
+    };
+    const std::size_t shared = std::min(cage.faces.size(), pose.faces.size());
+    for (std::size_t f = 0; f < shared; ++f) {
+        if (same(cage.faces[f], pose.faces[f])) continue;
+        return "face " + std::to_string(f + 1) + " differs: line " + std::to_string(pose.faces[f].line) +
+               " of the pose " + pose.name + ", line " + std::to_string(cage.faces[f].line) +
+               " of the cage " + cage.name;
+    }
+    if (cage.faces.size() != pose.faces.size()) {
+        return "face " + std::to_string(shared + 1) + " differs: the pose " +
+               count(pose, pose.faces.size(), " faces, the cage ") + count(cage, cage.faces.size(), "");
+    }
+    return {};
+}
+
+} // namespace cageform_examples

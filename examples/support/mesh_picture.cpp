@@ -1,0 +1,241 @@
+#include "mesh_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+Point3 unit(const Point3& v) {
+    const double length = std::hypot(v[0], v[1], v[2]);
+    return length > 0 ? (1 / length) * v : v;
+}
+
+/// Looks at the middle of all scenes from the front, somewhat from the figure's left and from above: the y
+/// axis is up, the figure faces along z. Every scene is seen at the same size from the same place.
+class Camera {
+public:
+    Camera(std::span<const MeshScene> scenes, double width, double height) {
+        constexpr double turn = 0.6, rise = 0.2; // radians
+        back_ = {std::sin(turn) * std::cos(rise), std::sin(rise), std::cos(turn) * std::cos(rise)};
+        right_ = {std::cos(turn), 0, -std::sin(turn)};
+        up_ = cross(back_, right_);
+
+        constexpr double most = std::numeric_limits<double>::max();
+        Point3 low{most, most, most}, high{-most, -most, -most};
+        const auto for_each_vertex = [&](const auto& body) {
+            for (const MeshScene& scene : scenes) {
+                for (const Point3& v : scene.figure.vertices) body(v);
+                for (const Point3& v : scene.cage.vertices) body(v);
+            }
+        };
+        for_each_vertex([&](const Point3& v) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                low[k] = std::min(low[k], v[k]);
+                high[k] = std::max(high[k], v[k]);
+            }
+        });
+        middle_ = 0.5 * low + 0.5 * high;
+        distance_ = 2 * std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+        if (!(distance_ > 0)) distance_ = 1;
+
+        Point2 least{most, most}, greatest{-most, -most};
+        for_each_vertex([&](const Point3& v) {
+            const Point3 p = project(v);
+            least = {std::min(least.x, p[0]), std::min(least.y, p[1])};
+            greatest = {std::max(greatest.x, p[0]), std::max(greatest.y, p[1])};
+        });
+        constexpr double filled = 0.9;        // of the width or of the height
+        const double flat = 1e-9 * distance_; // a figure of no width or no height
+        scale_ = filled * std::min(width / std::max(greatest.x - least.x, flat),
+                                   height / std::max(greatest.y - least.y, flat));
+        offset_ = {width / 2 - scale_ * (least.x + greatest.x) / 2,
+                   height / 2 - scale_ * (least.y + greatest.y) / 2};
+    }
+
+    /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a line.
+    Point3 project(const Point3& v) const {
+        const Point3 d = v - middle_;
+        const double nearness = 1 / (1 - dot(d, back_) / distance_);
+        return {offset_.x + scale_ * nearness * dot(d, right_), offset_.y - scale_ * nearness * dot(d, up_),
+                nearness};
+    }
+
+    /// A direction as the camera sees it: to the right, up, towards it.
+    Point3 seen(const Point3& v) const { return {dot(v, right_), dot(v, up_), dot(v, back_)}; }
+
+private:
+    Point3 right_, up_, back_, middle_;
+    double distance_ = 1;
+    double scale_ = 1;
+    Point2 offset_{};
+};
+
+/// A part of the picture at several samples a pixel.
+class MeshCanvas {
+public:
+    static constexpr std::size_t samples = 3; // along each side of a pixel
+
+    MeshCanvas(std::size_t width, std::size_t height)
+        : width_(width * samples)
+        , height_(height * samples)
+        , colour_(width_ * height_, background)
+        , nearness_(width_ * height_, 0)
+        , ink_(width_ * height_, 0) {}
+
+    void draw_figure(const MeshView& figure, const Camera& camera) {
+        std::vector<Point3> normals(figure.vertices.size()), places(figure.vertices.size());
+        for (const auto& [a, b, c] : figure.triangles) {
+            const Point3 normal =
+                cross(figure.vertices[b] - figure.vertices[a], figure.vertices[c] - figure.vertices[a]);
+            for (const auto i : {a, b, c}) normals[i] = normals[i] + normal;
+        }
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            normals[i] = unit(camera.seen(normals[i]));
+            places[i] = on_canvas(camera, figure.vertices[i]);
+        }
+        for (const auto& [a, b, c] : figure.triangles) {
+            fill({places[a], places[b], places[c]}, {normals[a], normals[b], normals[c]});
+        }
+    }
+
+    /// Lines where the cage turns to the camera, paler ones at its far side, the palest behind the figure.
+    void draw_cage(const MeshView& cage, const Camera& camera) {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, bool>
+            edges; // to whether a face at it is turned here
+        std::vector<Point3> places;
+        for (const Point3& v : cage.vertices) places.push_back(on_canvas(camera, v));
+        for (const auto& triangle : cage.triangles) {
+            const bool here = turn(places[triangle[0]], places[triangle[1]], places[triangle[2]]) < 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                edges[std::minmax(triangle[k], triangle[(k + 1) % 3])] |= here;
+        }
+        for (const auto& [ends, here] : edges)
+            line(places[ends.first], places[ends.second], here ? 0.8f : 0.3f);
+    }
+
+    /// The pixels, each the mean of its samples.
+    void copy_to(Picture& picture, std::size_t left) const {
+        static constexpr Colour line_colour{0.13f, 0.18f, 0.33f};
+        constexpr float share = 1.0f / (samples * samples);
+        for (std::size_t y = 0; y < height_ / samples; ++y) {
+            for (std::size_t x = 0; x < width_ / samples; ++x) {
+                Colour sum;
+                for (std::size_t s = 0; s < samples * samples; ++s) {
+                    const std::size_t i = (y * samples + s / samples) * width_ + x * samples + s % samples;
+                    const Colour sample = mix(colour_[i], line_colour, ink_[i]);
+                    sum = {sum.r + share * sample.r, sum.g + share * sample.g, sum.b + share * sample.b};
+                }
+                picture.at(left + x, y) = sum;
+            }
+        }
+    }
+
+    static constexpr Colour background{0.965f, 0.965f, 0.955f};
+
+private:
+    static Point3 on_canvas(const Camera& camera, const Point3& v) {
+        const Point3 p = camera.project(v);
+        return {samples * p[0], samples * p[1], p[2]};
+    }
+
+    /// Twice the area of a triangle in the picture; negative where its front is seen, since y is downwards.
+    static double turn(const Point3& a, const Point3& b, const Point3& c) {
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    }
+
+    /// The first and the last whole sample whose centre lies between two places.
+    static std::pair<std::size_t, std::size_t> range(double low, double high, std::size_t size) {
+        // Not a number, where the mesh is too large for its squares, is nowhere.
+        const auto inside = [&](double x) { return x > 0 ? std::size_t(std::min(x, double(size))) : 0; };
+        return {inside(std::ceil(low - 0.5)), inside(std::floor(high - 0.5) + 1)};
+    }
+
+    void fill(const std::array<Point3, 3>& p, const std::array<Point3, 3>& normals) {
+        const double area = turn(p[0], p[1], p[2]);
+        if (!(std::fabs(area) > 0)) return;
+        const double side = area < 0 ? 1 : -1; // seen from behind: the other side of the surface
+        const auto [left, right] =
+            range(std::min({p[0][0], p[1][0], p[2][0]}), std::max({p[0][0], p[1][0], p[2][0]}), width_);
+        const auto [top, bottom] =
+            range(std::min({p[0][1], p[1][1], p[2][1]}), std::max({p[0][1], p[1][1], p[2][1]}), height_);
+        for (std::size_t y = top; y < bottom; ++y) {
+            for (std::size_t x = left; x < right; ++x) {
+                const Point3 at{double(x) + 0.5, double(y) + 0.5, 0};
+                const double u = turn(p[1], p[2], at) / area, v = turn(p[2], p[0], at) / area, w = 1 - u - v;
+                if (u < 0 || v < 0 || w < 0) continue;
+                const auto nearness = float(u * p[0][2] + v * p[1][2] + w * p[2][2]);
+                const std::size_t i = y * width_ + x;
+                if (nearness <= nearness_[i]) continue;
+                nearness_[i] = nearness;
+                colour_[i] = shade(unit(side * (u * normals[0] + v * normals[1] + w * normals[2])));
+            }
+        }
+    }
+
+    /// A warm light from above and the left, a cool one from the right, and what the sky and the floor give.
+    static Colour shade(const Point3& normal) {
+        static const Point3 key = unit({-0.45, 0.75, 0.7}), cool = unit({0.9, 0.1, 0.35}), eye{0, 0, 1};
+        const auto lit = [&](const Point3& light) { return std::max(0.0, dot(normal, light)); };
+        const double sky = 0.5 + 0.5 * normal[1];
+        const double gloss = 0.16 * std::pow(lit(unit(key + eye)), 30);
+        const double rim =
+            0.75 + 0.25 * std::sqrt(std::clamp(normal[2], 0.0, 1.0)); // dark towards the outline
+        const auto channel = [&](double own, double warmth, double coolness) {
+            const double light = 0.14 + 0.20 * sky + warmth * lit(key) + coolness * lit(cool);
+            return float(std::pow(rim * own * light + gloss, 1 / 2.2)); // as a screen shows it
+        };
+        return {channel(0.78, 0.86, 0.16), channel(0.36, 0.82, 0.20), channel(0.17, 0.76, 0.28)};
+    }
+
+    void line(Point3 a, Point3 b, float ink) {
+        constexpr double thickness = 1.3 * samples;
+        const bool steep = std::fabs(b[1] - a[1]) > std::fabs(b[0] - a[0]);
+        const std::size_t along = steep ? 1 : 0, across = 1 - along;
+        if (a[along] > b[along]) std::swap(a, b);
+        const double length = b[along] - a[along];
+        if (!(length > 0)) return;
+        const double reach =
+            thickness / 2 * std::hypot(b[0] - a[0], b[1] - a[1]) / length; // of the line, straight across
+        const auto [first, last] = range(a[along], b[along], steep ? height_ : width_);
+        for (std::size_t s = first; s < last; ++s) {
+            const double t = (double(s) + 0.5 - a[along]) / length;
+            const double centre = a[across] + t * (b[across] - a[across]);
+            const double nearness = a[2] + t * (b[2] - a[2]);
+            const auto [low, high] = range(centre - reach, centre + reach, steep ? width_ : height_);
+            for (std::size_t o = low; o < high; ++o) {
+                const std::size_t i = steep ? s * width_ + o : o * width_ + s;
+                const float covered = float(nearness) >= nearness_[i] ? ink : 0.13f;
+                ink_[i] = std::max(ink_[i], covered); // lines that cross are no darker there
+            }
+        }
+    }
+
+    std::size_t width_;
+    std::size_t height_;
+    std::vector<Colour> colour_;
+    std::vector<float> nearness_;
+    std::vector<float> ink_;
+};
+
+} // namespace detail
+
+Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height) {
+    Picture picture(width, height, detail::MeshCanvas::background);
+    const std::size_t part = width / scenes.size();
+    const detail::Camera camera(scenes, double(part), double(height));
+    for (std::size_t n = 0; n < scenes.size(); ++n) {
+        detail::MeshCanvas canvas(part, height);
+        canvas.draw_figure(scenes[n].figure, camera);
+        canvas.draw_cage(scenes[n].cage, camera);
+        canvas.copy_to(picture, n * part);
+    }
+    return picture;
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,78 @@
+#include "picture.hpp"
+
+#include "atomic_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#include <stb/stb_image_write.h>
+
+namespace cageform_examples {
+
+/// A colour of a ramp through equidistant stops; t is clamped to [0, 1].
+static Colour ramp(std::span<const Colour> stops, double t) {
+    const double x = std::clamp(t, 0.0, 1.0) * double(stops.size() - 1);
+    const std::size_t i = std::min(std::size_t(x), stops.size() - 2);
+    return mix(stops[i], stops[i + 1], float(x - double(i)));
+}
+
+Colour heat(double value) {
+    static constexpr std::array<Colour, 5> warm{{{1, 1, 0.96f},
+                                                 {1, 0.87f, 0.53f},
+                                                 {0.99f, 0.6f, 0.25f},
+                                                 {0.85f, 0.22f, 0.12f},
+                                                 {0.42f, 0.02f, 0.1f}}};
+    static constexpr std::array<Colour, 4> cold{
+        {{0.93f, 0.97f, 1}, {0.55f, 0.75f, 0.95f}, {0.2f, 0.42f, 0.8f}, {0.07f, 0.12f, 0.42f}}};
+    // A step at zero, so that the sign shows however small the value.
+    return value >= 0 ? ramp(warm, value) : ramp(cold, 0.2 - 2 * value);
+}
+
+Colour boundary_hue(double value) {
+    static constexpr std::array<Colour, 4> greens{
+        {{0.62f, 0.62f, 0.62f}, {0.55f, 0.8f, 0.45f}, {0.1f, 0.6f, 0.2f}, {0, 0.3f, 0.08f}}};
+    return ramp(greens, value);
+}
+
+void Picture::line(const Point2& a, const Point2& b, double thickness, const Colour& colour) {
+    const double reach = thickness / 2 + 1;
+    const auto clip = [](double v, std::size_t n) { return std::size_t(std::clamp(v, 0.0, double(n))); };
+    const double ex = b.x - a.x, ey = b.y - a.y;
+    const double length2 = ex * ex + ey * ey;
+    for (std::size_t y = clip(std::min(a.y, b.y) - reach, height_);
+         y < clip(std::max(a.y, b.y) + reach, height_); ++y) {
+        for (std::size_t x = clip(std::min(a.x, b.x) - reach, width_);
+             x < clip(std::max(a.x, b.x) + reach, width_); ++x) {
+            const double px = double(x) + 0.5 - a.x, py = double(y) + 0.5 - a.y;
+            const double s = length2 > 0 ? std::clamp((px * ex + py * ey) / length2, 0.0, 1.0) : 0.0;
+            const double distance = std::hypot(px - s * ex, py - s * ey);
+            const double cover = std::clamp(thickness / 2 + 0.5 - distance, 0.0, 1.0);
+            Colour& pixel = at(x, y);
+            pixel = mix(pixel, colour, float(cover));
+        }
+    }
+}
+
+std::optional<std::string> Picture::write_png(const std::filesystem::path& path) const {
+    std::string bytes;
+    bytes.reserve(pixels_.size() * 3);
+    for (const Colour& pixel : pixels_) {
+        for (const float channel : {pixel.r, pixel.g, pixel.b})
+            bytes += char(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
+    }
+    std::string png;
+    const auto append = [](void* target, void* data, int size) {
+        static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
+    };
+    if (stbi_write_png_to_func(append, &png, int(width_), int(height_), 3, bytes.data(), int(3 * width_)) ==
+        0) {
+        return "cannot encode " + path.string();
+    }
+    return write_file_atomically(path, png);
+}
+
+} // namespace cageform_examples
