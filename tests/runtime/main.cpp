@@ -112,21 +112,21 @@ void check_blobs() {
 
 /// Blobs that are refused, each for its reason.
 void check_refusals() {
-    const auto packed = made_up::packed_binding<float, 2>(WeightFormat::int8, true, 40, 5, 4);
+    const auto packed = made_up::packed_binding<double, 2>(WeightFormat::int8, true, 40, 5, 4);
     std::vector<cageform::Lanes<double>> memory(packed.bytes().size() / 64);
     std::memcpy(memory.data(), packed.bytes().data(), packed.bytes().size());
     const auto bytes = std::as_writable_bytes(std::span(memory));
     const auto status = [](std::span<const std::byte> of) {
-        return cageform::open_blob<float, 2>(of).status;
+        return cageform::open_blob<double, 2>(of).status;
     };
     expect(status(bytes) == Status::ok, "copied bytes");
     expect(status(bytes.first(bytes.size() - 64)) == Status::blob_truncated, "a blob cut off");
-    expect(cageform::open_blob<float, 3>(bytes).status == Status::blob_kind_differs, "a blob of the plane");
+    expect(cageform::open_blob<double, 3>(bytes).status == Status::blob_kind_differs, "a blob of the plane");
     bytes[bytes.size() - 64] ^= std::byte{1};
     expect(status(bytes) == Status::blob_corrupt, "a bit that differs");
-    const auto pose = made_up::points<float, 2>(5, 5);
-    std::vector<Vec<float, 2>> out(40);
-    const std::vector<float> mask(39);
+    const auto pose = made_up::points<double, 2>(5, 5);
+    std::vector<Vec<double, 2>> out(40);
+    const std::vector<double> mask(39);
     expect(cageform::clone(packed.view(), pose, out, {{mask.data(), 39}}) == Status::mask_too_small,
            "a mask that is too short");
 }
