@@ -163,16 +163,12 @@ private:
     void load(std::size_t first, Count used, Lanes<T>* rows) const noexcept {
         const auto take = [&](const auto& point_at) {
             for (std::size_t lane = 0; lane < lanes; ++lane) {
-                const Vec<T, D> p = point_at(place(first + (lane < used ? lane : 0)));
+                const auto& p = point_at(place(first + (lane < used ? lane : 0)));
                 for (std::size_t k = 0; k < D; ++k) rows[k][lane] = p[k];
             }
         };
         if (numbers_ != nullptr) {
-            take([numbers = numbers_](std::size_t i) {
-                Vec<T, D> p;
-                std::memcpy(&p, numbers + i * D, sizeof(p));
-                return p;
-            });
+            take([numbers = numbers_](std::size_t i) { return numbers + i * D; });
         } else {
             take([this](std::size_t i) { return to_vec<T>(out_[i]); });
         }
