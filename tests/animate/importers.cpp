@@ -15,6 +15,17 @@
 #include <cstring>
 #include <limits>
 
+/// A curve has begin and end, and Catch2 would take it for a range.
+template <>
+struct Catch::StringMaker<cageform::BezierCurve> {
+    static std::string convert(const cageform::BezierCurve& curve) {
+        std::string text;
+        for (const auto& p : curve.points)
+            text += "(" + Detail::stringify(p[0]) + ", " + Detail::stringify(p[1]) + ") ";
+        return text;
+    }
+};
+
 namespace importers_tests {
 
 using namespace cageform;
@@ -23,17 +34,6 @@ using cageform_tests::Random;
 #if !defined(CAGEFORM_TEST_FUZZ)
 #define CAGEFORM_TEST_FUZZ 100000
 #endif
-
-/// A curve has begin and end, and Catch2 would take it for a range.
-template <>
-struct Catch::StringMaker<BezierCurve> {
-    static std::string convert(const BezierCurve& curve) {
-        std::string text;
-        for (const auto& p : curve.points)
-            text += "(" + Detail::stringify(p[0]) + ", " + Detail::stringify(p[1]) + ") ";
-        return text;
-    }
-};
 
 namespace {
 
@@ -49,7 +49,7 @@ BezierCurve curve_of(Place p0, Place p1, Place p2, Place p3) {
 }
 
 /// Keys at moderate times and values, the handles' times in the interval.
-BezierCurve random_curve(Random& random) {
+BezierCurve random_segment(Random& random) {
     const double begin = random.uniform(-5, 5), length = std::pow(10.0, random.uniform(-2, 2));
     const auto place = [&](double part) { return Place{begin + part * length, random.uniform(-3, 3)}; };
     return curve_of(place(0), place(random.uniform(0, 1)), place(random.uniform(0, 1)), place(1));
@@ -346,7 +346,7 @@ TEST_CASE("curves come back from Lottie to rounding", "[animate][import][lottie]
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
     for (int i = 0; i < 100; ++i) {
-        const auto curve = random_curve(random);
+        const auto curve = random_segment(random);
         const auto lottie = to_lottie(curve);
         REQUIRE(lottie.status == Status::ok);
         const auto back = from_lottie(lottie.easing, curve.points[0], curve.points[3]);
@@ -440,7 +440,7 @@ TEST_CASE("any inward handles of F-curves are sound once limited", "[animate][im
     CAPTURE(seed, int(limit));
     Random random{std::uint64_t(seed)};
     for (int i = 0; i < 200; ++i) {
-        auto stored = random_curve(random);
+        auto stored = random_segment(random);
         const double length = stored.end() - stored.begin();
         stored.points[1][0] = stored.begin() + std::pow(10.0, random.uniform(-3, 3)) * length;
         stored.points[2][0] = stored.end() - std::pow(10.0, random.uniform(-3, 3)) * length;
@@ -460,7 +460,7 @@ TEST_CASE("any inward handles of F-curves are sound once limited", "[animate][im
 TEST_CASE("F-curves come back with every bit, neighbours untouched", "[animate][import][blender]") {
     Random random{7};
     for (int i = 0; i < 1000; ++i) {
-        const auto curve = random_curve(random);
+        const auto curve = random_segment(random);
         BlenderKey first, second;
         first.handle_left = {-100, 1};
         second.handle_right = {100, 2};
@@ -615,7 +615,7 @@ TEST_CASE("keys of Unity come back as the same single numbers", "[animate][impor
 TEST_CASE("curves come back from Unity to rounding", "[animate][import][unity]") {
     Random random{11};
     for (int i = 0; i < 2000; ++i) {
-        auto curve = random_curve(random);
+        auto curve = random_segment(random);
         if (i % 5 == 0) curve.points[1] = curve.points[0]; // handles on their keys
         if (i % 7 == 0) curve.points[2] = curve.points[3];
         UnityKey a, b;
@@ -742,7 +742,7 @@ TEST_CASE("keys of Unreal come back as the same single numbers", "[animate][impo
 TEST_CASE("curves come back from Unreal to rounding", "[animate][import][unreal]") {
     Random random{12};
     for (int i = 0; i < 2000; ++i) {
-        auto curve = random_curve(random);
+        auto curve = random_segment(random);
         const double length = curve.end() - curve.begin();
         if (i % 3 == 0) { // past the keys, as far as time allows: u1 = 1.2, u2 = 0.65
             curve.points[1][0] = curve.begin() + 1.2 * length;
