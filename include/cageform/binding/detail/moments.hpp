@@ -5,6 +5,8 @@
 #include <cageform/binding/detail/symmetric_matrix.hpp>
 #include <cageform/coordinates/detail/affine_rows.hpp>
 
+#include <cmath>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The affine rows of the handles, centred at the mean of the points and scaled so that their mean

@@ -3,10 +3,10 @@
 
 #include <cageform/core/vec.hpp>
 
-#include <Eigen/Jacobi>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
-#include <algorithm>
-#include <cmath>
+#include <type_traits>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -28,66 +28,41 @@ Vec<double, N> product(const SquareMatrix<N>& m, const Vec<double, N>& a) noexce
     return result;
 }
 
-/// The x of m x = b, m positive definite: Cholesky's factors.
+/// Eigen's matrix of the same numbers: one type for all sizes up to eight, so that its decompositions
+/// are compiled once, and nothing is allocated.
 template <std::size_t N>
-Vec<double, N> solve_positive_definite(SquareMatrix<N> m, Vec<double, N> b) noexcept {
-    for (std::size_t r = 0; r < N; ++r) {
-        for (std::size_t c = 0; c <= r; ++c) {
-            for (std::size_t k = 0; k < c; ++k) m[r][c] -= m[r][k] * m[c][k];
-            m[r][c] = c < r ? m[r][c] / m[c][c] : std::sqrt(m[r][r]);
-        }
-        for (std::size_t k = 0; k < r; ++k) b[r] -= m[r][k] * b[k];
-        b[r] /= m[r][r];
-    }
-    for (std::size_t r = N; r-- > 0;) {
-        for (std::size_t k = r + 1; k < N; ++k) b[r] -= m[k][r] * b[k];
-        b[r] /= m[r][r];
-    }
+auto eigen_matrix(const SquareMatrix<N>& m) {
+    constexpr int capacity = N < 8 ? 8 : int(N);
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, capacity, capacity>;
+    return Matrix(Eigen::Map<const Eigen::MatrixXd>(m[0].v, long(N), long(N)));
+}
+
+/// The x of m x = b, m positive definite.
+template <std::size_t N>
+Vec<double, N> solve_positive_definite(const SquareMatrix<N>& m, Vec<double, N> b) {
+    eigen_matrix<N>(m).llt().solveInPlace(Eigen::Map<Eigen::VectorXd>(b.v, long(N)));
     return b;
 }
 
-/// The eigenvalues of a symmetric matrix, and eigenvectors of unit length.
+/// The eigenvalues of a symmetric matrix in increasing order, and eigenvectors of unit length.
 template <std::size_t N>
 struct PrincipalAxes {
     Vec<double, N> values{};
     SquareMatrix<N> vectors{}; ///< the rows
 
-    double least() const noexcept { return *std::min_element(values.v, values.v + N); }
-    double largest() const noexcept { return *std::max_element(values.v, values.v + N); }
+    double least() const noexcept { return values[0]; }
+    double largest() const noexcept { return values[N - 1]; }
 };
 
-/// Jacobi's rotations, row by row. Golub, Van Loan, Matrix Computations, 4th ed., sec. 8.5.
 template <std::size_t N>
-PrincipalAxes<N> principal_axes(SquareMatrix<N> m) {
+PrincipalAxes<N> principal_axes(const SquareMatrix<N>& m) {
+    const auto matrix = eigen_matrix<N>(m);
+    const Eigen::SelfAdjointEigenSolver<std::remove_const_t<decltype(matrix)>> solver(matrix);
     PrincipalAxes<N> axes;
-    double rounding = 0;
     for (std::size_t k = 0; k < N; ++k) {
-        axes.vectors[k][k] = 1;
-        rounding += 0.125 * epsilon<double> * std::fabs(m[k][k]);
+        axes.values[k] = solver.eigenvalues()[long(k)];
+        for (std::size_t r = 0; r < N; ++r) axes.vectors[k][r] = solver.eigenvectors()(long(r), long(k));
     }
-    bool turned = true;
-    for (int sweep = 0; turned && sweep < 30; ++sweep) { // five or six as a rule
-        turned = false;
-        for (std::size_t p = 0; p < N; ++p) {
-            for (std::size_t q = p + 1; q < N; ++q) {
-                if (!(std::fabs(m[p][q]) > rounding)) continue;
-                turned = true;
-                Eigen::JacobiRotation<double> rotation;
-                rotation.makeJacobi(m[p][p], m[p][q], m[q][q]);
-                const double c = rotation.c(), s = rotation.s();
-                const auto turn = [c, s](auto& a, auto& b) {
-                    const auto old = a;
-                    a = c * old - s * b;
-                    b = s * old + c * b;
-                };
-                turn(m[p], m[q]);
-                for (std::size_t r = 0; r < N; ++r) turn(m[r][p], m[r][q]);
-                m[p][q] = m[q][p] = 0;
-                turn(axes.vectors[p], axes.vectors[q]);
-            }
-        }
-    }
-    for (std::size_t k = 0; k < N; ++k) axes.values[k] = m[k][k];
     return axes;
 }
 
