@@ -36,7 +36,8 @@ public:
         trial_.resize(handles.count);
         needed_.assign(handles.count, 0);
         for (std::size_t i = 0; i < handles.count; ++i) {
-            columns_[i] = frame.row(handles, i);
+            const auto row = frame.row(handles, i);
+            for (std::size_t r = 0; r <= D; ++r) columns_[i][long(r)] = row[r];
             given_[i] = weight(i);
             support_[i] = i;
         }
@@ -87,27 +88,21 @@ public:
     std::span<const std::size_t> support() const noexcept { return support_; }
 
 private:
-    using Row = Vec<double, D + 1>;
-
-    static double largest(const Row& row) noexcept {
-        double most = 0;
-        for (const double x : row.v) most = std::max(most, std::fabs(x));
-        return most;
-    }
-    /// The weight that y gives a handle, before negative ones are taken for 0.
-    double raw(std::size_t i, const Row& y) const noexcept { return given_[i] + dot(columns_[i], y); }
+    static constexpr int N = int(D) + 1;
+    using Row = Eigen::Matrix<double, N, 1>;
+    using Square = Eigen::Matrix<double, N, N>;
 
     /// All handles. Where these cannot reproduce q either, the nearest place that they can takes
     /// its stead.
     bool start() {
         bool sound = true;
-        Row sum{};
+        Row sum = Row::Zero();
         for (std::size_t i = 0; i < given_.size(); ++i) {
             sound = sound && given_[i] >= 0;
-            sum = sum + given_[i] * columns_[i];
+            sum += given_[i] * columns_[i];
         }
         sum[0] -= 1;
-        if (sound && largest(sum) < 1e-12) {
+        if (sound && sum.template lpNorm<Eigen::Infinity>() < 1e-12) {
             found_ = given_;
             accept(support_);
             return true;
@@ -118,10 +113,10 @@ private:
             return true;
         }
         solve(trial_, false);
-        Row place{};
-        for (std::size_t i = 0; i < given_.size(); ++i) place = place + found_[i] * columns_[i];
+        Row place = Row::Zero();
+        for (std::size_t i = 0; i < given_.size(); ++i) place += found_[i] * columns_[i];
         place[0] = 0;
-        for (Row& column : columns_) column = column - place;
+        for (Row& column : columns_) column -= place;
         accept(trial_);
         return false;
     }
@@ -169,16 +164,16 @@ private:
         if (over.empty()) return false;
         // E: small beside the equations, and large enough for y to keep digits where they have no
         // solution.
-        Row penalty{}, y{}, centre{};
-        for (double& x : penalty.v) x = exact ? 1e-10 : 1e-6;
+        Row penalty = Row::Constant(exact ? 1e-10 : 1e-6);
         if (!exact) penalty[0] = 1e-9;
+        Row y = Row::Zero(), centre = Row::Zero();
         y[0] = 1 / double(over.size());
         for (const std::size_t i : over) y[0] -= given_[i] / double(over.size());
         double missed = std::numeric_limits<double>::infinity();
         for (int round = 0; round < 12; ++round) {
             newton(over, penalty, centre, y);
             const Row error = sum(over, y);
-            const double now = exact ? largest(error) : std::fabs(error[0]);
+            const double now = exact ? error.template lpNorm<Eigen::Infinity>() : std::fabs(error[0]);
             if (now < 1e-14 || !(now < 0.9 * missed)) {
                 missed = std::min(missed, now);
                 break;
@@ -191,7 +186,7 @@ private:
         }
         double total = 0;
         for (const std::size_t i : over) {
-            found_[i] = std::max(0.0, raw(i, y));
+            found_[i] = std::max(0.0, given_[i] + columns_[i].dot(y));
             total += found_[i];
         }
         if (!(total > 0.5)) return false;
@@ -201,8 +196,9 @@ private:
 
     /// Σ w a − (1, 0).
     Row sum(std::span<const std::size_t> over, const Row& y) const {
-        Row total{-1};
-        for (const std::size_t i : over) total = total + std::max(0.0, raw(i, y)) * columns_[i];
+        Row total = Row::Zero();
+        total[0] = -1;
+        for (const std::size_t i : over) total += std::max(0.0, given_[i] + columns_[i].dot(y)) * columns_[i];
         return total;
     }
     /// What the dual problem minimises: Σ w²/2 − y_0 + (y − centre)·E (y − centre)/2.
@@ -210,32 +206,28 @@ private:
                      const Row& y) const {
         double squares = 0;
         for (const std::size_t i : over) {
-            const double w = std::max(0.0, raw(i, y));
+            const double w = std::max(0.0, given_[i] + columns_[i].dot(y));
             squares += w * w;
         }
-        double away = 0;
-        for (std::size_t r = 0; r <= D; ++r) away += penalty[r] * (y[r] - centre[r]) * (y[r] - centre[r]);
-        return 0.5 * squares - y[0] + 0.5 * away;
+        const Row away = y - centre;
+        return 0.5 * squares - y[0] + 0.5 * away.dot(penalty.cwiseProduct(away));
     }
 
     void newton(std::span<const std::size_t> over, const Row& penalty, const Row& centre, Row& y) const {
         double value = objective(over, penalty, centre, y);
         for (int step = 0; step < 60; ++step) {
-            SquareMatrix<D + 1> matrix{};
-            Row gradient{-1};
-            for (std::size_t r = 0; r <= D; ++r) {
-                matrix[r][r] = penalty[r];
-                gradient[r] += penalty[r] * (y[r] - centre[r]);
-            }
+            Square matrix = penalty.asDiagonal();
+            Row gradient = penalty.cwiseProduct(y - centre);
+            gradient[0] -= 1;
             for (const std::size_t i : over) {
-                const double w = raw(i, y);
+                const double w = given_[i] + columns_[i].dot(y);
                 if (!(w > 0)) continue;
-                gradient = gradient + w * columns_[i];
-                add_outer_product(matrix, columns_[i], columns_[i]);
+                gradient += w * columns_[i];
+                matrix += columns_[i] * columns_[i].transpose();
             }
-            const Row direction = -1.0 * solve_positive_definite(matrix, gradient);
-            const double fall = dot(gradient, direction);
-            if (!(fall < 0) || largest(gradient) < 1e-15) return;
+            const Row direction = -SmallMatrix<N>(matrix).llt().solve(gradient);
+            const double fall = gradient.dot(direction);
+            if (!(fall < 0) || gradient.template lpNorm<Eigen::Infinity>() < 1e-15) return;
             double length = 1;
             for (;; length *= 0.5) {
                 const Row next = y + length * direction;

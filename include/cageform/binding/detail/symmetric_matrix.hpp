@@ -6,8 +6,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include <type_traits>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Row by row.
@@ -28,21 +26,11 @@ Vec<double, N> product(const SquareMatrix<N>& m, const Vec<double, N>& a) noexce
     return result;
 }
 
-/// Eigen's matrix of the same numbers: one type for all sizes up to eight, so that its decompositions
-/// are compiled once, and nothing is allocated.
+/// Eigen's matrix of N rows: one type for all N up to eight, so that its decompositions are compiled
+/// once, and nothing is allocated.
 template <std::size_t N>
-auto eigen_matrix(const SquareMatrix<N>& m) {
-    constexpr int capacity = N < 8 ? 8 : int(N);
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, capacity, capacity>;
-    return Matrix(Eigen::Map<const Eigen::MatrixXd>(m[0].v, long(N), long(N)));
-}
-
-/// The x of m x = b, m positive definite.
-template <std::size_t N>
-Vec<double, N> solve_positive_definite(const SquareMatrix<N>& m, Vec<double, N> b) {
-    eigen_matrix<N>(m).llt().solveInPlace(Eigen::Map<Eigen::VectorXd>(b.v, long(N)));
-    return b;
-}
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, int(N < 8 ? 8 : N),
+                                  int(N < 8 ? 8 : N)>;
 
 /// The eigenvalues of a symmetric matrix in increasing order, and eigenvectors of unit length.
 template <std::size_t N>
@@ -56,8 +44,8 @@ struct PrincipalAxes {
 
 template <std::size_t N>
 PrincipalAxes<N> principal_axes(const SquareMatrix<N>& m) {
-    const auto matrix = eigen_matrix<N>(m);
-    const Eigen::SelfAdjointEigenSolver<std::remove_const_t<decltype(matrix)>> solver(matrix);
+    const Eigen::Map<const Eigen::MatrixXd> matrix(m[0].v, long(N), long(N));
+    const Eigen::SelfAdjointEigenSolver<SmallMatrix<N>> solver(matrix);
     PrincipalAxes<N> axes;
     for (std::size_t k = 0; k < N; ++k) {
         axes.values[k] = solver.eigenvalues()[long(k)];
