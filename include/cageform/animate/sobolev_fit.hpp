@@ -16,8 +16,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Fits pieces to one curve; the search for knots asks it many times. Time runs from 0 to 1 inside,
-/// values from the first key's on.
+/// Fits pieces to one curve; the search for knots asks it many times. Inside, time runs from 0
+/// to 1, and values are differences from the first key's.
 class SobolevFitter {
 public:
     using Piece = detail::FitPiece;

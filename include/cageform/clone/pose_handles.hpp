@@ -111,7 +111,7 @@ template <HasHandles B, PointRange Pose, class Out>
     for (std::size_t n = 0; n < std::size(pose); ++n) {
         if (!detail::can_be_posed<T, Out>(to_vec<T>(pose[n]))) return refuse(Status::pose_not_finite);
     }
-    // From the last on: a point never stands behind its handle.
+    // From the last on, for `out` may be `pose`: the n-th point is handle n or a later one.
     for (std::size_t i = handles.count, n = std::size(pose); i-- > 0;) {
         if (handles.is_point(i)) store_point(out, i, to_vec<range_scalar_t<Out>>(pose[--n]));
     }

@@ -50,8 +50,8 @@ struct SolverMemory {
 ///   memory()                   what that takes, and a block
 ///   Functions, keep(block)     the functions of a solved group
 ///   Samples, samples(batch, first, last)
-///                              what the values at points first … last − 1 are made of, whatever
-///                              the function, and where the points lie (batch.states); points
+///                              what the values of any function at points first … last − 1 are made
+///                              of, and where the points lie (batch.states); points
 ///                              beyond batch.points.points have the value 0
 ///   sample(samples, group, functions, rows)
 ///                              the rows of weights of a group at those points; `functions` is a

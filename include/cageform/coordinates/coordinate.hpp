@@ -37,7 +37,8 @@ concept CageCoordinateConstants = requires {
 ///                       points that are not_finite or unreached, and of outside points when there is no
 ///                       extension, are left unspecified. Every lane of the last block is written.
 ///   nearest_boundary(p, row)
-///                       weights (#handles) of the boundary point nearest to the finite point `p`, and it
+///                       returns the boundary point nearest to the finite point `p`, and fills its weights
+///                       (#handles)
 template <class C>
 concept CageCoordinates = CageCoordinateConstants<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> weights,

@@ -19,8 +19,10 @@ struct HarmonicSolvers {
     template <class Use>
     static Status choose(const Options& options, const Use& use) {
         if (options.solver == HarmonicSolver::multigrid) return use(std::type_identity<MultigridSolver<C>>{});
-        if constexpr (std::is_same_v<C, Polygon<typename C::scalar>>)
-            return use(std::type_identity<PyramidSolver<typename C::scalar>>{});
+        if constexpr (std::is_same_v<C, Polygon<typename C::scalar>>) {
+            if (options.solver == HarmonicSolver::averaging_pyramid)
+                return use(std::type_identity<PyramidSolver<typename C::scalar>>{});
+        }
         return Status::solver_not_supported;
     }
 };

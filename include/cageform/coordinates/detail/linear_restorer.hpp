@@ -12,8 +12,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of a
 /// block; or, of weights that move a vector t, Σwκ = 0 and ΣwH = t.
 ///
-/// With A = [a_0 … a_{m−1}] of the affine rows of the handles the change is Aᵀ(AAᵀ)⁻¹ r, r the
-/// residual of the row sums; AAᵀ is (D+1)² and the same for all points.
+/// The columns of A are the affine rows of the handles, r is the residual of the row sums. The
+/// change is Aᵀ(AAᵀ)⁻¹ r. AAᵀ has D + 1 rows and is the same for all points.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
@@ -65,7 +65,7 @@ private:
 
     const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
 
-    /// `wanted`: Σ w a. `unit` is what sums are to be accurate relative to.
+    /// `wanted`: Σ w a. Residuals are rounding when they are below some epsilon times `unit`.
     Result run_to(const Simd* wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
         // Below 4 epsilon nothing is changed: exact zeros on edges would be lost.

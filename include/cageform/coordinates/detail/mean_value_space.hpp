@@ -125,10 +125,10 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
 }
 
 /// g = θ/R of an edge, θ the angle it is seen under, R the distance of p to its line: the integral of one over the squared
-/// distance along it. From begin to end along the line, τ its direction, R⃗ the vector to the line, r and q the
-/// distances to the ends:
+/// distance along it. From begin to end along the line, τ its direction, R⃗ the vector to the line, a and b the
+/// distances to the ends (R is `r` in code):
 ///
-///   ∇g = τ (1/r² − 1/q²) + R⃗ G,   G = (g + end/q² − begin/r²)/R²
+///   ∇g = τ (1/a² − 1/b²) + R⃗ G,   G = (g + end/b² − begin/a²)/R²
 template <class N, class S>
 N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<ValueOf<N>, 3>& p) noexcept {
     using X = ValueOf<N>;
