@@ -2,6 +2,7 @@
 #include "../catch.hpp"
 #include "../support/allocation_count.hpp"
 #include "../support/bindings.hpp"
+#include "../support/effort.hpp"
 #include "../support/figures.hpp"
 #include "../support/weights.hpp"
 
@@ -145,15 +146,15 @@ TEST_CASE("normals are those of the deformed surface, mean value", "[clone][norm
 }
 
 TEST_CASE("normals are those of the deformed surface, harmonic", "[clone][normals][harmonic]") {
-    const auto seed = std::uint64_t(GENERATE(seeds(2)));
+    const auto seed = std::uint64_t(GENERATE(seeds(effort(2, 1))));
     CAPTURE(seed);
     auto cage = sphere(1);
     Random random(seed + 30);
     for (auto& v : cage.vertices) v = random.uniform(1.2, 1.5) * v;
-    cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh<double>(), {.resolution = 96});
+    cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh<double>(), {.resolution = effort(96, 48)});
     REQUIRE(coordinates.solve().status == Status::ok);
     // Values are interpolated, so their differences mean something over a cell and more.
-    CHECK(worst_angle(coordinates, 0.05, 0.15, seed) <= 0.1);
+    CHECK(worst_angle(coordinates, 0.05, 0.15, seed) <= effort(0.1, 0.4)); // of order h²
 }
 
 TEMPLATE_TEST_CASE("affine poses move normals by the cofactor matrix", "[clone][normals][affine]", float,
