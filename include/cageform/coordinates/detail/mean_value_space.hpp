@@ -156,11 +156,15 @@ N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec
     }
 }
 
-/// A linear function: offset − normal·p.
+/// A linear function offset − normal·p, by its value at p.
+template <class N, class S>
+N linear(const ValueOf<N>& value, const Vec<S, 3>& normal) noexcept {
+    using X = ValueOf<N>;
+    return with_gradient<N, 3>(value, {X(-normal[0]), X(-normal[1]), X(-normal[2])});
+}
 template <class N, class S>
 N linear(S offset, const Vec<S, 3>& normal, const Vec<ValueOf<N>, 3>& p) noexcept {
-    using X = ValueOf<N>;
-    return with_gradient<N, 3>(X(offset) - inner(normal, p), {X(-normal[0]), X(-normal[1]), X(-normal[2])});
+    return linear<N>(ValueOf<N>(offset) - inner(normal, p), normal);
 }
 
 /// (g ρ − φ)/H² of an edge of a face, φ the signed angle it is seen under from the foot point of p in the plane, `begin` and
@@ -199,14 +203,12 @@ U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end)
 }
 
 /// S of a face that p is not over. There Σ φ_k = 0, so that S = ½ H Σ (g_k ρ_k − φ_k)/H², which holds next to the plane,
-/// where Σ g_k ρ_k is a difference of nearly equal numbers.
+/// where Σ g_k ρ_k is a difference of nearly equal numbers. `rho` are the very numbers that say that p is not over the
+/// face: computed anew, with products and sums fused otherwise, they might say that it is, and Σ φ_k be 2π.
 template <class U, class S>
-CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>::Face& face,
-                                            const Vec<ValueOf<U>, 3>& p) noexcept {
+CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>::Face& face, const U& height,
+                                            const std::array<U, 3>& rho) noexcept {
     using K = ValueOf<U>;
-    const U height = linear<U>(face.offset, face.normal, p);
-    std::array<U, 3> rho;
-    for (std::size_t k = 0; k < 3; ++k) rho[k] = linear<U>(face.across_offset[k], face.across[k], p);
     U sum(K(0));
     for (std::size_t k = 0; k < 3; ++k) {
         // Where the corner that edges k and `other` share lies along edge k: by the distances to both.
@@ -225,17 +227,20 @@ CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>:
 template <class N, class S>
 CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mask& beside,
                                                const typename MeanValueFrame<S, 3>::Face& face,
-                                               const Vec<ValueOf<N>, 3>& p) noexcept {
+                                               const N& height, const std::array<N, 3>& rho) noexcept {
     using One = std::conditional_t<has_gradient<N>, Dual<double, 3>, double>;
     constexpr std::size_t parts = 1 + NumberTraits<N>::derivatives;
-    Lanes<S> flags, place[3], lanes[parts];
+    Lanes<S> flags, heights, rhos[3], lanes[parts];
     select(beside, Simd<S>(S(1)), Simd<S>(S(0))).store(flags);
-    for (std::size_t k = 0; k < 3; ++k) p[k].store(place[k]);
+    value_of(height).store(heights);
+    for (std::size_t k = 0; k < 3; ++k) value_of(rho[k]).store(rhos[k]);
     for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k).store(lanes[k]);
     for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
         if (flags[lane] == S(0)) continue;
-        const Vec<double, 3> q{double(place[0][lane]), double(place[1][lane]), double(place[2][lane])};
-        const One sum = sum_beside_face<One, S>(face, q);
+        std::array<One, 3> across;
+        for (std::size_t k = 0; k < 3; ++k) across[k] = linear<One>(double(rhos[k][lane]), face.across[k]);
+        const One sum =
+            sum_beside_face<One, S>(face, linear<One>(double(heights[lane]), face.normal), across);
         for (std::size_t k = 0; k < parts; ++k)
             lanes[k][lane] = static_cast<S>(NumberTraits<One>::part(sum, k));
     }
@@ -264,9 +269,9 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     const auto beside = both(distance < near_plane, both(inmost < zero, value_of(height_times_s) < half));
     N s = height_times_s / select(distance <= least, N(least), height);
     if constexpr (std::is_floating_point_v<X>) {
-        if (beside) s = sum_beside_face<N, S>(face, p);
+        if (beside) s = sum_beside_face<N, S>(face, height, rho);
     } else if (any(beside)) {
-        set_beside_face<N, S>(s, beside, face, p);
+        set_beside_face<N, S>(s, beside, face, height, rho);
     }
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
