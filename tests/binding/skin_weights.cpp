@@ -1,5 +1,6 @@
 // Skins of bindings: what every skin keeps to, that it is the nearest, and whether the report tells the truth.
 #include "catch.hpp"
+#include "support/effort.hpp"
 #include "support/meshes.hpp"
 #include "support/weights.hpp"
 

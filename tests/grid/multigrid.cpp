@@ -16,6 +16,7 @@ namespace multigrid_tests {
 using cageform::grid::CutLink;
 using cageform::grid::Multigrid;
 using cageform::grid::NodeRuns;
+using cageform_tests::effort;
 using cageform_tests::Random;
 
 namespace {
