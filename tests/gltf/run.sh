@@ -158,10 +158,10 @@ if ! command -v node >/dev/null 2>&1 || ! command -v npm >/dev/null 2>&1; then
 fi
 if ! cmp -s "$here/package-lock.json" "$folder/package-lock.json" || [ ! -d "$folder/node_modules/gltf-validator" ]; then
   cp "$here/package.json" "$here/package-lock.json" "$folder"
-  if ! (cd "$folder" && npm ci --no-audit --no-fund --ignore-scripts) >log 2>&1; then
+  if ! (cd "$folder" && npm ci --fetch-retries=1 --no-audit --no-fund --ignore-scripts) >log 2>&1; then
     rm -f "$folder/package-lock.json"
     cat log
-    npm ping >/dev/null 2>&1 && exit 1
+    npm ping --fetch-retries=0 >/dev/null 2>&1 && exit 1
     echo "SKIPPED: the npm registry cannot be reached"
     exit 77
   fi
