@@ -98,6 +98,15 @@ bool same_bits(T a, T b) {
     return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
+/// Whether a range holds `expected`, whatever its points are.
+template <class R, class T, std::size_t D>
+bool are_equal(const R& range, const std::vector<Vec<T, D>>& expected) {
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        if (cageform::to_vec<T>(range[i]) != expected[i]) return false;
+    }
+    return true;
+}
+
 } // namespace
 
 // Each family, scalar and dimension, but not every combination: those are binding's to test.
@@ -325,12 +334,7 @@ TEMPLATE_TEST_CASE("poses and outputs lie in memory in any way", "[clone][ranges
     const auto binding = random_binding<T, 3>(points, handles, 11);
     const auto pose = random_points<T, 3>(handles, 10, 12);
     const auto expected = cloned(binding, pose);
-    const auto is_expected = [&](const auto& range) {
-        for (std::size_t i = 0; i < points; ++i) {
-            if (cageform::to_vec<T>(range[i]) != expected[i]) return false;
-        }
-        return true;
-    };
+    const auto is_expected = [&](const auto& range) { return are_equal(range, expected); };
 
     std::vector<std::array<T, 3>> arrays(points);
     T c_array[points][3] = {};
@@ -369,12 +373,7 @@ TEST_CASE("poses and outputs are points and matrices of other libraries", "[clon
     const auto binding = random_binding<float, 3>(points, handles, 11);
     const auto pose = random_points<float, 3>(handles, 10, 12);
     const auto expected = cloned(binding, pose);
-    const auto is_expected = [&](const auto& range) {
-        for (std::size_t i = 0; i < points; ++i) {
-            if (cageform::to_vec<float>(range[i]) != expected[i]) return false;
-        }
-        return true;
-    };
+    const auto is_expected = [&](const auto& range) { return are_equal(range, expected); };
     std::vector<glm::vec3> glms(points);
     std::vector<Eigen::Vector3f> columns(points);
     CHECK(cageform::clone(binding, pose, glms) == Status::ok);
