@@ -145,27 +145,30 @@ protected:
 
     /// Whether a point of this state gets weights.
     bool is_bound(PointState state) const noexcept {
-        if (state == PointState::outside) {
-            return options_.outside == OutsidePoints::nearest_boundary ||
-                   (options_.outside == OutsidePoints::extend && input_.has_extension);
-        }
-        return state == PointState::inside || state == PointState::on_boundary;
+        if (state == PointState::inside || state == PointState::on_boundary) return true;
+        return state == PointState::outside &&
+               (options_.outside == OutsidePoints::nearest_boundary ||
+                (options_.outside == OutsidePoints::extend && input_.has_extension));
     }
     bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
 
     /// Takes the measures of a block. A point so far away that the scalar does not hold its
-    /// weights, or what they make, becomes unreached.
+    /// weights, or what they make, becomes unreached. Returns whether there was one.
     template <class Outcome>
-    void take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
+    bool take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
+        BindPiece& piece = pieces_[block / piece_blocks_];
+        bool unreached = false;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (bound[lane] == T(0)) continue;
             const std::size_t i = block * lanes + lane;
             if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) {
-                pieces_[block / piece_blocks_].note(outcome, lane, i);
+                piece.note(outcome, lane, i);
             } else {
                 states_[i] = PointState::unreached;
+                unreached = true;
             }
         }
+        return unreached;
     }
     /// No weights for points that `take` has found unreached.
     void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
@@ -273,17 +276,19 @@ private:
             for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
             for (std::size_t lane = 0; lane < lanes; ++lane)
                 bound[lane] = settle(b * lanes + lane, target) ? T(1) : T(0);
-            this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b);
-            this->clear_unreached(bound, b, row);
+            if (this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b))
+                this->clear_unreached(bound, b, row);
         }
     }
 
     /// Whether a point gets weights. One outside may get those of the nearest boundary point, which
     /// goes into `target`; one without weights gets zeros, and any finite target.
     bool settle(std::size_t i, Lanes<T> (&target)[D]) {
+        const PointState state = i < count_ ? states_[i] : PointState::not_finite;
+        const bool is_bound = this->is_bound(state);
+        if (is_bound && state != PointState::outside) return true;
         Lanes<T>* const row = this->weights_[0].block(i / lanes);
         const std::size_t lane = i % lanes;
-        const PointState state = i < count_ ? states_[i] : PointState::not_finite;
         if (state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary) {
             std::vector<T> weights(handles_.count);
             const auto q = input_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
@@ -291,7 +296,7 @@ private:
             for (std::size_t h = 0; h < weights.size(); ++h) row[h][lane] = weights[h];
             return true;
         }
-        if (this->is_bound(state)) return true;
+        if (is_bound) return true;
         this->clear(row, lane);
         for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_.rest[0][k];
         return false;

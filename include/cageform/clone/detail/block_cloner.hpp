@@ -95,8 +95,7 @@ private:
     template <WeightFormat Format>
     static constexpr std::size_t row_bytes = lane_count<T>* weight_bytes<T>(Format);
 
-    CAGEFORM_DETAIL_NO_INLINE void finish(const AffineFit<T, D>& fit, std::size_t block,
-                                          Lanes<T>* sums) const noexcept {
+    void finish(const AffineFit<T, D>& fit, std::size_t block, Lanes<T>* sums) const noexcept {
         fit.complete(binding, block, sums);
         target.write(block, sums);
     }

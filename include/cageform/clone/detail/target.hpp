@@ -109,13 +109,13 @@ class CloneTarget {
 public:
     CloneTarget(const PackedBindingView<T, D>& binding, const CloneOptions<T>& options, Out& out) noexcept
         : rest_(binding.rest)
-        , order_(binding.order)
+        , place_{binding.order}
         , points_(binding.points)
         , options_(options)
         , out_(out) {
         if constexpr (is_strided) {
             numbers_ = out.plain_numbers();
-            by_axes_ = order_ == nullptr && out.plain_axis(0) != nullptr;
+            by_axes_ = place_.order == nullptr && out.plain_axis(0) != nullptr;
         }
     }
 
@@ -139,7 +139,7 @@ private:
         const std::size_t first = block * lanes;
         if (options_.mask.size() != 0) {
             for (std::size_t lane = 0; lane < used; ++lane) {
-                const T m = options_.mask[place(first + lane)][0];
+                const T m = options_.mask[place_(first + lane)][0];
                 for (std::size_t k = 0; k < D; ++k) sums[k][lane] = product(sums[k][lane], m);
             }
         }
@@ -163,7 +163,7 @@ private:
     void load(std::size_t first, Count used, Lanes<T>* rows) const noexcept {
         const auto take = [&](const auto& point_at) {
             for (std::size_t lane = 0; lane < lanes; ++lane) {
-                const auto& p = point_at(place(first + (lane < used ? lane : 0)));
+                const auto& p = point_at(place_(first + (lane < used ? lane : 0)));
                 for (std::size_t k = 0; k < D; ++k) rows[k][lane] = p[k];
             }
         };
@@ -186,13 +186,15 @@ private:
                 return;
             }
         }
-        if (numbers_ != nullptr && order_ == nullptr && used == lanes)
+        if (numbers_ != nullptr && place_.order == nullptr && used == lanes)
             return interleave<T, D>(moved, numbers_ + first * D);
         alignas(64) T numbers[lanes * D];
         interleave<T, D>(moved, numbers);
-        if (numbers_ != nullptr) {
+        // Copied, for what is written could be this object, as far as a compiler knows.
+        const Places place = place_;
+        if (T* const to = numbers_; to != nullptr) {
             for (std::size_t lane = 0; lane < used; ++lane)
-                std::memcpy(numbers_ + place(first + lane) * D, numbers + lane * D, D * sizeof(T));
+                std::memcpy(to + place(first + lane) * D, numbers + lane * D, D * sizeof(T));
             return;
         }
         for (std::size_t lane = 0; lane < used; ++lane) {
@@ -202,10 +204,15 @@ private:
         }
     }
 
-    std::size_t place(std::size_t i) const noexcept { return order_ != nullptr ? order_[i] : i; }
+    /// Where a point of the binding stands in the output.
+    struct Places {
+        const std::uint32_t* order; ///< null: in order
 
-    const Lanes<T>* rest_;       ///< D rows a block
-    const std::uint32_t* order_; ///< null: in order
+        std::size_t operator()(std::size_t i) const noexcept { return order != nullptr ? order[i] : i; }
+    };
+
+    const Lanes<T>* rest_; ///< D rows a block
+    Places place_;
     std::size_t points_;
     const CloneOptions<T>& options_;
     Out& out_;
