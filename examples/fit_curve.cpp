@@ -346,7 +346,7 @@ private:
             return text_of(
                 ("%." + std::to_string(int(std::fmax(0, std::ceil(-std::log10(step) - 1e-9)))) + "f").c_str(),
                 x);
-        return text_of("%.10g", std::round(x / step) * step);
+        return text_of("%.10g", x);
     }
 
     double left_, top_, width_, height_;

@@ -12,7 +12,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// The library's solvers for a kind of cage; HarmonicOptions::solver names one.
 template <class C>
-struct HarmonicSolvers {
+struct HarmonicSolverChoice {
     using Options = HarmonicOptions;
 
     /// use(std::type_identity<the solver>{}), or solver_not_supported.
@@ -61,7 +61,7 @@ struct HarmonicSolvers {
 /// none of whose surrounding cells has a value is unreached; with the multigrid every point inside
 /// has one.
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
-          class Solvers = HarmonicSolvers<C>>
+          class Solvers = HarmonicSolverChoice<C>>
     requires(D == 2 || D == 3)
 class HarmonicCoordinates {
 public:
