@@ -15,7 +15,7 @@ case $preset in
   *)
     packages="$packages g++ librsvg2-bin tango-icon-theme libtinygltf-dev"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
-    [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev"
+    [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial"
     CAGEFORM_WARNINGS_AS_ERRORS=ON sh examples/run.sh --build-only
     ;;
 esac
