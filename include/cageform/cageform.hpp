@@ -1,5 +1,5 @@
-// Everything for cages but the adapters (cageform/adapt/) and the threads (cageform/core/threads.hpp). Key-frame curves
-// are in cageform/animate/, which stands alone.
+// Everything for cages but the adapters (cageform/adapt/) and the threads
+// (cageform/core/threads.hpp). Key-frame curves are in cageform/animate/, which stands alone.
 // A game that only plays bindings back includes cageform/clone/clone.hpp alone.
 #pragma once
 

@@ -1,25 +1,30 @@
 // cageform: every macro of the library, and what it changes.
 //
-//   CAGEFORM_ASSERT(condition, why)  checks a promise of the caller. Define it before the first include
-//                                    to hand failures to an engine's own assert; by default it is the
-//                                    standard assert, so NDEBUG removes it.
-//   CAGEFORM_REGISTER_BYTES          width of the vector register the kernels are written for: 16, 32 or
-//                                    64; follows the compiler's target flags, 0 means plain scalars.
-//   CAGEFORM_DETERMINISTIC           if defined, clones and clips come out the same to the bit whatever the compiler, its
-//                                    level of optimisation and the registers: every product and every sum is rounded by
-//                                    itself, and sums are taken in one order. GNU and clang, x86-64 and 64-bit ARM, not with
-//                                    -ffast-math. Clones from caches take as long, from memory up to a third longer, clips up to
-//                                    twice as long. Left out: what is bound, normals, and angles and rotations of a
-//                                    RigidMotion, which take sines from the standard library.
+//   CAGEFORM_ASSERT(condition, why)  checks a promise of the caller. Define it before the first
+//                                    include to hand failures to an engine's own assert; by default
+//                                    it is the standard assert, so NDEBUG removes it.
+//   CAGEFORM_REGISTER_BYTES          width of the vector register the kernels are written for: 16,
+//                                    32 or 64; follows the compiler's target flags, 0 means plain
+//                                    scalars.
+//   CAGEFORM_DETERMINISTIC           if defined, clones and clips come out the same to the bit
+//                                    whatever the compiler, its level of optimisation and the
+//                                    registers: every product and every sum is rounded by itself,
+//                                    and sums are taken in one order. GNU and clang, x86-64 and
+//                                    64-bit ARM, not with -ffast-math. Clones from caches take as
+//                                    long, from memory up to a third longer, clips up to twice as
+//                                    long. Left out: what is bound, normals, and angles and
+//                                    rotations of a RigidMotion, which take sines from the standard
+//                                    library.
 //
-// All change code, and so do -fno-exceptions and -ffast-math. All are part of the inline namespace CAGEFORM_ABI
-// (of an assert of one's own, only that it is one): two files compiled with different settings have different
-// names for everything instead of one name for two things.
+// All change code, and so do -fno-exceptions and -ffast-math. All are part of the inline namespace
+// CAGEFORM_ABI (of an assert of one's own, only that it is one): two files compiled with different
+// settings have different names for everything instead of one name for two things.
 //
-// There is no macro for allocation. Nothing called every frame allocates: clones, samples of clips, normals. What
-// owns memory (Binding, PackedBinding, PiecewiseCubic, CageClip and their cursors) has it from the global operator new, which
-// an engine replaces, or needs not at all for figures: BindingView and PackedBindingView are read from memory of the
-// caller, open_blob finds one in the bytes of a file.
+// There is no macro for allocation. Nothing called every frame allocates: clones, samples of clips,
+// normals. What owns memory (Binding, PackedBinding, PiecewiseCubic, CageClip and their cursors)
+// has it from the global operator new, which an engine replaces, or needs not at all for figures:
+// BindingView and PackedBindingView are read from memory of the caller, open_blob finds one in the
+// bytes of a file.
 #pragma once
 
 #include <cageform/version.hpp>

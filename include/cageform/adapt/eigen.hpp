@@ -28,8 +28,8 @@ using element_t = std::remove_pointer_t<decltype(std::declval<M&>().data())>;
 
 } // namespace detail
 
-/// The rows of an #P × D matrix as points, in either storage order, mapped or a block of a larger matrix.
-/// Refers to the matrix's memory; write through it when the matrix is not const.
+/// The rows of an #P × D matrix as points, in either storage order, mapped or a block of a larger
+/// matrix. Refers to the matrix's memory; write through it when the matrix is not const.
 template <std::size_t D, class M>
 auto points_in_rows(M&& matrix) noexcept {
     using T = detail::element_t<std::remove_reference_t<M>>;

@@ -1,4 +1,5 @@
-// The 2D cage: one or more closed polygons. What they are, where a point lies, whether they are sound.
+// The 2D cage: one or more closed polygons. What they are, where a point lies, whether they are
+// sound.
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>

@@ -14,7 +14,8 @@
 //     #define CAGEFORM_TANGENTS 1000u      so those of bound tangents and bitangents, behind it,
 //     #define CAGEFORM_BITANGENTS 2000u    if normals are wanted as well,
 //     #define CAGEFORM_NORMAL_OFFSET 3     and the floats before the first of them
-//     glsl::displacements, glsl::blob, glsl::compute     in this order, one thread a point, 64 a group
+//     glsl::displacements, glsl::blob, glsl::compute     in this order, one thread a point,
+//                                                        64 to a group
 //
 // or any shader calls what `blob` has: cageform_displacement, cageform_rest, cageform_point,
 // cageform_normal, of a place in the blob's order. A vertex shader of a skin

@@ -70,8 +70,8 @@ Eigen::VectorX<Number> nearest_on_simplex_boundary(const Eigen::MatrixX<Number>&
 ///
 ///   range     sum to 1; all in [0, 1] inside, some negative outside (the same affine functions)
 ///   cost      O(D²) a point
-///   faults    not_a_simplex, vertex_not_finite, degenerate_simplex (a vertex within rounding of the face
-///             that the others span)
+///   faults    not_a_simplex, vertex_not_finite, degenerate_simplex (a vertex within rounding of
+///             the face that the others span)
 template <Scalar T, std::size_t D>
 class BarycentricCoordinates {
     static_assert(D >= 1 && D <= 8, "the nearest boundary point is searched among all 2^(D+1) faces");
@@ -123,7 +123,8 @@ public:
     /// everywhere.
     ///
     ///   points     as for `evaluate`; so are the states on entry and on return
-    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length
+    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
+    ///              length
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return detail::evaluate_blocks<T>(report_, D * (D + 1), {points, gradients, states}, running,

@@ -20,7 +20,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// that cage.
 ///
 ///   range     that of the parts, with linear precision restored
-///   cost      that of all parts for all points, plus O(edges or faces) a point and cage, and the parts' weights once more
+///   cost      that of all parts for all points, plus O(edges or faces) a point and cage, and the
+///             parts' weights once more
 ///   fails     as the first part that fails; too_few_vertices without parts
 ///
 /// Outside all cages they are not defined (no extension). What a solver's weights miss of linear

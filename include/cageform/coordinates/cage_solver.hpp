@@ -45,8 +45,8 @@ struct SolverMemory {
 ///   Problem                    the CageProblem it solves
 ///   make(problem, report, made)
 ///                              makes all that does not depend on boundary data (grid, hierarchy)
-///                              and puts into `report` the cells, or refuses by a status. The problem
-///                              outlives what is made
+///                              and puts into `report` the cells, or refuses by a status. The
+///                              problem outlives what is made
 ///   memory()                   what that takes, and a block
 ///   Functions, keep(block)     the functions of a solved group
 ///   Samples, samples(batch, first, last)

@@ -24,21 +24,25 @@ concept CageCoordinateConstants = requires {
 /// weights = vertices.
 ///
 ///   handles()           the handles at rest; a pose holds as many points, in the same order
-///   handle_kinds()      need not be there: a span of the kinds of the handles (core/handles.hpp); absent or empty, all are
-///                       points
-///   handle_faces()      need not be there: a span of the faces that vector handles belong to, in their order, so that
-///                       `pose_handles` makes their poses from one of the vertices
-///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that status
+///   handle_kinds()      need not be there: a span of the kinds of the handles (core/handles.hpp);
+///                       absent or empty, all are points
+///   handle_faces()      need not be there: a span of the faces that vector handles belong to, in
+///                       their order, so that `pose_handles` makes their poses from one of the
+///                       vertices
+///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that
+///                       status
 ///   has_extension       whether weights are defined outside the cage
-///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in cache
+///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in
+///                       cache
 ///   evaluate(points, weights, states, running)
-///                       fills the weights of a whole batch (rows of `weights` are handles) and where each
-///                       point lies. Points whose state is not_finite on entry are skipped. Weights of
-///                       points that are not_finite or unreached, and of outside points when there is no
-///                       extension, are left unspecified. Every lane of the last block is written.
+///                       fills the weights of a whole batch (rows of `weights` are handles) and
+///                       where each point lies. Points whose state is not_finite on entry are
+///                       skipped. Weights of points that are not_finite or unreached, and of
+///                       outside points when there is no extension, are left unspecified. Every
+///                       lane of the last block is written.
 ///   nearest_boundary(p, row)
-///                       returns the boundary point nearest to the finite point `p`, and fills its weights
-///                       (#handles)
+///                       returns the boundary point nearest to the finite point `p`, and fills its
+///                       weights (#handles)
 template <class C>
 concept CageCoordinates = CageCoordinateConstants<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> weights,
@@ -53,9 +57,10 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
 /// Coordinates that can be differentiated.
 ///
 ///   evaluate_gradients(points, gradients, states, running)
-///                       as `evaluate`, but fills row axis · #handles + handle with the derivative of the handle's weight along
-///                       the axis. Those of points that are not_finite or unreached, and of outside points when there is no
-///                       extension, are left unspecified
+///                       as `evaluate`, but fills row axis · #handles + handle with the derivative
+///                       of the handle's weight along the axis. Those of points that are not_finite
+///                       or unreached, and of outside points when there is no extension, are left
+///                       unspecified
 template <class C>
 concept GradientCoordinates = CageCoordinates<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> gradients,
@@ -122,8 +127,8 @@ Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t 
 /// Weights of a single point, a convenience on top of `evaluate`.
 ///
 ///   weights  out, #handles
-///   returns  where the point lies; `weights` is set for inside and on_boundary, and for outside when
-///            the type has an extension, else untouched
+///   returns  where the point lies; `weights` is set for inside and on_boundary, and for outside
+///            when the type has an extension, else untouched
 template <CageCoordinates C, Point P>
 PointState weights_at(const C& coordinates, const P& point, std::span<typename C::scalar> weights) {
     using T = typename C::scalar;

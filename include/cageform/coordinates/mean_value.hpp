@@ -11,22 +11,26 @@ class MeanValueCoordinates;
 
 /// Mean value coordinates in the plane, for any set of simple loops, holes included.
 ///
-///   w_i = (tan(α_{i−1}/2) + tan(α_i/2)) / |C_i − p|,  m_i = w_i / Σ w,  α_i the signed angle C_i p C_{i+1}
+///   w_i = (tan(α_{i−1}/2) + tan(α_i/2)) / |C_i − p|,  m_i = w_i / Σ w,
+///   α_i the signed angle C_i p C_{i+1}
 ///
 /// Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1); several loops and the plane outside:
-/// Hormann & Floater, Mean value coordinates for arbitrary planar polygons (ACM TOG 25, 2006), sec. 3 and 4.
-/// On vertices and edges the limits are taken (the unit row; linear along the edge).
+/// Hormann & Floater, Mean value coordinates for arbitrary planar polygons (ACM TOG 25, 2006), sec.
+/// 3 and 4. On vertices and edges the limits are taken (the unit row; linear along the edge).
 /// The formula in code: `weigh` in detail/mean_value_plane.hpp.
 ///
 ///   range      sum to 1; may be negative where the cage is not convex, and outside
-///   accuracy   a few roundings inside and near the cage; far away the true weights grow like the distance
-///              and cancel, so points farther than some hundred diagonals are computed one precision higher,
-///              where the platform has one (float always; double where long double is wider)
-///   cost       O(#V) a point; one division and one square root per vertex and eight (sixteen) points
-///   gradients  double: 1e-11 of the largest, or of one over the diagonal (3e-12 measured); float: that of rounding them.
-///              Σ ∇w_i = 0 and Σ C_i ∇w_i = identity likewise. Nearer to a vertex than 1e-6 diagonals they turn with
-///              the direction, on it they are those of one. They take two to three times as long as weights; tens of times
-///              for a point on the boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
+///   accuracy   a few roundings inside and near the cage; far away the true weights grow like the
+///              distance and cancel, so points farther than some hundred diagonals are computed one
+///              precision higher, where the platform has one (float always; double where long
+///              double is wider)
+///   cost       O(#V) a point; one division and one square root per vertex and eight (sixteen)
+///              points
+///   gradients  double: 1e-11 of the largest, or of one over the diagonal (3e-12 measured); float:
+///              that of rounding them. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity likewise. Nearer to a
+///              vertex than 1e-6 diagonals they turn with the direction, on it they are those of
+///              one. They take two to three times as long as weights; tens of times for a point on
+///              the boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
 template <Scalar T>
 class MeanValueCoordinates<T, 2> : public detail::MeanValueEvaluation<Polygon<T>> {
     using Base = detail::MeanValueEvaluation<Polygon<T>>;

@@ -1,4 +1,5 @@
-// The memory layout of bound data: points in blocks of one cache line, rows of a block side by side.
+// The memory layout of bound data: points in blocks of one cache line, rows of a block side by
+// side.
 //
 //     block 0: row 0 of points 0…7 | row 1 of points 0…7 | …    block 1: row 0 of points 8…15 | …
 //
@@ -16,7 +17,8 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 inline constexpr std::size_t lane_count = 64 / sizeof(T);
 
-/// One row of a block. Not initialised on purpose: large arrays of it are written once, front to back.
+/// One row of a block. Not initialised on purpose: large arrays of it are written once, front to
+/// back.
 template <Scalar T>
 struct alignas(64) Lanes {
     T v[lane_count<T>];

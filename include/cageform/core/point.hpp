@@ -5,8 +5,8 @@
 //     template <> struct cageform::PointTraits<my::vec3> {
 //         using scalar = float;
 //         static constexpr std::size_t dimension = 3;
-//         static constexpr scalar get(const my::vec3& p, std::size_t axis) noexcept { return p[axis]; }
-//         static constexpr void set(my::vec3& p, std::size_t axis, scalar x) noexcept { p[axis] = x; }
+//         static constexpr scalar get(const my::vec3& p, std::size_t k) noexcept { return p[k]; }
+//         static constexpr void set(my::vec3& p, std::size_t k, scalar x) noexcept { p[k] = x; }
 //     };
 //
 // `set` is needed only where the type is written to (the output of `clone`).

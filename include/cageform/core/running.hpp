@@ -1,5 +1,5 @@
-// What every computation that may take long is told, always as its last argument: threads, progress, cancel. And what all
-// of them do with it.
+// What every computation that may take long is told, always as its last argument: threads,
+// progress, cancel. And what all of them do with it.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
@@ -25,8 +25,8 @@ struct Running {
     ParallelFor parallel = SerialFor{};
     Progress progress{};
 
-    /// For a part of the work: its progress from 0 to 1 is that of the whole `from` … `to`. Points to this, which has to
-    /// outlive it.
+    /// For a part of the work: its progress from 0 to 1 is that of the whole `from` … `to`. Points
+    /// to this, which has to outlive it.
     Running part(double from, double to) const {
         if (!progress) return {parallel, {}};
         return {parallel, [this, from, to](double done) { return progress(from + (to - from) * done); }};
@@ -47,8 +47,8 @@ void in_parallel(const Running& running, std::size_t count, std::size_t grain, c
     }
 }
 
-/// Runs body(first, last) over `blocks` (or pieces) in parallel, in at most fifty steps between which the
-/// caller's progress is told. Returns Status::cancelled when it says so.
+/// Runs body(first, last) over `blocks` (or pieces) in parallel, in at most fifty steps between
+/// which the caller's progress is told. Returns Status::cancelled when it says so.
 template <class Body>
 Status for_each_block(std::size_t blocks, const Running& running, const Body& body) {
     constexpr std::size_t grain = 16;

@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Outcome of a call. A bad *input* is a Status; a broken *promise* of the caller is CAGEFORM_ASSERT. By layer, each
-/// with what `to_string` says of it.
+/// Outcome of a call. A bad *input* is a Status; a broken *promise* of the caller is
+/// CAGEFORM_ASSERT. By layer, each with what `to_string` says of it.
 // clang-format off
 #define CAGEFORM_DETAIL_STATUSES(X)                                                               \
     /* Every layer */                                                                             \

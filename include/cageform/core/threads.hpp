@@ -11,9 +11,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Starts its threads anew for each loop (some 20 µs each): meant for binding and for large figures. It allocates,
-/// so a clone with it does too. Where the system refuses a thread the loop runs on those it has; an exception of the
-/// body ends the loop and is thrown again on the calling thread.
+/// Starts its threads anew for each loop (some 20 µs each): meant for binding and for large
+/// figures. It allocates, so a clone with it does too. Where the system refuses a thread the loop
+/// runs on those it has; an exception of the body ends the loop and is thrown again on the calling
+/// thread.
 struct ThreadedFor {
     unsigned threads = 0; ///< 0: as many as the machine has
 

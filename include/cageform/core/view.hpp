@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view over points whose components lie at regular distances in memory: interleaved vertex buffers,
-/// separate x and y arrays, rows or columns of a matrix. Owns nothing and copies nothing.
+/// A view over points whose components lie at regular distances in memory: interleaved vertex
+/// buffers, separate x and y arrays, rows or columns of a matrix. Owns nothing and copies nothing.
 ///
 ///   T             float or double, `const` for a read-only view
 ///   point_stride  bytes from a point to the next
@@ -39,7 +39,8 @@ public:
     void store(std::size_t i, const value_type& p) const noexcept requires(!std::is_const_v<T>) {
         for (std::size_t k = 0; k < D; ++k) *at(i, k) = p[k];
     }
-    /// Where one component of the points lies side by side in memory, point 0's; null where they lie apart.
+    /// Where one component of the points lies side by side in memory, point 0's; null where they
+    /// lie apart.
     T* plain_axis(std::size_t axis) const noexcept {
         return point_stride_ == sizeof(T) ? at(0, axis) : nullptr;
     }
@@ -48,7 +49,8 @@ public:
         return axis_stride_ == sizeof(T) && point_stride_ == D * sizeof(T) ? data_ : nullptr;
     }
 
-    /// `count` points from point `first` on: where one of several figures stands in a common buffer.
+    /// `count` points from point `first` on: where one of several figures stands in a common
+    /// buffer.
     StridedPoints subview(std::size_t first, std::size_t count) const noexcept {
         return {at(first, 0), count, point_stride_, axis_stride_};
     }

@@ -208,8 +208,8 @@ private:
 
     /// A W-cycle for the equations of a coarse level, from zero: pre-relax, residual, restrict,
     /// recurse, prolong, post-relax, and all of it once more; the post-relaxation of the first half
-    /// and the pre-relaxation of the second are one pass of two sweeps. A V-cycle would do less, but these levels are small, and thin
-    /// parts of the domain need them solved well.
+    /// and the pre-relaxation of the second are one pass of two sweeps. A V-cycle would do less,
+    /// but these levels are small, and thin parts of the domain need them solved well.
     void w_cycle(Block& block, std::size_t l) const noexcept {
         if (l == coarsest()) return solve_coarsest(block);
         pre_relax_and_restrict(block, l);

@@ -26,8 +26,8 @@ Vec<double, N> product(const SquareMatrix<N>& m, const Vec<double, N>& a) noexce
     return result;
 }
 
-/// Eigen's matrix of N rows: one type for all N up to eight, so that its decompositions are compiled
-/// once, and nothing is allocated.
+/// Eigen's matrix of N rows: one type for all N up to eight, so that its decompositions are
+/// compiled once, and nothing is allocated.
 template <std::size_t N>
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, int(N < 8 ? 8 : N),
                                   int(N < 8 ? 8 : N)>;

@@ -88,8 +88,8 @@ template <class P, class T, std::size_t D>
 inline constexpr bool is_plain_point =
     std::is_same_v<P, Vec<T, D>> || std::is_same_v<P, std::array<T, D>> || std::is_same_v<P, T[D]>;
 
-/// A range as a clone writes to it. Those of numbers one after the other are views of them, whatever
-/// they were, and share their code.
+/// A range as a clone writes to it. Those of numbers one after the other are views of them,
+/// whatever they were, and share their code.
 template <Scalar T, std::size_t D, class Out>
 decltype(auto) as_target(Out& out) noexcept {
     if constexpr (requires {

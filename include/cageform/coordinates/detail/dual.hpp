@@ -6,8 +6,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The value of an expression in `D` variables, and its derivatives with respect to them. `U` is a scalar or a register.
-/// A formula that is a template of its number is differentiated by calling it with this type.
+/// The value of an expression in `D` variables, and its derivatives with respect to them. `U` is a
+/// scalar or a register. A formula that is a template of its number is differentiated by calling it
+/// with this type.
 template <class U, std::size_t D>
 struct Dual {
     U value{};
@@ -66,8 +67,8 @@ struct Dual {
     }
 };
 
-/// What a formula needs to know of its number N: the type of its value, whether it carries a gradient, and of what it is
-/// made: the value is part 0, the derivatives are the parts after it.
+/// What a formula needs to know of its number N: the type of its value, whether it carries a
+/// gradient, and of what it is made: the value is part 0, the derivatives are the parts after it.
 template <class N>
 struct NumberTraits {
     using Value = N;

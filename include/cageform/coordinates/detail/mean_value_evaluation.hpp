@@ -1,4 +1,5 @@
-// The evaluation of mean value coordinates in the plane and in space: everything about the formula but the formula.
+// The evaluation of mean value coordinates in the plane and in space: everything about the formula
+// but the formula.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -6,7 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// `weigh` as one piece of code, which keeps numbers in registers; for gradients the same whatever the cage's scalar.
+/// `weigh` as one piece of code, which keeps numbers in registers; for gradients the same whatever
+/// the cage's scalar.
 template <class N, class S, std::size_t D>
 CAGEFORM_DETAIL_FLATTEN WeightSum<N>
 weigh_registers(const MeanValueFrame<S, D>& frame, const MeanValueLimits<S>& limits,
@@ -14,9 +16,10 @@ weigh_registers(const MeanValueFrame<S, D>& frame, const MeanValueLimits<S>& lim
     return weigh(frame, limits, p, memory);
 }
 
-/// What MeanValueCoordinates are in both dimensions. Points are evaluated a register at a time, gradients in double whatever
-/// the scalar. Points next to the boundary and far away, where the formula loses digits, follow one by one in a wider
-/// scalar, in lengths relative to their distance from the boundary, so that nothing overflows.
+/// What MeanValueCoordinates are in both dimensions. Points are evaluated a register at a time,
+/// gradients in double whatever the scalar. Points next to the boundary and far away, where the
+/// formula loses digits, follow one by one in a wider scalar, in lengths relative to their distance
+/// from the boundary, so that nothing overflows.
 template <class Cage>
 class MeanValueEvaluation {
 public:
@@ -34,8 +37,8 @@ public:
                         std::span<PointState> states, const Running& running = {}) const {
         return evaluate_numbers<Simd<T>>({points, weights, states}, running);
     }
-    /// As GradientCoordinates says. For a point on the boundary, where there are derivatives from one side only, those of a
-    /// place 1e-6 diagonals inside.
+    /// As GradientCoordinates says. For a point on the boundary, where there are derivatives from
+    /// one side only, those of a place 1e-6 diagonals inside.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
@@ -76,9 +79,10 @@ private:
         return {topology_, at};
     }
 
-    /// In diagonals or half diagonals, for registers. Far away the weights grow like the distance and cancel: `far` keeps
-    /// them to some ten roundings, gradients to a hundred. Gradients of double next to the boundary lose what the distance is
-    /// smaller than one; those that are rounded to float do not mind.
+    /// In diagonals or half diagonals, for registers. Far away the weights grow like the distance
+    /// and cancel: `far` keeps them to some ten roundings, gradients to a hundred. Gradients of
+    /// double next to the boundary lose what the distance is smaller than one; those that are
+    /// rounded to float do not mind.
     template <class N>
     MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
         using S = ScalarOf<ValueOf<N>>;
@@ -204,7 +208,8 @@ private:
         });
         if (!finite) return PointState::unreached;
         if (on_boundary) return PointState::on_boundary;
-        // Farther than the diagonal is outside, though rounding may turn the sum's sign (from 1e15 diagonals on).
+        // Farther than the diagonal is outside, though rounding may turn the sum's sign (from 1e15
+        // diagonals on).
         return value_of(sum) > 0 && distance < 1 ? PointState::inside : PointState::outside;
     }
 
@@ -214,13 +219,14 @@ private:
     /// The weights before normalising, with p as origin and lengths in `unit`s; their sum.
     template <class N>
     N weigh_about(const Vec<Wide, D>& p, Wide unit, WeightRows<N>& memory) const {
-        // Of the limits only the last is of use here. In these units a place beside a face is 1 or more from it.
+        // Of the limits only the last is of use here. In these units a place beside a face is 1 or
+        // more from it.
         const MeanValueLimits<Wide> limits{0, std::numeric_limits<float>::max(), Wide(0.1)};
         return weigh(frame_about<Wide>(p, 1 / unit), limits, Vec<Wide, D>{}, memory).sum;
     }
 
-    /// The same at a place `step` inside from p on the boundary: against the mean normal of the facets that meet there, or,
-    /// at corners so bent that this leads outside, from one of them.
+    /// The same at a place `step` inside from p on the boundary: against the mean normal of the
+    /// facets that meet there, or, at corners so bent that this leads outside, from one of them.
     template <class N>
     N weigh_inside(const Vec<double, D>& p, Wide step, WeightRows<N>& memory) const {
         std::vector<Vec<double, D>> directions(1);

@@ -1,4 +1,5 @@
-// What the formulas of mean value weights in the plane and in space are given, and what they return.
+// What the formulas of mean value weights in the plane and in space are given, and what they
+// return.
 #pragma once
 
 #include <cageform/cage/primitives.hpp>
@@ -51,8 +52,8 @@ struct WeightRows {
         , edges(topology.edge_count()) {}
 };
 
-/// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1 and 4.2), and one in the
-/// lanes that the limits flag, zero in the others.
+/// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1
+/// and 4.2), and one in the lanes that the limits flag, zero in the others.
 template <class N>
 struct WeightSum {
     N sum;

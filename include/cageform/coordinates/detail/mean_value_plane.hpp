@@ -75,9 +75,10 @@ struct Spoke {
 ///
 ///   w_i = (t_{i−1} + t_i) / r_i,   t_i = tan(α_i/2),   α_i the signed angle C_i p C_{i+1}
 ///
-/// With u = C_i − p, v = C_{i+1} − p and e the edge: the sine times |u||v| is c = u × e, the cosine times it d = u·v. The cross
-/// product is taken with the edge: with v it would cancel far away. Then tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever
-/// does not cancel. One division by the tangent's denominator times |v| serves the tangent and 1/|v|.
+/// With u = C_i − p, v = C_{i+1} − p and e the edge: the sine times |u||v| is c = u × e, the cosine
+/// times it d = u·v. The cross product is taken with the edge: with v it would cancel far away.
+/// Then tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever does not cancel. One division by the
+/// tangent's denominator times |v| serves the tangent and 1/|v|.
 template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {

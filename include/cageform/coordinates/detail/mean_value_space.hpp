@@ -102,15 +102,17 @@ X inner(const Vec<S, 3>& a, const Vec<X, 3>& b) noexcept {
 template <class S>
 inline constexpr S least_divisor = std::numeric_limits<S>::min() * S(1e6);
 
-/// Whether both ends of an edge lie far to one side of a place's foot on its line, r² the squared distance to the line: the
-/// series of arctangents in r/begin and r/end then gain two digits a term.
+/// Whether both ends of an edge lie far to one side of a place's foot on its line, r² the squared
+/// distance to the line: the series of arctangents in r/begin and r/end then gain two digits a
+/// term.
 template <class U>
 bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
     using K = ValueOf<U>;
     return U(K(0)) < begin * end && K(100) * rr < begin * begin && K(100) * rr < end * end;
 }
 
-/// G of `angle_over_distance`, −2 dg/d(R²), by the series of g = Σ_k (−1)^k/(2k + 1) R^2k (begin^−(2k+1) − end^−(2k+1)).
+/// G of `angle_over_distance`, −2 dg/d(R²), by the series of g = Σ_k (−1)^k/(2k + 1) R^2k
+/// (begin^−(2k+1) − end^−(2k+1)).
 template <class X>
 X radial_beyond_ends(X rr, X begin, X end) noexcept {
     constexpr int terms = sizeof(X) > 8 ? 10 : 8;
@@ -124,9 +126,9 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
     return sum;
 }
 
-/// g = θ/R of an edge, θ the angle it is seen under, R the distance of p to its line: the integral of one over the squared
-/// distance along it. From begin to end along the line, τ its direction, R⃗ the vector to the line, a and b the
-/// distances to the ends (R is `r` in code):
+/// g = θ/R of an edge, θ the angle it is seen under, R the distance of p to its line: the integral
+/// of one over the squared distance along it. From begin to end along the line, τ its direction, R⃗
+/// the vector to the line, a and b the distances to the ends (R is `r` in code):
 ///
 ///   ∇g = τ (1/a² − 1/b²) + R⃗ G,   G = (g + end/b² − begin/a²)/R²
 template <class N, class S>
@@ -167,8 +169,8 @@ N linear(S offset, const Vec<S, 3>& normal, const Vec<ValueOf<N>, 3>& p) noexcep
     return linear<N>(ValueOf<N>(offset) - inner(normal, p), normal);
 }
 
-/// (g ρ − φ)/H² of an edge of a face, φ the signed angle it is seen under from the foot point of p in the plane, `begin` and
-/// `end` where it lies along its line, from there.
+/// (g ρ − φ)/H² of an edge of a face, φ the signed angle it is seen under from the foot point of p
+/// in the plane, `begin` and `end` where it lies along its line, from there.
 template <class U>
 U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end) noexcept {
     using std::atan;
@@ -202,16 +204,18 @@ U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end)
     return (rho / far) * (part(end) - part(begin)) - sign * (seen / (far * (r + far)));
 }
 
-/// S of a face that p is not over. There Σ φ_k = 0, so that S = ½ H Σ (g_k ρ_k − φ_k)/H², which holds next to the plane,
-/// where Σ g_k ρ_k is a difference of nearly equal numbers. `rho` are the very numbers that say that p is not over the
-/// face: computed anew, with products and sums fused otherwise, they might say that it is, and Σ φ_k be 2π.
+/// S of a face that p is not over. There Σ φ_k = 0, so that S = ½ H Σ (g_k ρ_k − φ_k)/H², which
+/// holds next to the plane, where Σ g_k ρ_k is a difference of nearly equal numbers. `rho` are the
+/// very numbers that say that p is not over the face: computed anew, with products and sums fused
+/// otherwise, they might say that it is, and Σ φ_k be 2π.
 template <class U, class S>
 CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>::Face& face, const U& height,
                                             const std::array<U, 3>& rho) noexcept {
     using K = ValueOf<U>;
     U sum(K(0));
     for (std::size_t k = 0; k < 3; ++k) {
-        // Where the corner that edges k and `other` share lies along edge k: by the distances to both.
+        // Where the corner that edges k and `other` share lies along edge k: by the distances to
+        // both.
         const auto along = [&](std::size_t other, K cosine) {
             const K sine = std::sqrt((max)(K(0), (1 - cosine) * (1 + cosine)));
             return (1 / sine) * (rho[other] - cosine * rho[k]);
@@ -281,8 +285,8 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     return w;
 }
 
-/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec. 3, before normalising:
-/// the formula of MeanValueCoordinates<T, 3>.
+/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
+/// 3, before normalising: the formula of MeanValueCoordinates<T, 3>.
 template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {

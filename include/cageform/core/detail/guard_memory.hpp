@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Runs `f`; an allocation that fails becomes Status::out_of_memory (without exceptions it ends the program,
-/// as the standard library has it).
+/// Runs `f`; an allocation that fails becomes Status::out_of_memory (without exceptions it ends the
+/// program, as the standard library has it).
 template <class F>
 Status guard_memory(F&& f) {
 #if defined(__cpp_exceptions)

@@ -31,8 +31,8 @@ struct RegisterOf {
 };
 #endif
 
-/// Leaves a number or register as it is, in a way that compilers cannot look through; takes no instruction. Where they
-/// must not merge what comes before with what comes after.
+/// Leaves a number or register as it is, in a way that compilers cannot look through; takes no
+/// instruction. Where they must not merge what comes before with what comes after.
 template <class R>
 void conceal([[maybe_unused]] R& r) noexcept {
 #if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
@@ -151,7 +151,8 @@ Simd<T> select(const typename Simd<T>::Mask& m, Simd<T> a, const Simd<T>& b) noe
     return a;
 }
 
-/// a · b + c. One rounding or two, as the compiler and its target have it; under CAGEFORM_DETERMINISTIC always two.
+/// a · b + c. One rounding or two, as the compiler and its target have it; under
+/// CAGEFORM_DETERMINISTIC always two.
 template <Scalar T>
 Simd<T> multiply_add(const Simd<T>& a, const Simd<T>& b, Simd<T> c) noexcept {
     for (std::size_t k = 0; k < Simd<T>::count; ++k) c.r[k] = multiply_add(a.r[k], b.r[k], c.r[k]);

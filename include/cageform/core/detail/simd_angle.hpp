@@ -9,7 +9,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <Scalar T>
 Simd<T> angle(const Simd<T>& y, const Simd<T>& x) noexcept {
     constexpr T pi = T(3.14159265358979323846), tangent_of_eighth = T(0.41421356237309505);
-    // The smaller over the larger is in [0, 1]; beyond tan(π/8) the angle from the diagonal is taken.
+    // The smaller over the larger is in [0, 1]; beyond tan(π/8) the angle from the diagonal is
+    // taken.
     const Simd<T> zero(T(0)), size = abs<T>(x);
     const Simd<T> small = min<T>(y, size), large = max<T>(y, size);
     const auto steep = Simd<T>(tangent_of_eighth) * large < small;

@@ -1,4 +1,5 @@
-// Square roots of registers: the only place that knows instructions by name, apart since their header is large.
+// Square roots of registers: the only place that knows instructions by name, apart since their
+// header is large.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -11,7 +12,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Square roots. A loop over std::sqrt would stay scalar unless the user compiles with -fno-math-errno.
+/// Square roots. A loop over std::sqrt would stay scalar unless the user compiles with
+/// -fno-math-errno.
 template <Scalar T>
 Simd<T> sqrt(Simd<T> a) noexcept {
     for (std::size_t k = 0; k < Simd<T>::count; ++k) {
