@@ -285,18 +285,18 @@ private:
     /// goes into `target`; one without weights gets zeros, and any finite target.
     bool settle(std::size_t i, Lanes<T> (&target)[D]) {
         const PointState state = i < count_ ? states_[i] : PointState::not_finite;
-        const bool is_bound = this->is_bound(state);
-        if (is_bound && state != PointState::outside) return true;
+        const bool as_nearest =
+            state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary;
+        if (!as_nearest && this->is_bound(state)) return true;
         Lanes<T>* const row = this->weights_[0].block(i / lanes);
         const std::size_t lane = i % lanes;
-        if (state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary) {
+        if (as_nearest) {
             std::vector<T> weights(handles_.count);
             const auto q = input_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
             for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
             for (std::size_t h = 0; h < weights.size(); ++h) row[h][lane] = weights[h];
             return true;
         }
-        if (is_bound) return true;
         this->clear(row, lane);
         for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_.rest[0][k];
         return false;
