@@ -1,0 +1,47 @@
+#pragma once
+
+// Elements and attributes of an SVG document: names, ids, text, lines, for the files that work on one.
+
+#include "svg_document.hpp"
+
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace cageform_examples {
+
+namespace detail {
+
+constexpr int max_svg_depth = 1000; // of nested elements; the walk is recursive
+
+/// The node after `node` in document order within `top`, or none.
+pugi::xml_node next_node(pugi::xml_node node, pugi::xml_node top);
+
+/// The element's name without the prefix; empty for what is not SVG's, or no element.
+std::string local_name(pugi::xml_node node);
+
+bool is_blank(std::string_view text);
+
+std::string_view trimmed(std::string_view text);
+
+/// Replaces character references and the five entities of XML; others, from a doctype, are left.
+std::string unescaped(std::string_view raw);
+
+/// Adds a class to the element's, once.
+void add_class(pugi::xml_node node, const std::string& name);
+
+/// The value of href, or of xlink:href whatever the prefix; empty if there is none.
+std::string reference_of(pugi::xml_node node);
+
+/// Such as: rect "wall" (line 12).
+std::string label(const SvgDocument& document, pugi::xml_node node);
+
+SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why);
+
+/// An error inside an attribute: its line and column are counted in the attribute.
+SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
+                  const SvgError& error);
+
+} // namespace detail
+
+} // namespace cageform_examples
