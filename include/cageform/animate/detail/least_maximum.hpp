@@ -64,7 +64,7 @@ private:
     }
 
     SmallVector weighted_least_squares() const {
-        SmallMatrix normal = SmallMatrix::Zero(long(count_), long(count_));
+        FitMatrix normal = FitMatrix::Zero(long(count_), long(count_));
         SmallVector right = SmallVector::Zero(long(count_));
         for (std::size_t k = 0; k < samples; ++k) {
             normal += weight_[k] * basis_[k] * basis_[k].transpose();

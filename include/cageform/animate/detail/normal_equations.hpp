@@ -81,7 +81,7 @@ inline Coefficients load(const FitProblem& problem, const FitPiece& piece) {
     return problem.options.degree == 3 ? load_by_rule<8>(problem, piece) : load_by_rule<11>(problem, piece);
 }
 
-using SmallMatrix =
+using FitMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, int(most_coefficients), int(most_coefficients)>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, int(most_coefficients), 1>;
 
@@ -91,7 +91,7 @@ inline void solve_normal_equations(const FitProblem& problem, FitPiece& piece, s
     const GramMatrix gram = gram_matrix(problem, piece.length());
     const Coefficients right = load(problem, piece);
     auto& b = piece.polynomial.c;
-    SmallMatrix free(count, count);
+    FitMatrix free(count, count);
     SmallVector rest(count);
     for (std::size_t i = 0; i < count; ++i) {
         rest(long(i)) = right[first + i];
