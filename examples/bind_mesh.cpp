@@ -48,16 +48,23 @@ std::vector<Point3> normals_of(const ObjFile& figure) {
     return normals;
 }
 
-/// The curves of x, y and z of every vertex.
-std::vector<cageform::PiecewiseCubic<float>> curves_of(const PoseClip& clip) {
+/// The curves of x, y and z of every vertex. Fails where single precision does not hold them.
+SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<float>> curves;
     std::vector<double> values(clip.keys.size());
     for (std::size_t n = 0; n < 3 * clip.keys[0].places.size(); ++n) {
         for (std::size_t k = 0; k < values.size(); ++k) values[k] = clip.keys[k].places[n / 3][n % 3];
         std::vector<cageform::CubicPiece<float>> pieces;
         const auto curve = curve_through(clip, values);
-        for (const auto& [begin, c0, c1, c2, c3] : curve.pieces())
+        for (const auto& [begin, c0, c1, c2, c3] : curve.pieces()) {
             pieces.push_back({float(begin), float(c0), float(c1), float(c2), float(c3)});
+            for (const double number : {c0, c1, c2, c3}) {
+                if (std::isfinite(float(number))) continue;
+                return SvgError{clip.name + ": vertex " + std::to_string(n / 3 + 1) +
+                                " moves too fast after " + std::to_string(begin) +
+                                " s: single precision does not hold its curve"};
+            }
+        }
         curves.emplace_back(std::move(pieces), float(clip.length));
     }
     return curves;
@@ -70,7 +77,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     if (!given.clip.empty()) {
         const auto clip = load_pose_clip(given.clip, cage.vertices.size());
         if (!clip) return fail(to_string(clip.error()));
-        curves = curves_of(*clip);
+        auto made = curves_of(*clip);
+        if (!made) return fail(to_string(made.error()));
+        curves = std::move(*made);
     }
     cageform::BindOptions bind_options;
     bind_options.outside = cageform::OutsidePoints::keep_in_place;
@@ -144,6 +153,9 @@ int run_program(int argc, char** argv) {
     if (!figure) return fail(to_string(figure.error()));
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
+    for (const auto* file : {&*figure, &*cage}) {
+        if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
+    }
     return bind_figure(given, *figure, *cage);
 }
 

@@ -5,12 +5,11 @@
 #include "base64.hpp"
 #include "command_line.hpp"
 #include "guard.hpp"
+#include "input_file.hpp"
 #include "render.hpp"
 #include "svg_document.hpp"
 
-#include <fstream>
 #include <iostream>
-#include <iterator>
 
 namespace {
 
@@ -48,9 +47,9 @@ void prefix_ids(pugi::xml_node node, const std::string& prefix) {
 
 /// A PNG file as an SVG that holds it.
 SvgResult<SvgDocument> wrap_png(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    if (!file) return SvgError{path + ": cannot be read"};
+    const auto file = read_file(path);
+    if (!file) return file.error();
+    const std::string& bytes = *file;
     if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n")) return SvgError{path + ": is no PNG"};
     const auto number = [&](std::size_t at) { // four bytes, the highest first
         std::uint32_t n = 0;

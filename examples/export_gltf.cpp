@@ -337,6 +337,7 @@ SvgResult<PoseClip> through_poses(const Arguments& given, const ObjFile& cage) {
         if (!pose) return pose.error();
         const std::string why = pose_difference(cage, *pose);
         if (!why.empty()) return SvgError{why};
+        if (const auto fault = single_precision_fault(*pose)) return *fault;
         clip.keys.push_back({given.seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
     }
     return clip;
@@ -398,12 +399,8 @@ int run_program(int argc, char** argv) {
     scene.figure = std::move(*figure);
     scene.cage = std::move(*cage);
     scene.mesh = std::move(*mesh);
-    for (const auto* points : {&scene.figure.vertices, &scene.cage.vertices}) {
-        for (const Point3& p : *points) {
-            if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
-                return fail((points == &scene.cage.vertices ? scene.cage : scene.figure).name +
-                            ": a coordinate is too large for glTF");
-        }
+    for (const auto* file : {&scene.figure, &scene.cage}) { // glTF's numbers
+        if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
     }
     return export_figure(given, scene);
 }

@@ -12,6 +12,7 @@
 #include "command_line.hpp"
 #include "csv.hpp"
 #include "guard.hpp"
+#include "input_file.hpp"
 #include "render.hpp"
 
 #include <cageform/animate/fit.hpp>
@@ -237,13 +238,12 @@ Json to_json(const Case& one) {
 }
 
 std::vector<Case> run_cases(const std::string& path) {
-    if (std::filesystem::is_directory(path)) throw Refused(path + ": is a folder");
-    std::ifstream file(path);
-    if (!file) throw Refused(path + ": cannot be read");
-    if (file.peek() == std::ifstream::traits_type::eof()) throw Refused(path + ": is empty");
+    const auto text = read_file(path);
+    if (!text) throw Refused(to_string(text.error()));
+    if (text->empty()) throw Refused(path + ": is empty");
     Json json;
     try {
-        json = Json::parse(file);
+        json = Json::parse(*text);
     } catch (const Json::exception& error) {
         throw Refused(path + ": " + error.what());
     }

@@ -5,22 +5,28 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 namespace cageform_examples {
 
 SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count) {
-    std::ifstream file(path);
-    if (!file || std::filesystem::is_directory(path)) return SvgError{path + ": cannot be read"};
+    const auto text = read_file(path);
+    return text ? parse_clip(*text, path, vertex_count) : text.error();
+}
+
+SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count) {
+    const auto text = read_file(path);
+    return text ? parse_pose_clip(*text, path, vertex_count) : text.error();
+}
+
+SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, std::size_t vertex_count) {
     ClipFile clip;
     clip.name = path;
     std::size_t number = 0;
     const auto refuse = [&](const std::string& why) {
         return SvgError{path + ":" + std::to_string(number) + ": " + why};
     };
-    for (std::string line; std::getline(file, line);) {
+    for (std::string_view line; take_line(file, line);) {
         ++number;
         const std::string_view text = detail::trim(line);
         if (text.empty() || text.front() == '#') continue;
@@ -92,9 +98,8 @@ SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count)
     return clip;
 }
 
-SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count) {
-    std::ifstream file(path);
-    if (!file || std::filesystem::is_directory(path)) return SvgError{path + ": cannot be read"};
+SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& path,
+                                    std::size_t vertex_count) {
     PoseClip clip;
     clip.name = path;
     std::size_t number = 0;
@@ -105,9 +110,9 @@ SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_c
     };
     const auto finite_number = [](std::string_view field, double& x) {
         const std::string why = detail::parse_number(detail::trim(field), x);
-        return !why.empty() ? why : std::isfinite(x) ? "" : "a number is not finite";
+        return why.empty() ? detail::single_precision_fault(x) : why;
     };
-    for (std::string line; std::getline(file, line);) {
+    for (std::string_view line; take_line(file, line);) {
         ++number;
         std::string_view text = detail::trim(line);
         if (text.empty() || text.front() == '#') continue;
@@ -138,7 +143,9 @@ SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_c
             std::array<double, 3> p{};
             why = detail::parse_point(text, p);
             const auto& [x, y, z] = p;
-            if (why.empty() && !std::isfinite(x + y + z)) why = "a number is not finite";
+            for (const double value : p) {
+                if (why.empty()) why = detail::single_precision_fault(value);
+            }
             if (why.empty() && clip.keys.back().places.size() == vertex_count)
                 why = "more vertices than the cage has, " + std::to_string(vertex_count);
             clip.keys.back().places.push_back({x, y, z});

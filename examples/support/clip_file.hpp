@@ -28,6 +28,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cageform_examples {
@@ -63,6 +64,14 @@ struct ClipFile {
     std::vector<ClipControl> controls;
 };
 
+/// A motion in the plane from the text of a file.
+///
+///   name    stands before every message
+///   fails   where a line is none of the above, a number is not finite, a vertex is not one of `vertex_count`, or
+///           the times of a control do not ascend or are no part of the length
+SvgResult<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
+
+/// As parse_clip(), from a file; fails also where it cannot be read.
 SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
 
 /// The motion of a cage with these vertices. It begins again at its end.
@@ -85,10 +94,14 @@ struct PoseClip {
     std::vector<PoseKey> keys;
 };
 
-/// A clip in space from a file.
+/// A clip in space from the text of a file.
 ///
-///   fails   where a line is no number, time or way, a pose has not `vertex_count` lines, or times do not ascend
-///           from 0 to less than the length, in single precision
+///   name    stands before every message
+///   fails   where a line is no number, time or way, a number is beyond single precision, a pose has not
+///           `vertex_count` lines, or times do not ascend from 0 to less than the length, in single precision
+SvgResult<PoseClip> parse_pose_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
+
+/// As parse_pose_clip(), from a file; fails also where it cannot be read.
 SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count);
 
 /// The text of a clip in space, numbers to a millionth.

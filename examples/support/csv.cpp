@@ -1,6 +1,7 @@
 #include "csv.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 namespace cageform_examples {
@@ -22,6 +23,14 @@ std::string parse_number(std::string_view field, double& number) {
     if (error != std::errc{} || end != field.data() + field.size())
         return "not a number: \"" + std::string(field) + "\"";
     return {};
+}
+
+std::string single_precision_fault(double number) {
+    if (std::isfinite(float(number))) return {};
+    if (!std::isfinite(number)) return "a number is not finite";
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    return std::string(digits.data(), end) + " is beyond single precision, which ends at 3.4e38";
 }
 
 bool is_header(std::string_view line) {
@@ -55,7 +64,7 @@ std::string fault_of_count(const CageBlock& block) {
 
 } // namespace detail
 
-SvgResult<std::vector<CageBlock>> parse_cage_csv(std::istream& file, const std::string& name) {
+SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const std::string& name) {
     std::vector<CageBlock> blocks;
     bool open = false; // whether the next line belongs to the last block
     std::size_t number = 0, head = 0;
@@ -65,7 +74,7 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::istream& file, const std::
     const auto end_block = [&] {
         return std::exchange(open, false) ? detail::fault_of_count(blocks.back()) : "";
     };
-    for (std::string line; std::getline(file, line);) {
+    for (std::string_view line; take_line(file, line);) {
         ++number;
         const std::string_view text = detail::trim(line);
         std::string why;
@@ -97,10 +106,8 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::istream& file, const std::
 }
 
 SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) return SvgError{path + ": cannot be read"};
-    if (std::filesystem::is_directory(path)) return SvgError{path + ": is a folder"};
-    return parse_cage_csv(file, path);
+    const auto text = read_file(path);
+    return text ? parse_cage_csv(*text, path) : text.error();
 }
 
 } // namespace cageform_examples

@@ -3,13 +3,11 @@
 // Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of any
 // length. And cages: blocks of such lines.
 
+#include "input_file.hpp"
 #include "svg_path.hpp"
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <fstream>
-#include <istream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +20,9 @@ std::string_view trim(std::string_view text);
 
 /// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success.
 std::string parse_number(std::string_view field, double& number);
+
+/// Why a number is no finite one of single precision; empty where it is.
+std::string single_precision_fault(double number);
 
 /// "x,y" or "x,y,z"; an empty reason is success.
 template <std::size_t D>
@@ -57,25 +58,14 @@ public:
     explicit PointReader(const std::string& path)
         : path_(path)
         , file_(path) {
-        if (std::filesystem::is_directory(path)) {
-            error_ = path + ": is a folder";
-            return;
-        }
-        if (!file_ || file_.peek() == std::ifstream::traits_type::eof()) {
-            error_ = path + (file_.is_open() ? ": is empty" : ": cannot be read");
-            return;
-        }
-        file_.seekg(0, std::ios::end);
-        size_ = file_.tellg();
-        file_.clear(); // a pipe has no end to seek
-        if (size_ > 0) file_.seekg(0);
+        if (!file_.read(text_)) error_ = file_.error().empty() ? path + ": is empty" : file_.error();
     }
 
     /// Fills `points` with the next at most `most` points; false at the end of the file or on an error.
     bool read(std::vector<std::array<double, D>>& points, std::size_t most) {
         points.clear();
-        std::string line;
-        while (error_.empty() && points.size() < most && std::getline(file_, line)) {
+        std::string_view line;
+        while (error_.empty() && points.size() < most && next_line(line)) {
             ++line_;
             const std::string_view text = detail::trim(line);
             if (text.empty() || text.front() == '#' || (line_ == 1 && detail::is_header(text))) continue;
@@ -92,16 +82,32 @@ public:
     const std::string& error() const { return error_; }
 
     /// How much of the file has been read, in [0, 1].
-    double fraction() {
-        const auto at = file_.tellg();
-        return size_ > 0 && at >= 0 ? double(at) / double(size_) : 1.0;
+    double fraction() const {
+        return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;
     }
 
 private:
+    /// The next line, which lives until the next call; false at the end of the file and on an error.
+    bool next_line(std::string_view& line) {
+        std::size_t end = text_.find('\n', at_);
+        while (end == std::string::npos) {
+            text_.erase(0, at_);
+            at_ = 0;
+            const std::size_t searched = text_.size();
+            if (!file_.read(text_)) break;
+            end = text_.find('\n', searched);
+        }
+        error_ = file_.error();
+        std::string_view rest = std::string_view(text_).substr(at_);
+        if (!error_.empty() || !take_line(rest, line)) return false;
+        at_ = text_.size() - rest.size();
+        return true;
+    }
+
     std::string path_;
-    std::ifstream file_;
-    std::streamoff size_ = 0;
-    std::size_t line_ = 0;
+    InputFile file_;
+    std::string text_; // read and not yet taken, from at_
+    std::size_t at_ = 0, line_ = 0;
     std::string error_;
 };
 
@@ -116,7 +122,7 @@ struct CageBlock {
 
 /// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains, headed by
 /// a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are skipped.
-SvgResult<std::vector<CageBlock>> parse_cage_csv(std::istream& file, const std::string& name);
+SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
 
 /// As parse_cage_csv(), from a file; fails also where it cannot be read.
 SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path);

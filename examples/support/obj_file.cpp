@@ -1,11 +1,12 @@
 #include "obj_file.hpp"
 
+#include "csv.hpp"
+#include "input_file.hpp"
+
 #include <tiny_obj_loader.h>
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 namespace cageform_examples {
 
@@ -206,15 +207,23 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
 }
 
 SvgResult<ObjFile> load_obj(const std::filesystem::path& path) {
-    const std::string name = path.string();
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return SvgError{name + ": no such file"};
-    if (std::filesystem::is_directory(path, error)) return SvgError{name + ": is a folder"};
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) return SvgError{name + ": cannot be opened"};
-    std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-    if (stream.bad()) return SvgError{name + ": cannot be read"};
-    return parse_obj(std::move(text), name);
+    auto text = read_file(path.string());
+    return text ? parse_obj(std::move(*text), path.string()) : text.error();
+}
+
+std::optional<SvgError> single_precision_fault(const ObjFile& file) {
+    std::vector<std::string_view> words;
+    std::size_t line = 1, vertex = 0;
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (words[0] != "v") continue;
+        const Point3& p = file.vertices[vertex++];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::string why = detail::single_precision_fault(p[k]);
+            if (!why.empty())
+                return SvgError{file.name + ": vertex " + std::to_string(vertex) + ": " + why, line};
+        }
+    }
+    return std::nullopt;
 }
 
 std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved) {

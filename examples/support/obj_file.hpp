@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -140,6 +141,9 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name);
 
 /// As parse_obj(), from a file; fails also where it cannot be read.
 SvgResult<ObjFile> load_obj(const std::filesystem::path& path);
+
+/// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
+std::optional<SvgError> single_precision_fault(const ObjFile& file);
 
 /// The file's normals after its vertices have moved. Each is turned as the faces are that have it at a
 /// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after. One

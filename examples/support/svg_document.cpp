@@ -1,14 +1,13 @@
 #include "svg_document.hpp"
 
 #include "atomic_file.hpp"
+#include "input_file.hpp"
 #include "svg_shapes.hpp"
 #include "svg_walk.hpp"
 #include "svg_xml.hpp"
 
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -87,15 +86,8 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
 }
 
 SvgResult<SvgDocument> load_svg(const std::filesystem::path& path) {
-    const std::string name = path.filename().string();
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return SvgError{name + ": no such file: " + path.string()};
-    if (std::filesystem::is_directory(path, error)) return SvgError{name + ": is a folder: " + path.string()};
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return SvgError{name + ": cannot be opened: " + path.string()};
-    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    if (file.bad()) return SvgError{name + ": cannot be read: " + path.string()};
-    return parse_svg(text, name);
+    const auto text = read_file(path.string());
+    return text ? parse_svg(*text, path.filename().string()) : text.error();
 }
 
 std::string to_text(const SvgDocument& document) {

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstddef>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -19,8 +18,7 @@ namespace {
 const std::string square = "0,0\n4,0\n4,4\n0,4\n";
 
 SvgResult<std::vector<CageBlock>> parse(const std::string& text) {
-    std::istringstream stream(text);
-    return parse_cage_csv(stream, "c.csv");
+    return parse_cage_csv(text, "c.csv");
 }
 
 CageFile cage_of(const std::string& text, const std::string& name = "c.csv") {

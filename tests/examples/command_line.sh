@@ -1,10 +1,11 @@
 #!/bin/sh
-# Usage: command_line.sh PROGRAMS DATA
+# Usage: command_line.sh PROGRAMS DATA FAILING_READ.so
 # Runs the example programs as a newcomer would, wrong arguments and broken files included. A failure must
 # exit with 1, name the culprit and leave no output behind.
 set -u
 programs=$1
 data=$2
+failing_read=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
@@ -35,6 +36,7 @@ weights="$programs/cage_weights"
 field="$programs/coordinate_field"
 table="$programs/figure_table"
 cat="$data/cat.svg"
+animate="$programs/animate_svg"
 cage="$data/cat_cage.svg"
 pose="$data/cat_pose_step.svg"
 
@@ -210,6 +212,23 @@ refuses 'nowhere.obj' "$bind" nowhere.obj --cage character_cage.obj -o out.figur
 refuses 'nowhere.csv' "$bind" character.obj --cage character_cage.obj --clip nowhere.csv -o out.figure
 refuses 'linear precision' "$bind" character.obj --cage character_cage.obj --largest 3 -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
+# A figure file and glTF hold single precision.
+huge() { # LINE FILE   the line's first 0.xxx, or the number at its beginning, is 1e39 in huge.*
+  sed "$1s/-\\{0,1\\}[0-9.]*[0-9]/-1e39/" "$2" >"huge.${2##*.}"
+}
+says_huge='-1e+39 is beyond single precision'
+clip=folder/character/character_clip.csv
+line_of=$(grep -n '^v ' character.obj | sed -n 5p | cut -d: -f1)
+huge "$line_of" character.obj
+refuses "huge.obj: vertex 5: $says_huge, which ends at 3.4e38 (line $line_of)" "$bind" huge.obj --cage character_cage.obj -o out.figure
+refuses "huge.obj: vertex 5: $says_huge, which ends at 3.4e38 (line $line_of)" "$programs/export_gltf" huge.obj --cage character_cage.obj --skin 4 -o out.glb
+huge 10 "$clip"
+refuses "huge.csv:10: $says_huge" "$bind" character.obj --cage character_cage.obj --clip huge.csv -o out.figure
+refuses "huge.csv:10: $says_huge" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --clip huge.csv -o out.glb
+sed 's/^length,.*/length,1e39/' "$clip" >huge.csv
+refuses 'huge.csv:2: 1e+39 is beyond single precision' "$bind" character.obj --cage character_cage.obj --clip huge.csv -o out.figure
+awk 'BEGIN { print "length,1e-25"; for (k = 0; k < 2; ++k) { print "pose," k * 5e-26; for (i = 0; i < 112; ++i) print k * 1e10 ",1,1" } }' >fast.csv
+refuses 'fast.csv: vertex 1 moves too fast after' "$bind" character.obj --cage character_cage.obj --clip fast.csv -o out.figure
 cmp -s posed_mean-value.obj posed_harmonic.obj && ok=no || ok=yes
 report $ok "the coordinates differ"
 printf '%s\n' 'v 0 0 0' 'v 4 0 0' 'v 4 4 0' 'v 0 4 0' 'v 0 0 4' 'v 4 0 4' 'v 4 4 4' 'v 0 4 4' \
@@ -306,7 +325,7 @@ grep -q 'image/png;base64,iVBORw0KGgo' sheet.svg && ok=yes || ok=no
 report $ok "a sheet holds the pictures"
 cp "$cat" cat.png
 refuses 'cat.png: is no PNG' "$programs/contact_sheet" -o out.svg caption cat.png
-refuses 'nowhere.png: cannot be read' "$programs/contact_sheet" -o out.svg caption nowhere.png
+refuses 'nowhere.png: no such file' "$programs/contact_sheet" -o out.svg caption nowhere.png
 works "a caption with signs" "$programs/contact_sheet" -o sheet.svg "a < b & c" "$cat"
 grep -q 'a &lt; b &amp; c' sheet.svg && ok=yes || ok=no
 report $ok "a caption is escaped"
@@ -375,7 +394,7 @@ refuses '--png needs --plot' "$curve" --css 0.4,0,0.6,1 --pieces 3 --png --json 
 refuses 'missing/out.svg' "$curve" --css 0.4,0,0.6,1 --pieces 3 --json out.json --plot missing/out.svg
 refuses 'missing/out.json' "$curve" --css 0.4,0,0.6,1 --pieces 3 --plot out.svg --json missing/out.json
 refuses '--cases needs --json' "$curve" --cases "$cases"
-refuses 'nowhere.json: cannot be read' "$curve" --cases nowhere.json --json out.json
+refuses 'nowhere.json: no such file' "$curve" --cases nowhere.json --json out.json
 refuses 'folder.csv: is a folder' "$curve" --cases folder.csv --json out.json
 refuses 'empty.csv: is empty' "$curve" --cases empty.csv --json out.json
 echo '{"format": "bezier-sobolev-cases/1", "cases": [' >bad.json
@@ -416,6 +435,37 @@ if [ -d $icons ]; then
     report $ok "icon $icon is deformed"
   done
 fi
+
+# ---- a read that fails midway is no end of the file ----
+broken() { # FILE BYTES COMMAND…   the file, in this folder, cannot be read beyond so many bytes
+  file=$1; bytes=$2; shift 2
+  refuses "$file: cannot be read: Input/output error" env LD_PRELOAD="$failing_read" FAILING_FILE="/$file" FAILING_AFTER="$bytes" "$@"
+}
+cp "$cat" "$cage" "$pose" "$data/cat_walk.csv" "$cases" folder/character/character_clip.csv .
+awk 'BEGIN { for (i = 0; i < 20000; ++i) print 0.1 + i / 10000 "," 1.5 }' >many.csv
+broken many.csv 100000 "$weights" --cage square.csv --points many.csv -o out.csv
+broken middle.csv 4 "$weights" --cage square.csv --points middle.csv -o out.csv
+broken split.csv 24 "$weights" --cage split.csv --points middle.csv -o out.csv
+for bytes in 0 200; do
+  broken cat.svg $bytes "$deform" cat.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+  broken cat_cage.svg $bytes "$deform" cat.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+  broken cat_pose_step.svg $bytes "$deform" cat.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+  broken cat_walk.csv $bytes "$animate" cat.svg --cage cat_cage.svg --clip cat_walk.csv -o out.svg
+  broken character_clip.csv $bytes "$bind" character.obj --cage character_cage.obj --clip character_clip.csv -o out.figure
+  broken character.obj $bytes "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj
+  broken character_cage.obj $bytes "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj
+  broken bezier-cases.json $bytes "$curve" --cases bezier-cases.json --json out.json
+  broken field.png $bytes "$programs/contact_sheet" -o out.svg caption field.png
+done
+mkdir -p folder.svg folder.png
+refuses 'folder.csv: is a folder' "$animate" cat.svg --cage cat_cage.svg --clip folder.csv -o out.svg
+refuses 'folder.csv: is a folder' "$bind" character.obj --cage character_cage.obj --clip folder.csv -o out.figure
+refuses 'folder.svg: is a folder' "$deform" folder.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+refuses 'folder.png: is a folder' "$programs/contact_sheet" -o out.svg caption folder.png
+printf '2,2\n' >locked.csv
+chmod 0 locked.csv
+[ -r locked.csv ] || # a superuser reads it
+  refuses 'locked.csv: cannot be opened: Permission denied' "$weights" --cage square.csv --points locked.csv -o out.csv
 
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
