@@ -6,6 +6,7 @@
 // Curves and long lines are refined so that they follow the shape in all frames, in the same pieces in every
 // frame, as SVG asks. support/clip_file.hpp tells what a clip file holds.
 
+#include "atomic_file.hpp"
 #include "bind_report.hpp"
 #include "cage_file.hpp"
 #include "clip_file.hpp"
@@ -254,6 +255,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         passed = file.ground->speed * file.length;
         ground = draw_ground(work, file.ground->y, std::fabs(passed) > 0 ? std::fabs(passed) : 100);
     }
+    OutputFiles outputs;
     // Stills first, by their places; then what moves.
     for (std::size_t n = 0; n < stills; ++n) {
         const std::size_t f = n * count / stills;
@@ -265,7 +267,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         }
         const std::string number = std::to_string(n + 1);
         const std::string path = settings.stills + (n < 9 ? "0" : "") + number + ".svg";
-        if (const auto error = save_svg(work, path)) return fail(to_string(*error));
+        outputs.add(path).write(to_text(work));
     }
     if (ground) {
         ground.remove_attribute("transform");
@@ -277,7 +279,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         detail::set_attribute(shapes[s].drawn.node, "d", data[s][0]);
         play(shapes[s].drawn.node, "animate", "d", values + data[s][0]); // ends as it begins
     }
-    if (const auto error = save_svg(work, settings.out)) return fail(to_string(*error));
+    outputs.add(settings.out).write(to_text(work));
+    if (const auto error = outputs.commit()) return fail(*error);
     std::cout << settings.out << ": " << count << " frames of " << file.length << " s, " << segments
               << " segments, " << points.size() << " points bound, clip of " << clip->bytes() << " bytes\n";
     return 0;

@@ -124,13 +124,11 @@ int run_program(int argc, char** argv) {
         ("0 0 " + std::to_string(width) + " " + std::to_string(height)).c_str();
     root.append_attribute("width") = width;
     root.append_attribute("height") = height;
-    if (const auto error = save_svg(sheet, out_path)) return fail(to_string(*error));
-    if (png) {
-        if (const auto error =
-                render_png(out_path, std::filesystem::path(out_path).replace_extension(".png"), png_width)) {
-            return fail(*error);
-        }
-    }
+    OutputFiles outputs;
+    AtomicFile& svg = outputs.add(out_path);
+    svg.write(to_text(sheet));
+    if (png) add_png(outputs, svg, png_width);
+    if (const auto error = outputs.commit()) return fail(*error);
     return 0;
 }
 

@@ -241,7 +241,8 @@ int run_program(int argc, char** argv) {
         }
     }
     const double height = 480 + 19 * double(by_cells.size());
-    AtomicFile file(out_path);
+    OutputFiles outputs;
+    AtomicFile& file = outputs.add(out_path);
     file.write("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1100 " + with_digits("%.0f", height) +
                "\" width=\"1100\" height=\"" + with_digits("%.0f", height) +
                "\" font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" "
@@ -251,12 +252,8 @@ int run_program(int argc, char** argv) {
                        "cycles of the multigrid", by_cycle, false));
     file.write(diagram(620, "largest error of a weight", "cells along the cage", by_cells, true));
     file.write("</svg>\n");
-    if (const auto error = file.commit()) return fail(*error);
-    if (png) {
-        if (const auto error =
-                render_png(out_path, std::filesystem::path(out_path).replace_extension(".png"), 1100))
-            return fail(*error);
-    }
+    if (png) add_png(outputs, file, 1100);
+    if (const auto error = outputs.commit()) return fail(*error);
     return 0;
 }
 

@@ -137,7 +137,9 @@ int run_program(int argc, char** argv) {
                                    mix(fine.at(2 * x, 2 * y + 1), fine.at(2 * x + 1, 2 * y + 1), 0.5f), 0.5f);
         }
     }
-    if (const auto error = picture.write_png(out_path)) return fail(*error);
+    AtomicFile out(out_path);
+    picture.write_png(out);
+    if (const auto error = out.commit()) return fail(*error);
     std::cout << choice.name << " coordinate of vertex " << vertex << ": " << least << " to " << largest
               << '\n';
     return 0;

@@ -72,16 +72,15 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const ObjFile& 
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has moved beyond all numbers");
     }
 
-    AtomicFile out(given.out);
-    out.write(to_text(figure, moved));
-    if (out.error()) return fail(*out.error());
+    OutputFiles outputs;
+    outputs.add(given.out).write(to_text(figure, moved));
     if (!given.picture.empty()) {
         const std::array<MeshScene, 2> scenes{
             {{{figure.vertices, figure.triangles}, {cage.vertices, cage.triangles}},
              {{moved, figure.triangles}, {pose.vertices, cage.triangles}}}};
-        if (const auto error = draw_meshes(scenes, 1600, 1000).write_png(given.picture)) return fail(*error);
+        draw_meshes(scenes, 1600, 1000).write_png(outputs.add(given.picture));
     }
-    if (const auto error = out.commit()) return fail(*error);
+    if (const auto error = outputs.commit()) return fail(*error);
     if (given.report) {
         std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
                   << " normals, " << figure.faces.size() << " faces\ncage: " << cage.vertices.size()

@@ -161,13 +161,11 @@ int run_program(int argc, char** argv) {
                   << " segments miss the --flatness asked for\n";
     }
     if (show_cage) draw_cage(*document, *pose);
-    if (const auto error = save_svg(*document, out_path)) return fail(to_string(*error));
-    if (png) {
-        if (const auto error =
-                render_png(out_path, std::filesystem::path(out_path).replace_extension(".png"), png_width)) {
-            return fail(*error);
-        }
-    }
+    OutputFiles outputs;
+    AtomicFile& svg = outputs.add(out_path);
+    svg.write(to_text(*document));
+    if (png) add_png(outputs, svg, png_width);
+    if (const auto error = outputs.commit()) return fail(*error);
     if (report) {
         std::cout << "shapes: " << deformed->shapes << ", segments written: " << deformed->segments
                   << ", points bound: " << deformed->points << " in " << deformed->batches

@@ -595,20 +595,14 @@ int run_program(int argc, char** argv) {
         if (!given.plot.empty()) svg = plot(one);
         if (json.empty() && svg.empty()) print_table(one);
     }
-    std::optional<AtomicFile> json_file, svg_file; // both are open before either is in its place
-    if (!json.empty()) json_file.emplace(given.json).write(json);
-    if (!svg.empty()) svg_file.emplace(given.plot).write(svg);
-    for (const auto* file : {&json_file, &svg_file}) {
-        if (*file && (*file)->error()) throw Refused(*(*file)->error());
+    OutputFiles outputs;
+    if (!json.empty()) outputs.add(given.json).write(json);
+    if (!svg.empty()) {
+        AtomicFile& drawing = outputs.add(given.plot);
+        drawing.write(svg);
+        if (given.png) add_png(outputs, drawing, 1200);
     }
-    for (auto* file : {&json_file, &svg_file}) {
-        if (!*file) continue;
-        if (const auto error = (*file)->commit()) throw Refused(*error);
-    }
-    if (given.png) {
-        const auto png = std::filesystem::path(given.plot).replace_extension(".png");
-        if (const auto error = render_png(given.plot, png, 1200)) throw Refused(*error);
-    }
+    if (const auto error = outputs.commit()) throw Refused(*error);
     return 0;
 }
 

@@ -434,28 +434,27 @@ int run_program(int argc, char** argv) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) return fail("cannot make the folder " + folder + ": " + error.message());
+    cageform_examples::OutputFiles outputs;
+    std::string summary;
     const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
         const auto path = std::filesystem::path(folder) / name;
-        if (const auto failure = cageform_examples::write_file_atomically(path, text)) {
-            fail(*failure);
-            return false;
-        }
-        std::cout << path.string() << ": " << holds << '\n';
-        return true;
+        outputs.add(path).write(text);
+        summary += path.string() + ": " + holds + '\n';
     };
     const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
                                 const std::vector<Point>& vertex_normals) {
-        return write(name, obj_text(heading, mesh, vertex_normals),
-                     std::to_string(mesh.vertices.size()) + " vertices, " +
-                         std::to_string(mesh.faces.size()) + " faces");
+        write(name, obj_text(heading, mesh, vertex_normals),
+              std::to_string(mesh.vertices.size()) + " vertices, " + std::to_string(mesh.faces.size()) +
+                  " faces");
     };
-    const bool written =
-        write_mesh("character.obj", "A puppet, made by make_character", figure, normals) &&
-        write_mesh("character_cage.obj", "The puppet's cage", cage.mesh, {}) &&
-        write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {}) &&
-        write("character_clip.csv", cageform_examples::pose_clip_text(dance, "A dance of the puppet's cage"),
-              std::to_string(keys) + " poses of the cage in 2.4 s");
-    return written ? 0 : 1;
+    write_mesh("character.obj", "A puppet, made by make_character", figure, normals);
+    write_mesh("character_cage.obj", "The puppet's cage", cage.mesh, {});
+    write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
+    write("character_clip.csv", cageform_examples::pose_clip_text(dance, "A dance of the puppet's cage"),
+          std::to_string(keys) + " poses of the cage in 2.4 s");
+    if (const auto failure = outputs.commit()) return fail(*failure);
+    std::cout << summary;
+    return 0;
 }
 
 } // namespace

@@ -1,33 +1,87 @@
 #include "atomic_file.hpp"
 
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <random>
 #include <system_error>
 
+#include <unistd.h>
+
 namespace cageform_examples {
+
+/// Names of temporaries, for the handler of signals, which may call no more than unlink(). Of more files at once than
+/// there are places, the last ones stay when a signal ends the program.
+static std::array<std::atomic<const char*>, 128> temporaries;
+
+extern "C" void remove_temporaries_and_end(int number) {
+    for (const auto& name : temporaries) {
+        if (const char* const path = name.load()) unlink(path);
+    }
+    std::signal(number, SIG_DFL);
+    std::raise(number); // takes effect when this handler returns
+}
+
+/// Once: signals that would end the program do so by way of the handler. Those that are ignored stay so.
+static void catch_signals() {
+    static const bool done = [] {
+        const auto set = [](int number, void (*handler)(int)) {
+            struct sigaction old {};
+            if (sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_DFL)
+                std::signal(number, handler);
+        };
+        for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU})
+            set(number, remove_temporaries_and_end);
+        set(SIGXFSZ, SIG_IGN); // a write beyond the limit of a file's size fails instead
+        return true;
+    }();
+    (void)done;
+}
+
+static void register_temporary(const char* path) {
+    for (auto& place : temporaries) {
+        const char* none = nullptr;
+        if (place.compare_exchange_strong(none, path)) return;
+    }
+}
+
+static void forget_temporary(const char* path) {
+    for (auto& place : temporaries) {
+        const char* expected = path;
+        if (place.compare_exchange_strong(expected, nullptr)) return;
+    }
+}
 
 AtomicFile::AtomicFile(const std::filesystem::path& path)
     : path_(path)
     , target_(path) {
+    open();
+}
+
+void AtomicFile::open() {
     namespace fs = std::filesystem;
     std::error_code error;
-    status_ = fs::status(path, error);
+    status_ = fs::status(path_, error);
     if (fs::exists(status_)) {
-        if (!fs::is_regular_file(status_))
-            refuse("it is not a regular file");
-        else
-            target_ = fs::canonical(path, error);
-        if (error) refuse(error.message());
+        if (!fs::is_regular_file(status_)) return refuse("it is not a regular file");
+        target_ = fs::canonical(path_, error);
+        if (error) return refuse(error.message());
+    } else if (const fs::path folder = fs::weakly_canonical(fs::absolute(path_).parent_path(), error);
+               !error) {
+        target_ = folder / path_.filename();
     }
-    if (error_) return;
+    catch_signals();
     std::random_device random;
     for (int attempt = 0; attempt < 16 && file_ == nullptr; ++attempt) {
         temporary_ = target_;
         temporary_ += ".tmp" + std::to_string(random());
-        file_ = std::fopen(temporary_.string().c_str(), "wbx"); // x: never opens a file of someone else
+        file_ = std::fopen(temporary_.c_str(), "wbx"); // x: never opens a file of someone else
         if (file_ == nullptr && errno != EEXIST) break;
     }
-    if (file_ == nullptr) refuse(std::generic_category().message(errno));
+    if (file_ == nullptr) return refuse(std::generic_category().message(errno));
+    registered_ = temporary_.string();
+    register_temporary(registered_.c_str());
 }
 
 void AtomicFile::write(std::string_view text) {
@@ -35,39 +89,76 @@ void AtomicFile::write(std::string_view text) {
     errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), file_) == text.size()) return;
     refuse(std::generic_category().message(errno));
-    abandon();
+}
+
+std::optional<std::string> AtomicFile::finish() {
+    if (file_ == nullptr) return error_;
+    errno = 0;
+    const bool flushed = std::fflush(file_) == 0;
+    const int code = errno;
+    const bool closed = std::fclose(file_) == 0;
+    file_ = nullptr;
+    std::error_code error;
+    if (!flushed || !closed) error.assign(flushed ? errno : code, std::generic_category());
+    if (!error && std::filesystem::exists(status_))
+        std::filesystem::permissions(temporary_, status_.permissions(), error);
+    if (error) refuse(error.message());
+    return error_;
 }
 
 std::optional<std::string> AtomicFile::commit() {
-    if (file_ == nullptr) return error_;
+    if (finish()) return error_;
     std::error_code error;
-    errno = 0;
-    const bool flushed = std::fflush(file_) == 0;
-    if (!flushed) error.assign(errno, std::generic_category());
-    const bool closed = std::fclose(file_) == 0;
-    if (flushed && !closed) error.assign(errno, std::generic_category());
-    file_ = nullptr;
-    if (!error && std::filesystem::exists(status_)) {
-        std::filesystem::permissions(temporary_, status_.permissions(), error);
-    }
-    if (!error) std::filesystem::rename(temporary_, target_, error);
+    std::filesystem::rename(temporary_, target_, error);
     if (error) {
         refuse(error.message());
-        std::filesystem::remove(temporary_, error);
+        return error_;
     }
-    return error_;
+    forget_temporary(registered_.c_str());
+    registered_.clear();
+    return std::nullopt;
 }
 
 void AtomicFile::refuse(const std::string& why) {
     if (!error_) error_ = "cannot write " + path_.string() + ": " + why;
+    abandon();
 }
 
 void AtomicFile::abandon() {
-    if (file_ == nullptr) return;
-    std::fclose(file_);
+    if (file_ != nullptr) std::fclose(file_);
     file_ = nullptr;
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
+    if (registered_.empty()) return;
+    unlink(registered_.c_str());
+    forget_temporary(registered_.c_str());
+    registered_.clear();
+}
+
+AtomicFile& OutputFiles::add(const std::filesystem::path& path) {
+    AtomicFile& file = files_.emplace_back(path);
+    for (const AtomicFile& other : files_) {
+        if (&other == &file || other.target() != file.target()) continue;
+        file.refuse("it is the same file as " + other.path().string() + ", which is written too");
+    }
+    return file;
+}
+
+std::optional<std::string> OutputFiles::error() const {
+    for (const AtomicFile& file : files_) {
+        if (file.error()) return file.error();
+    }
+    return std::nullopt;
+}
+
+std::optional<std::string> OutputFiles::commit() {
+    for (AtomicFile& file : files_) {
+        if (auto why = file.finish()) return why;
+    }
+    std::string in_place;
+    for (AtomicFile& file : files_) {
+        if (auto why = file.commit()) return in_place.empty() ? why : *why + "; in place already:" + in_place;
+        in_place += ' ' + file.path().string();
+    }
+    return std::nullopt;
 }
 
 std::optional<std::string> write_file_atomically(const std::filesystem::path& path,

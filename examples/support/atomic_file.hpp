@@ -1,8 +1,9 @@
 #pragma once
 
-// Files that appear whole or not at all.
+// Files that appear whole or not at all, alone or together.
 
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,7 +12,8 @@
 namespace cageform_examples {
 
 /// A file written piece by piece under a temporary name in the same folder; `commit` puts it in the place
-/// of `path`. Whatever fails, and without a commit, the old file stays and the temporary is removed.
+/// of `path`. Whatever fails, and without a commit, the old file stays and the temporary is removed, also where
+/// SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program.
 ///
 ///   path    replaced if it is a regular file, whose permissions are kept; a link is followed; a folder,
 ///           pipe or device is refused
@@ -23,25 +25,54 @@ public:
     AtomicFile& operator=(const AtomicFile&) = delete;
     ~AtomicFile() { abandon(); }
 
+    const std::filesystem::path& path() const { return path_; }
+    /// Where it will be: `path` without links and detours.
+    const std::filesystem::path& target() const { return target_; }
+    /// Where it is until then. Another program may read it after finish().
+    const std::filesystem::path& temporary() const { return temporary_; }
+    /// For another program to write to, before anything is written here; -1 after a failure.
+    int descriptor() const { return file_ != nullptr ? fileno(file_) : -1; }
+
     /// Appends; a failure is remembered, later calls do nothing.
     void write(std::string_view text);
+    void refuse(const std::string& why); ///< remembers a failure and removes the temporary
 
     /// The first failure so far.
     const std::optional<std::string>& error() const { return error_; }
 
-    /// Finishes the file; returns nothing, or the reason of the failure.
+    /// Completes the temporary: what can fail has failed, but for the renaming. Nothing is written after it.
+    [[nodiscard]] std::optional<std::string> finish();
+
+    /// Finishes the file and puts it in its place; returns nothing, or the reason of the failure.
     [[nodiscard]] std::optional<std::string> commit();
 
 private:
-    void refuse(const std::string& why);
+    void open();
     void abandon();
 
     std::filesystem::path path_;
     std::filesystem::path target_;
     std::filesystem::path temporary_;
+    std::string registered_; // the temporary's name, for the signal handler
     std::filesystem::file_status status_;
     std::FILE* file_ = nullptr;
     std::optional<std::string> error_;
+};
+
+/// All files that a program writes: none is in its place before all are complete.
+class OutputFiles {
+public:
+    /// A further file. One that is the same file as another, by whatever path, is refused.
+    AtomicFile& add(const std::filesystem::path& path);
+
+    /// The first failure so far.
+    std::optional<std::string> error() const;
+
+    /// Finishes all files, then puts them in their places; returns nothing, or the reason of the failure.
+    [[nodiscard]] std::optional<std::string> commit();
+
+private:
+    std::deque<AtomicFile> files_;
 };
 
 /// Writes all of `contents` to `path`; returns nothing, or the reason of the failure.

@@ -5,6 +5,8 @@
 
 namespace cageform_examples {
 
+constexpr std::size_t most_faults = 10; // listed
+
 /// How many of its two numbers mean something to a kind of fault.
 int numbers_of(cageform::CageFaultKind kind) {
     using Kind = cageform::CageFaultKind;
@@ -54,13 +56,14 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
         if (report.solver.sufficient_resolution != 0)
             text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " sees it";
     }
+    std::size_t count = 0;
     for (const auto& fault : report.cage.faults) {
-        if (cageform::status_of(fault.kind) == cageform::Status::ok) continue;
+        if (cageform::status_of(fault.kind) == cageform::Status::ok || ++count > most_faults) continue;
         text += "\n  " + describe_fault(fault);
         if (fault.kind == cageform::CageFaultKind::interior_cells_not_supported)
             text += ": --coordinates harmonic takes them";
     }
-    return text;
+    return count > most_faults ? text + "\n  and " + std::to_string(count - most_faults) + " more" : text;
 }
 
 std::string describe(const cageform::BindReport& report) {
@@ -73,9 +76,10 @@ std::string describe(const cageform::BindReport& report) {
         text << '\n';
     };
     text << "status: " << cageform::to_string(report.status) << '\n';
-    for (const auto& fault : report.cage.faults) {
-        text << "  cage: " << describe_fault(fault) << '\n';
-    }
+    const auto& faults = report.cage.faults;
+    for (std::size_t i = 0; i < std::min(faults.size(), most_faults); ++i)
+        text << "  cage: " << describe_fault(faults[i]) << '\n';
+    if (faults.size() > most_faults) text << "  cage: and " << faults.size() - most_faults << " more\n";
     text << "points: " << report.points << '\n';
     list("on the boundary", report.on_boundary);
     list("outside", report.outside);

@@ -1,11 +1,10 @@
 #include "picture.hpp"
 
-#include "atomic_file.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
+#include <string>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -57,7 +56,7 @@ void Picture::line(const Point2& a, const Point2& b, double thickness, const Col
     }
 }
 
-std::optional<std::string> Picture::write_png(const std::filesystem::path& path) const {
+void Picture::write_png(AtomicFile& file) const {
     std::string bytes;
     bytes.reserve(pixels_.size() * 3);
     for (const Colour& pixel : pixels_) {
@@ -70,9 +69,9 @@ std::optional<std::string> Picture::write_png(const std::filesystem::path& path)
     };
     if (stbi_write_png_to_func(append, &png, int(width_), int(height_), 3, bytes.data(), int(3 * width_)) ==
         0) {
-        return "cannot encode " + path.string();
+        return file.refuse("it cannot be encoded");
     }
-    return write_file_atomically(path, png);
+    file.write(png);
 }
 
 } // namespace cageform_examples

@@ -2,12 +2,10 @@
 
 // A picture in memory: colour maps, lines, and PNG files (stb_image_write).
 
+#include "atomic_file.hpp"
 #include "svg_path.hpp"
 
 #include <cstddef>
-#include <filesystem>
-#include <optional>
-#include <string>
 #include <vector>
 
 namespace cageform_examples {
@@ -40,8 +38,8 @@ public:
     /// A line of the given thickness with round ends, in pixels; pixel (x, y) has its centre at (x + ½, y + ½).
     void line(const Point2& a, const Point2& b, double thickness, const Colour& colour);
 
-    /// Writes a PNG file, whole or not at all; returns nothing, or why it failed.
-    [[nodiscard]] std::optional<std::string> write_png(const std::filesystem::path& path) const;
+    /// Writes a PNG file; a failure is the file's.
+    void write_png(AtomicFile& file) const;
 
 private:
     std::size_t width_;

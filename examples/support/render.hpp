@@ -2,15 +2,15 @@
 
 // SVG to PNG through librsvg's own program, started without a shell.
 
-#include <filesystem>
-#include <optional>
-#include <string>
+#include "atomic_file.hpp"
 
 namespace cageform_examples {
 
-/// Renders `svg` to `png`, `width` pixels wide, on white. Written beside it first, then renamed.
-///   returns   nothing, or why it failed; `png` is then as it was
-[[nodiscard]] std::optional<std::string> render_png(const std::filesystem::path& svg,
-                                                    const std::filesystem::path& png, int width);
+/// Adds a picture to the outputs: `svg`, which is one of them, under its name with the ending .png.
+///
+///   svg     is finished
+///   width   of the picture, in pixels; on white
+///   fails   where rsvg-convert is not there or cannot render the file: then commit() says so, and nothing is written
+void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 
 } // namespace cageform_examples

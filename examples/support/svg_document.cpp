@@ -1,6 +1,5 @@
 #include "svg_document.hpp"
 
-#include "atomic_file.hpp"
 #include "input_file.hpp"
 #include "svg_shapes.hpp"
 #include "svg_walk.hpp"
@@ -95,11 +94,6 @@ std::string to_text(const SvgDocument& document) {
     document.xml.save(stream, "", pugi::format_raw | pugi::format_no_escapes | pugi::format_no_declaration,
                       pugi::encoding_utf8);
     return std::move(stream).str();
-}
-
-std::optional<SvgError> save_svg(const SvgDocument& document, const std::filesystem::path& path) {
-    const std::optional<std::string> failure = write_file_atomically(path, to_text(document));
-    return failure ? std::optional(SvgError{*failure}) : std::nullopt;
 }
 
 SvgResult<ViewBox> view_box(const SvgDocument& document) {

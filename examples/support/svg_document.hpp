@@ -102,10 +102,6 @@ SvgResult<SvgDocument> load_svg(const std::filesystem::path& path);
 /// kind of quotes, and <a></a> for <a/>.
 std::string to_text(const SvgDocument& document);
 
-/// Writes to_text() by write_file_atomically(): on failure nothing is left behind and an old file stays.
-[[nodiscard]] std::optional<SvgError> save_svg(const SvgDocument& document,
-                                               const std::filesystem::path& path);
-
 /// The viewBox of the root; without one its width and height; without these 300 x 150, as in CSS.
 SvgResult<ViewBox> view_box(const SvgDocument& document);
 

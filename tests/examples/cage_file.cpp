@@ -141,6 +141,19 @@ TEST_CASE("points are read with the columns of the cage", "[examples][cage]") {
     CHECK(detail::parse_point<3>("1,2,", p) == "not a number: \"\"");
 }
 
+TEST_CASE("of many faults the first are listed and the others counted", "[examples][cage]") {
+    cageform::BindReport report;
+    report.status = cageform::Status::cage_self_crossing;
+    report.cage.faults.assign(5000, {CageFaultKind::edges_cross, 3, 7});
+    report.cage.faults.push_back({CageFaultKind::collinear_vertex, 3, 7}); // no fault
+    for (const std::string& text : {describe_faults("c.csv", report), describe(report)}) {
+        CHECK(text.size() < 1000);
+        CHECK(text.find("edges cross or touch (3, 7)") != std::string::npos);
+    }
+    CHECK(describe_faults("c.csv", report).ends_with("\n  and 4990 more"));
+    CHECK(describe(report).find("\n  cage: and 4991 more\n") != std::string::npos);
+}
+
 TEST_CASE("faults are described with the numbers that mean something", "[examples][cage]") {
     const auto text = [](CageFaultKind kind) { return describe_fault({kind, 3, 7}); };
     CHECK(text(CageFaultKind::edges_cross) == "edges cross or touch (3, 7)");

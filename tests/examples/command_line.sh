@@ -436,6 +436,46 @@ if [ -d $icons ]; then
   done
 fi
 
+# ---- outputs: all or none, none twice, nothing left behind ----
+for same in out.obj ./out.obj folder/../out.obj; do
+  refuses "cannot write $same: it is the same file as out.obj" \
+    "$mesh" figure.obj --cage box.obj --pose box.obj -o out.obj --picture $same
+done
+refuses 'it is the same file as out.json' "$curve" --css 0,0,1,1 --pieces 2 --json out.json --plot ./out.json
+echo precious >kept.svg
+mkdir -p kept.png no_programs
+refuses 'cannot write kept.png: it is not a regular file' "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --png
+rmdir kept.png
+refuses 'cannot write kept.png: rsvg-convert (librsvg2-bin) is not installed' \
+  env PATH=no_programs "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --png
+grep -q precious kept.svg && [ ! -e kept.png ] && ok=yes || ok=no
+report $ok "the old SVG stays where the picture fails"
+works "a picture" "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --png --png-width 120
+[ "$(head -c 4 kept.png | tail -c 3)" = PNG ] && ! grep -q precious kept.svg && ok=yes || ok=no
+report $ok "SVG and picture are there"
+if [ -e /dev/full ]; then
+  "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --report >/dev/full 2>log && ok=no || ok=yes
+  grep -q 'cannot write to standard output' log || ok=no
+  report $ok "a report that cannot be written is a failure"
+fi
+refuses 'File too large' sh -c "ulimit -f 1; '$mesh' character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj"
+mkfifo pipe.csv
+for signal in INT TERM HUP PIPE; do # while it waits for more points
+  # In a shell that puts programs behind it, INT is ignored: env sets it as it is otherwise.
+  env --default-signal=$signal "$weights" --cage square.csv --points pipe.csv -o out.csv >log 2>&1 &
+  program=$!
+  exec 9>pipe.csv
+  echo 1,1 >&9
+  tries=0
+  until ls out.csv.tmp* >/dev/null 2>&1 || [ $tries -eq 100 ]; do sleep 0.1; tries=$((tries + 1)); done
+  [ $tries -lt 100 ] && ok=yes || ok=no
+  kill -$signal $program
+  wait $program && ok=no
+  exec 9>&-
+  [ -z "$(find . -name '*.tmp*')" ] && [ ! -e out.csv ] || ok=no
+  report $ok "nothing is left behind after SIG$signal"
+done
+
 # ---- a read that fails midway is no end of the file ----
 broken() { # FILE BYTES COMMAND…   the file, in this folder, cannot be read beyond so many bytes
   file=$1; bytes=$2; shift 2

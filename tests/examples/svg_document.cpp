@@ -676,25 +676,26 @@ TEST_CASE("saving replaces the whole file or nothing", "[examples][svg_document]
     const Folder folder;
     const SvgDocument document = parsed(rich);
     const fs::path file = folder.path() / "out.svg";
-    CHECK_FALSE(save_svg(document, file));
+    const auto save = [&](const fs::path& path) { return write_file_atomically(path, to_text(document)); };
+    CHECK_FALSE(save(file));
     CHECK(content_of(file) == rich);
     put(file, "old");
-    CHECK_FALSE(save_svg(document, file));
+    CHECK_FALSE(save(file));
     CHECK(content_of(file) == rich);
     CHECK(folder.count() == 1);
     const auto again = load_svg(file);
     REQUIRE(again);
     CHECK(to_text(*again) == rich);
 
-    const auto missing = save_svg(document, folder.path() / "no" / "out.svg");
+    const auto missing = save(folder.path() / "no" / "out.svg");
     REQUIRE(missing);
-    CHECK(contains(missing->message, "cannot write"));
-    const auto below_file = save_svg(document, file / "out.svg");
+    CHECK(contains(*missing, "cannot write"));
+    const auto below_file = save(file / "out.svg");
     REQUIRE(below_file);
     fs::create_directory(folder.path() / "taken");
-    const auto onto_folder = save_svg(document, folder.path() / "taken");
+    const auto onto_folder = save(folder.path() / "taken");
     REQUIRE(onto_folder);
-    CHECK(contains(onto_folder->message, "not a regular file"));
+    CHECK(contains(*onto_folder, "not a regular file"));
     CHECK(folder.count() == 2);
     CHECK(content_of(file) == rich);
 
@@ -711,6 +712,51 @@ TEST_CASE("saving replaces the whole file or nothing", "[examples][svg_document]
     const auto locked = write_file_atomically(folder.path() / "new.svg", "text");
     fs::permissions(folder.path(), fs::perms::owner_all);
     if (locked) CHECK(folder.count() == 2); // a superuser may write anyway
+}
+
+TEST_CASE("outputs appear together or not at all", "[examples][save]") {
+    const Folder folder;
+    const fs::path a = folder.path() / "a", b = folder.path() / "b";
+    put(a, "old");
+    fs::create_directory(folder.path() / "taken");
+    for (const std::string name : {"taken", "no/b", "a", "./a", "taken/../a", "link"}) { // what comes second
+        std::error_code unsupported;
+        if (name == "link") fs::create_symlink(a, folder.path() / name, unsupported);
+        if (unsupported) continue;
+        CAPTURE(name);
+        {
+            OutputFiles outputs;
+            outputs.add(a).write("new");
+            outputs.add(folder.path() / name).write("second");
+            REQUIRE(outputs.error());
+            const auto why = outputs.commit();
+            REQUIRE(why);
+            CHECK(contains(*why, "cannot write " + (folder.path() / name).string()));
+            if (name.ends_with("a") || name == "link")
+                CHECK(contains(*why, "the same file as " + a.string()));
+        }
+        CHECK(content_of(a) == "old");
+        CHECK(folder.count() == (name == "link" ? 3 : 2));
+    }
+    {
+        OutputFiles outputs; // the same file, which is not there yet
+        outputs.add(b).write("one");
+        outputs.add(folder.path() / "taken" / ".." / "b").write("two");
+        CHECK(outputs.commit());
+    }
+    CHECK_FALSE(fs::exists(b));
+    OutputFiles outputs;
+    outputs.add(a).write("new");
+    AtomicFile& second = outputs.add(b);
+    second.write("second");
+    CHECK_FALSE(outputs.error());
+    CHECK_FALSE(second.finish());
+    CHECK(content_of(second.temporary()) == "second");
+    CHECK(content_of(a) == "old");
+    CHECK_FALSE(outputs.commit());
+    CHECK(content_of(a) == "new");
+    CHECK(content_of(b) == "second");
+    CHECK(folder.count() == 4);
 }
 
 TEST_CASE("depth and size have limits, not consequences", "[examples][svg_document][robust]") {
