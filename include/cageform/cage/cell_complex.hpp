@@ -41,7 +41,7 @@ struct InteriorCells {
 /// boundary to boundary parts the cage. Construction never fails; `check` tells whether the complex
 /// can serve as a cage. To add a point takes O(#handles).
 ///
-/// Next to the free rim of faces in space, and the end of a chain without ten grid cells of room
+/// Next to the free rim of faces in space, and the end of a chain without a grid cell of room
 /// about it, the functions rise like the square root of the distance, which a grid misses by some
 /// tenths within a cell.
 template <Scalar T, std::size_t D>

@@ -16,7 +16,7 @@ public:
              const grid::CutStencil<2>& stencil, const grid::NodeRuns<2>& nodes) {
         const auto place = [&](std::uint32_t node) { return node_position<2>(nodes.index(node)); };
         const auto correction = corners.correction(p, stencil, place);
-        if (correction.corner != grid::CornerFunctions::Correction::none) points_.push_back({i, correction});
+        if (correction.first != grid::CornerFunctions::Correction::none) points_.push_back({i, correction});
     }
     /// Makes place for the corrections of all functions.
     void reserve(std::size_t handles) {

@@ -1,0 +1,115 @@
+// The singular functions at a corner in the plane, known but for their coefficients.
+//
+// Near a corner of interior angle ω, with data linear along its two edges, a harmonic function is
+//
+//     g + α x + c w + Σ a_k s_k,   s_k = (r/R)^(kπ/ω) sin(kπθ/ω)
+//
+// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4), x along the
+// one edge, w harmonic with w = 0 on it and w = r on the other.
+#pragma once
+
+#include <cageform/core/vec.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
+
+/// The functions of one corner. Lengths in units of the lattice.
+class Corner {
+public:
+    static constexpr std::size_t most = 8;          ///< functions s_k kept
+    static constexpr double smooth_exponent = 2.25; ///< π/ω from which differences need no help
+
+    /// The corner at `vertex` between the edges to `after` and `before`, counter-clockwise from the
+    /// one to the other; all about it where they are one.
+    Corner(const Vec<double, 2>& vertex, const Vec<double, 2>& before, const Vec<double, 2>& after,
+           double radius)
+        : vertex_(vertex)
+        , radius_(radius) {
+        const auto forth = after - vertex, back = before - vertex;
+        length_after_ = std::sqrt(dot(forth, forth));
+        length_before_ = std::sqrt(dot(back, back));
+        x_ = (1 / length_after_) * forth;
+        y_ = {-x_[1], x_[0]};
+        angle_ = std::atan2(dot(back, y_), dot(back, x_));
+        if (before == after) angle_ = 0; // whatever rounding says
+        if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
+        exponent_ = std::numbers::pi / angle_;
+        // As many as the nodes around can tell apart; r⁴ and beyond differences do well enough.
+        count_ = std::min(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
+    }
+
+    std::size_t count() const noexcept { return count_; } ///< of the s_k; function 0 is w
+    /// Leaves out all s_k beyond the first `count`.
+    void keep(std::size_t count) noexcept { count_ = std::min(count_, count); }
+    bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }
+    double radius() const noexcept { return radius_; }
+    double distance(const Vec<double, 2>& p) const noexcept {
+        return std::sqrt(dot(p - vertex_, p - vertex_));
+    }
+    /// Whether a place is no farther than the radius, up to rounding.
+    bool reaches(const Vec<double, 2>& p) const noexcept { return distance(p) <= (1 + 1e-9) * radius_; }
+    /// Whether a place is between the edges, or on one of them up to rounding.
+    bool holds(const Vec<double, 2>& p) const noexcept {
+        constexpr double rounding = 1e-9;
+        const auto d = p - vertex_;
+        double theta = std::atan2(dot(d, y_), dot(d, x_));
+        if (theta < -rounding) theta += 2 * std::numbers::pi;
+        return theta < angle_ + rounding;
+    }
+    double along(const Vec<double, 2>& p) const noexcept { return dot(p - vertex_, x_); }
+    double cosine() const noexcept { return std::cos(angle_); }
+    double length_before() const noexcept { return length_before_; }
+    double length_after() const noexcept { return length_after_; }
+
+    /// w, s_1, …, s_count at a place in the sector.
+    std::array<double, most + 1> functions(const Vec<double, 2>& p) const noexcept {
+        std::array<double, most + 1> f{};
+        const auto d = p - vertex_;
+        const double x = dot(d, x_), y = dot(d, y_), r = std::sqrt(dot(d, d)) / radius_;
+        if (!(r > 0)) return f;
+        double theta = std::atan2(y, x);
+        // The sector's far side may show as a small negative angle, as may its near side by
+        // rounding.
+        if (theta < 0 && theta < 0.5 * angle_ - std::numbers::pi) theta += 2 * std::numbers::pi;
+        // The s_k are the imaginary parts of the powers of z = (r e^{iθ})^(π/ω).
+        const double size = std::pow(r, exponent_);
+        const double re = size * std::cos(exponent_ * theta), im = size * std::sin(exponent_ * theta);
+        const std::size_t m =
+            angle_ < 1.5 * std::numbers::pi ? 1 : 2; // of the s_m whose exponent is closest to 1
+        double power_re = re, power_im = im, closest = im;
+        for (std::size_t k = 1; k <= std::max(count_, m); ++k) {
+            if (k <= count_) f[k] = power_im;
+            if (k == m) closest = power_im;
+            const double next = power_re * re - power_im * im;
+            power_im = power_re * im + power_im * re;
+            power_re = next;
+        }
+        // (y − s_m)/sin ω: bounded even where ω is a multiple of π.
+        const double e = double(m) * exponent_, sine = std::sin(angle_);
+        if (std::fabs(sine) > 1e-5) {
+            f[0] = (y - radius_ * closest) / sine;
+        } else {
+            const double between = 0.5 * (1 + e);
+            const double slope = std::pow(r, between) * (std::log(r) * std::sin(between * theta) +
+                                                         theta * std::cos(between * theta));
+            f[0] = radius_ * (m == 1 ? -1 : 1) * slope / angle_;
+        }
+        return f;
+    }
+
+private:
+    Vec<double, 2> vertex_, x_{}, y_{}; ///< x along the edge to the next vertex, y to the inside
+    double radius_, length_before_ = 0, length_after_ = 0;
+    double angle_ = 0, exponent_ = 1;
+    std::size_t count_ = 0;
+};
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI
