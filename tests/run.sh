@@ -11,7 +11,11 @@ preset=${1:-dev}
 packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev libtinyobjloader-dev
   libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
 case $preset in
-  asan | native) packages="$packages clang-19 libclang-rt-19-dev" ;;
+  asan | native)
+    packages="$packages clang-19 libclang-rt-19-dev"
+    [ "$preset" != native ] || [ "$(dpkg --print-architecture 2>/dev/null)" != amd64 ] ||
+      packages="$packages lib32stdc++-12-dev libc6-dev-i386" # a test for 32-bit x86
+    ;;
   *)
     packages="$packages g++ librsvg2-bin tango-icon-theme libtinygltf-dev"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"

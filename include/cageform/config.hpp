@@ -5,7 +5,7 @@
 //                                    it is the standard assert, so NDEBUG removes it.
 //   CAGEFORM_REGISTER_BYTES          width of the vector register the kernels are written for: 16,
 //                                    32 or 64; follows the compiler's target flags, 0 means plain
-//                                    scalars.
+//                                    scalars, as on x86 without SSE2.
 //   CAGEFORM_DETERMINISTIC           if defined, clones and clips come out the same to the bit
 //                                    whatever the compiler, its level of optimisation and the
 //                                    registers: every product and every sum is rounded by itself,
@@ -42,7 +42,7 @@
 #endif
 
 #if !defined(CAGEFORM_REGISTER_BYTES)
-#if !defined(__GNUC__)
+#if !defined(__GNUC__) || (defined(__i386__) && !defined(__SSE2__))
 #define CAGEFORM_REGISTER_BYTES 0
 #elif defined(__AVX512F__) && defined(__AVX512DQ__)
 #define CAGEFORM_REGISTER_BYTES 64

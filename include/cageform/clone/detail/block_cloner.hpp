@@ -68,7 +68,7 @@ struct DisplacedBlocks {
         // memory a third more, for one stream is fetched ahead better than several that break off
         // at every block.
         constexpr std::size_t cached = std::size_t{16} << 20;
-        constexpr std::size_t together = sums_in_registers<D>;
+        constexpr std::size_t together = blocks_together<D>;
         const std::size_t handles = binding.handles, block_bytes = handles * row_bytes<Format>;
         std::size_t b = begin;
         if (binding.block_count() * block_bytes < cached) {

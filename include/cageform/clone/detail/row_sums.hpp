@@ -4,6 +4,7 @@
 #include <cageform/clone/detail/weight_rows.hpp>
 #include <cageform/core/view.hpp>
 
+#include <cfloat>
 #include <utility>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -133,6 +134,11 @@ inline constexpr std::size_t most_chains = 1; // the same order of additions wha
 #else
 inline constexpr std::size_t most_chains = 4;
 #endif
+
+/// Blocks summed beside each other. Where results keep more digits than their type has, as x87's do,
+/// only the same instructions give the same bits: then all blocks are summed alone, as the last are.
+template <std::size_t D>
+inline constexpr std::size_t blocks_together = FLT_EVAL_METHOD == 0 ? sums_in_registers<D> : 1;
 
 /// The sums of one block, read as one stream from its first row on.
 template <WeightFormat Format, Scalar T, std::size_t D, class Displacement>

@@ -35,7 +35,7 @@ struct RegisterOf {
 /// instruction. Where they must not merge what comes before with what comes after.
 template <class R>
 void conceal([[maybe_unused]] R& r) noexcept {
-#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
+#if defined(__GNUC__) && defined(__SSE2__)
     __asm__("" : "+v"(r));
 #elif defined(__GNUC__) && defined(__aarch64__)
     __asm__("" : "+w"(r));
