@@ -17,7 +17,7 @@ case $preset in
       packages="$packages lib32stdc++-12-dev libc6-dev-i386" # a test for 32-bit x86
     ;;
   *)
-    packages="$packages g++ librsvg2-bin tango-icon-theme libtinygltf-dev"
+    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
     [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial"
     CAGEFORM_WARNINGS_AS_ERRORS=ON sh examples/run.sh --build-only
