@@ -427,4 +427,19 @@ TEST_CASE("the bound holds where there is no coarse grid", "[grid][multigrid]") 
     }
 }
 
+TEMPLATE_TEST_CASE("a grid without unknowns is solved at once", "[grid][multigrid]",
+                   (std::integral_constant<std::size_t, 1>), (std::integral_constant<std::size_t, 2>),
+                   (std::integral_constant<std::size_t, 3>)) {
+    constexpr std::size_t D = TestType::value;
+    Index<D> size;
+    size.fill(3);
+    NodeRuns<D> nodes(size);
+    for (std::size_t r = 0; r < nodes.rows(); ++r) nodes.end_row();
+    const Multigrid<D> multigrid(nodes, {}, {});
+    auto block = multigrid.make_block();
+    for (auto error = multigrid.start(block); !block.is_refined(); error = multigrid.cycle(block))
+        CHECK(error.estimate[0] == 0);
+    CHECK(multigrid.unknowns() == 0);
+}
+
 } // namespace multigrid_tests

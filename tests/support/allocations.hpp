@@ -9,7 +9,7 @@
 namespace cageform_tests {
 
 inline void* counted_or_null(std::size_t size, std::size_t alignment = 1) noexcept {
-    ++allocations;
+    if (++allocations == failing_allocation) return nullptr;
     const std::size_t whole = (size + alignment - 1) / alignment * alignment;
     return alignment <= alignof(std::max_align_t) ? std::malloc(size != 0 ? size : 1)
                                                   : std::aligned_alloc(alignment, whole);

@@ -307,9 +307,12 @@ private:
 template <Scalar T, std::size_t D, class Make>
 BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
     BindReport report;
-    report.cage = input.cage;
     report.points = input.points.size;
-    run_into(report, [&] { return report.cage.status != Status::ok ? report.cage.status : make(report); });
+    run_into(report, [&] {
+        report.cage = input.cage;
+        if (report.cage.status != Status::ok) return report.cage.status;
+        return input.handles().count == 0 ? Status::coordinates_empty : make(report);
+    });
     return report;
 }
 
@@ -358,7 +361,8 @@ struct Bind {
 ///             bad *point* is listed and kept in place, and is no reason to refuse the others.
 ///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
 ///             a point
-///   fails     as the cage's check and the coordinates say; cancelled; out_of_memory
+///   fails     as the cage's check and the coordinates say; coordinates_empty; cancelled;
+///             out_of_memory
 ///
 /// A function object, so that argument-dependent lookup never finds std::bind in its place.
 inline constexpr detail::Bind bind{};

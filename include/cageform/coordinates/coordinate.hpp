@@ -127,8 +127,8 @@ Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t 
 /// Weights of a single point, a convenience on top of `evaluate`.
 ///
 ///   weights  out, #handles
-///   returns  where the point lies; `weights` is set for inside and on_boundary, and for outside
-///            when the type has an extension, else untouched
+///   returns  where the point lies, unreached where evaluating fails; `weights` is set for inside
+///            and on_boundary, and for outside when the type has an extension, else untouched
 template <CageCoordinates C, Point P>
 PointState weights_at(const C& coordinates, const P& point, std::span<typename C::scalar> weights) {
     using T = typename C::scalar;
@@ -136,14 +136,18 @@ PointState weights_at(const C& coordinates, const P& point, std::span<typename C
     CAGEFORM_ASSERT(weights.size() == handles, "one weight per handle");
     const auto p = to_vec<T>(point);
     if (!is_finite(p)) return PointState::not_finite;
-    std::vector<Lanes<T>> position(C::dimension), block(handles);
+    Lanes<T> position[C::dimension];
     for (std::size_t k = 0; k < C::dimension; ++k) {
         for (T& x : position[k].v) x = p[k];
     }
+    std::vector<Lanes<T>> block;
     PointState state = PointState::unreached;
-    const auto evaluation = coordinates.evaluate(BlockView<const T>{position.data(), C::dimension, 1},
-                                                 BlockView<T>{block.data(), handles, 1}, {&state, 1}, {});
-    if (evaluation.status != Status::ok) return PointState::unreached;
+    const Status status = detail::guard_memory([&] {
+        block.resize(handles);
+        return coordinates.evaluate({position, C::dimension, 1}, {block.data(), handles, 1}, {&state, 1}, {})
+            .status;
+    });
+    if (status != Status::ok) return PointState::unreached;
     if (state == PointState::unreached || (state == PointState::outside && !C::has_extension)) return state;
     for (std::size_t i = 0; i < handles; ++i) weights[i] = block[i][0];
     return state;

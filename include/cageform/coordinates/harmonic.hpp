@@ -87,6 +87,10 @@ public:
     HarmonicCoordinates(const R& vertices, const F& faces, const Options& options = {})
         : HarmonicCoordinates(Cage(vertices, faces), options) {}
 
+    // A copy shares the cage and the functions kept. So does what is moved: neither is ever empty.
+    HarmonicCoordinates(const HarmonicCoordinates&) noexcept = default;
+    HarmonicCoordinates& operator=(const HarmonicCoordinates&) noexcept = default;
+
     const Cage& cage() const noexcept { return problem_->cage; }
     const Options& options() const noexcept { return problem_->options; }
     std::span<const Vec<T, D>> handles() const noexcept { return cage().vertices(); }

@@ -34,6 +34,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(interior_cells_touch, "an interior cell touches another one or the boundary")               \
     /* coordinates/: what a type cannot do with a sound cage */                                   \
     X(interior_cells_not_supported, "this coordinate type cannot honour interior cells")          \
+    X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \
     X(not_a_simplex, "barycentric coordinates need a simplex: dimension + 1 vertices")            \
     X(degenerate_simplex, "the simplex has no volume relative to its size")                       \
     X(solver_not_supported, "the solver is not there for this kind of cage")                      \

@@ -19,6 +19,7 @@ struct Fields {
 };
 
 inline void set_zero(std::vector<NodeRow>& rows) noexcept {
+    if (rows.empty()) return; // memset is not to be given a null pointer
     std::memset(static_cast<void*>(rows.data()), 0, rows.size() * sizeof(NodeRow));
 }
 

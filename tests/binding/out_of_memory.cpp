@@ -1,0 +1,127 @@
+// Every allocation of every call failing in turn is a status: nothing throws, nothing is half made.
+#include "catch.hpp"
+#include "support/allocations.hpp"
+#include "support/cages.hpp"
+
+#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/pack.hpp>
+#include <cageform/binding/rebind.hpp>
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+
+namespace out_of_memory_tests {
+
+using namespace cageform_tests;
+using cageform::bind;
+using cageform::BindOptions;
+using cageform::Status;
+
+namespace {
+
+/// Runs call() with its first, second, … allocation failing, until all succeed. Where one fails
+/// the status is out_of_memory, or ok where the standard library does without it.
+template <class Call>
+void fail_in_turn(const char* name, const Call& call) {
+    CAPTURE(name);
+    std::size_t reported = 0;
+    for (std::size_t failing = 1;; ++failing) {
+        Status status = Status::cancelled;
+        bool thrown = false;
+        allocations = 0;
+        failing_allocation = failing;
+        try {
+            status = call();
+        } catch (...) {
+            thrown = true;
+        }
+        failing_allocation = 0;
+        const bool all_made = allocations < failing;
+        if (thrown || (status != Status::out_of_memory && status != Status::ok)) {
+            CAPTURE(failing);
+            FAIL("allocation that fails: " << (thrown ? "an exception" : to_string(status)));
+        }
+        reported += status == Status::out_of_memory;
+        if (all_made) {
+            CHECK(status == Status::ok);
+            break;
+        }
+    }
+    CHECK(reported > 0);
+}
+
+} // namespace
+
+TEST_CASE("every allocation that fails is a status, whichever call makes it", "[binding][status][memory]") {
+    // A collinear vertex, so that the report of the cage has something to say.
+    const Points2<double> square{{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}};
+    const Points2<double> points{{0.5, 0.5}, {1.5, 0.7}, {1, 0}, {3, 1}, {0.5, 1.5}};
+    const cageform::MeanValueCoordinates2d mean_value(square);
+    cageform::HarmonicCoordinates2d harmonic(square, {.resolution = 8});
+    for (const auto outside : {cageform::OutsidePoints::extend, cageform::OutsidePoints::nearest_boundary}) {
+        const BindOptions options{.outside = outside};
+        fail_in_turn("bind", [&] { return bind(mean_value, points, options).report.status; });
+        fail_in_turn("bind harmonic", [&] { return bind(harmonic, points, options).report.status; });
+        fail_in_turn("bind_vectors",
+                     [&] { return bind_vectors(mean_value, points, points, options).report.status; });
+        fail_in_turn("bind_jacobians",
+                     [&] { return bind_jacobians(harmonic, points, options).report.status; });
+    }
+    fail_in_turn("solve", [&] {
+        cageform::HarmonicCoordinates2d fresh = harmonic;
+        return fresh.solve().status;
+    });
+    REQUIRE(harmonic.solve().status == Status::ok);
+    fail_in_turn("bind what is solved", [&] { return bind(harmonic, points).report.status; });
+    fail_in_turn("weights_at", [&] {
+        std::array<double, 5> row{};
+        return weights_at(mean_value, points[0], row) == cageform::PointState::inside ? Status::ok
+                                                                                      : Status::out_of_memory;
+    });
+
+    const auto binding = bind(mean_value, points).binding;
+    fail_in_turn("pack", [&] {
+        const cageform::PackOptions options{.format = cageform::WeightFormat::int16, .largest = 4};
+        return pack(binding, options).report.status;
+    });
+    fail_in_turn("rebind", [&] { return rebind(binding, square).report.status; });
+    fail_in_turn("skin_weights", [&] { return skin_weights(binding).report.status; });
+    const auto skin = skin_weights(binding).skin;
+    fail_in_turn("skin_to_binding", [&] {
+        cageform::Binding<double, 2> shown;
+        return skin_to_binding(binding, skin, shown);
+    });
+}
+
+TEST_CASE("every allocation that fails in space is a status", "[binding][status][memory]") {
+    using Point = Vec<float, 3>;
+    const std::vector<Point> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 5, 5}}; // one unused
+    const std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    const std::vector<Point> points{{0.2f, 0.2f, 0.2f}, {0.1f, 0.3f, 0.2f}};
+    const cageform::MeanValueCoordinates3f mean_value(vertices, faces);
+    const cageform::HarmonicCoordinates3f harmonic(
+        cageform::TriangleMesh<float>(std::vector<Point>(vertices.begin(), vertices.end() - 1), faces),
+        {.resolution = 8});
+    fail_in_turn("bind", [&] { return bind(mean_value, points).report.status; });
+    fail_in_turn("bind harmonic", [&] { return bind(harmonic, points).report.status; });
+}
+
+TEMPLATE_TEST_CASE("coordinates that were moved from bind nothing, and say so, or go on", "[binding][status]",
+                   float, double) {
+    using T = TestType;
+    const Points2<T> square{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, points{{T(0.5), T(0.5)}};
+    cageform::MeanValueCoordinates<T, 2> mean_value(square);
+    const auto taken = std::move(mean_value);
+    CHECK(bind(taken, points).report.status == Status::ok);
+    // NOLINTBEGIN(bugprone-use-after-move): what is tested
+    CHECK(bind(mean_value, points).report.status == Status::coordinates_empty);
+    CHECK(bind_vectors(mean_value, points, points).report.status == Status::coordinates_empty);
+    cageform::HarmonicCoordinates<T, 2> harmonic(square, {.resolution = 8});
+    const auto shared = std::move(harmonic);
+    CHECK(bind(shared, points).report.status == Status::ok);
+    CHECK(bind(harmonic, points).report.status == Status::ok);
+    // NOLINTEND(bugprone-use-after-move)
+}
+
+} // namespace out_of_memory_tests
