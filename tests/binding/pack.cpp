@@ -105,7 +105,7 @@ TEMPLATE_TEST_CASE("packed bindings keep rest and affine poses, whatever is drop
     const auto map = random_affine<D>(random, size_of(bound.handles));
     const auto pose = map(std::span<const Vec<T, D>>(bound.handles));
     for (const auto& options : all_options<T, D>()) {
-        CAPTURE(int(options.format), options.largest, options.threshold);
+        CAPTURE(int(options.format.value()), options.largest, options.threshold);
         const auto [packed, report] = pack(bound.binding, options);
         REQUIRE(report.status == Status::ok);
         CHECK(cloned(packed, bound.handles) == bound.points);
@@ -138,7 +138,7 @@ TEMPLATE_TEST_CASE("the report's errors are those of the weights in effect, and 
     }
     const auto exact = cageform_tests::cloned(bound.binding, pose);
     for (const auto& options : all_options<T, D>()) {
-        CAPTURE(int(options.format), options.largest, options.threshold);
+        CAPTURE(int(options.format.value()), options.largest, options.threshold);
         const auto [packed, report] = pack(bound.binding, options);
         REQUIRE(report.status == Status::ok);
         REQUIRE(report.errors.size() == bound.points.size());

@@ -2,46 +2,12 @@
 // neighbours share rows.
 #pragma once
 
-#include <cageform/binding/bind.hpp>
 #include <cageform/binding/blob.hpp>
-#include <cageform/binding/detail/moments.hpp>
+#include <cageform/binding/detail/choose_rows.hpp>
 #include <cageform/binding/detail/order_by_place.hpp>
-#include <cageform/binding/detail/stored_weights.hpp>
+#include <cageform/binding/pack_options.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-struct PackOptions {
-    WeightFormat format = WeightFormat::scalar;
-    std::size_t largest =
-        0;                ///< weights that a point keeps at least, the largest ones; 0: all. At least D + 1.
-    double threshold = 0; ///< smaller weights are dropped; affects no others
-    /// Of sparse bindings: the point at each place, #points; by nearness where empty. For vectors
-    /// give the order of the packed binding of their points (PackedBindingView::order): vectors
-    /// tell nothing of who their neighbours are.
-    std::span<const std::uint32_t> order{};
-    std::uint64_t cage_hash = 0;   ///< kept in the blob; 0: `hash_memory` of the handles at rest
-    std::uint64_t figure_hash = 0; ///< kept in the blob; 0: `hash_memory` of the points at rest, as Vec<T, D>
-};
-
-/// How packing went. The error of a point is Σ |w' − w| over all handles, w' the weights that
-/// clones by the packed binding have in effect: no pose that moves handles by at most d moves a
-/// point by more than that times d beside where the binding had it.
-struct PackReport {
-    Status status = Status::ok;
-    std::size_t culprit = Extreme::none; ///< weight_not_finite: the point
-    std::size_t points = 0, handles = 0;
-    std::size_t rows = 0;         ///< rows of weights over all blocks
-    double weights_per_point = 0; ///< stored, zeros included
-    std::size_t bytes = 0;        ///< of the blob
-    std::size_t dense_bytes = 0;  ///< of the binding
-    std::vector<float> errors;    ///< #points
-    Extreme error;                ///< the largest of them
-    double mean_error = 0;
-    Extreme weight_change; ///< the largest change of a kept weight by which Σ w and Σ w c are restored
-    std::size_t rows_added =
-        0; ///< beyond those asked for, because a block's handles would lie too nearly in one plane
-    double seconds = 0;
-};
 
 template <Scalar T, std::size_t D>
 struct PackResult {
@@ -62,46 +28,54 @@ public:
         , points_(binding.point_count())
         , blocks_(block_count<T>(points_))
         , sparse_((options.largest != 0 && options.largest < handles_) || options.threshold > 0)
-        , moments_(binding.handle_view()) {}
+        , moments_(binding.handle_view())
+        , format_(options.format.value_or(WeightFormat::scalar)) {}
 
     Status run(PackedBinding<T, D>& packed, PackReport& report) {
         Status status = check_input(report);
         if (status != Status::ok) return status;
         pieces_.resize(blocks_);
-        report.errors.resize(points_);
-        if (sparse_) {
-            status = choose_all_rows();
+        if (has_order()) {
+            status = choose_all_rows(report);
             if (status != Status::ok) return status;
         }
         status = count_rows();
         if (status != Status::ok) return status;
         PackedBinding<T, D> result(header());
         fill_tables(result);
-        status = for_each_block(blocks_, running_.part(sparse_ ? 0.5 : 0, 1),
+        report.errors.resize(points_);
+        report.distances.resize(points_);
+        status = for_each_block(blocks_, running_.part(has_order() ? 0.7 : 0, 1),
                                 [&](std::size_t begin, std::size_t end) {
                                     for (std::size_t b = begin; b < end; ++b) fill_block(b, result, report);
                                 });
         if (status != Status::ok) return status;
         result.seal();
+        summarise(result, report);
+        if (keeps_distance() && report.distance.value > options_.tolerance)
+            return too_coarse(report, report.distance);
         packed = std::move(result);
-        summarise(packed, report);
         return Status::ok;
     }
 
 private:
     static constexpr std::size_t lanes = lane_count<T>;
     using Column = typename Moments<D>::Column;
-    using Matrix = typename Moments<D>::Matrix;
 
     struct Piece {
-        std::vector<std::uint16_t> handles; ///< of the rows, ascending
+        std::vector<std::uint32_t> handles; ///< of the rows; ascending but where a distance is kept
+        std::vector<RowTrial> trials;       ///< where a distance is kept
         std::size_t added = 0;
-        Extreme change;
+        Extreme change, distance;
+        std::size_t pose = Extreme::none;
     };
 
-    Status check_input(PackReport& report) const {
+    bool keeps_distance() const { return options_.tolerance > 0; }
+    bool has_order() const { return sparse_ || keeps_distance(); }
+
+    Status check_input(PackReport& report) {
         if (options_.largest != 0 && options_.largest < D + 1) return Status::too_few_weights;
-        if (sparse_ && handles_ > 0xFFFFu) return Status::too_many_handles;
+        if (has_order() && handles_ > 0xFFFFu) return Status::too_many_handles;
         if (points_ > 0xFFFFFFFFu || handles_ > 0xFFFFFFFFu) return Status::too_many_handles;
         for (std::size_t i = 0; i < points_; ++i) {
             for (std::size_t h = 0; h < handles_; ++h) {
@@ -110,27 +84,82 @@ private:
                 return Status::weight_not_finite;
             }
         }
-        return Status::ok;
+        return loss_.load(binding_.handle_view(), options_, report.culprit);
     }
 
     /// The order of the points, and the rows of every block.
-    Status choose_all_rows() {
+    Status choose_all_rows(PackReport& report) {
         order_ = options_.order.empty() ? order_by_place<T, D>(binding_.rest)
                                         : std::vector(options_.order.begin(), options_.order.end());
         if (!is_permutation(order_)) return Status::order_not_a_permutation;
-        const Status status =
-            for_each_block(blocks_, running_.part(0, 0.5), [this](std::size_t begin, std::size_t end) {
+        if (keeps_distance()) square_loss_.emplace(moments_, loss_);
+        Status status =
+            for_each_block(blocks_, running_.part(0, 0.7), [this](std::size_t begin, std::size_t end) {
                 for (std::size_t b = begin; b < end; ++b) choose_rows(b);
             });
+        if (status == Status::ok && keeps_distance()) status = choose_format(report);
         if (status == Status::ok && options_.order.empty()) sort_blocks();
         return status;
+    }
+
+    void choose_rows(std::size_t block) {
+        Piece& piece = pieces_[block];
+        const BlockPoints<T> points = points_of(block);
+        if (sparse_) {
+            RowsBySize rows = rows_by_size(binding_, moments_, points, options_);
+            piece.handles = std::move(rows.handles);
+            piece.added = rows.added;
+        }
+        if (!keeps_distance()) return;
+        for (const WeightFormat format :
+             {WeightFormat::int8, WeightFormat::int16, WeightFormat::half, WeightFormat::scalar}) {
+            if (!options_.format || *options_.format == format) piece.trials.push_back({format});
+        }
+        RowChooser<T, D> chooser(packer_, *square_loss_, points, piece.handles);
+        chooser.run(piece.trials, options_.tolerance);
+        piece.handles.assign(chooser.order().begin(), chooser.order().end());
+    }
+
+    /// The format that takes the fewest bytes of those in which every block keeps the tolerance.
+    Status choose_format(PackReport& report) {
+        std::optional<std::size_t> best;
+        std::size_t least_bytes = 0;
+        Extreme reachable;
+        for (std::size_t t = 0; t < (blocks_ > 0 ? pieces_[0].trials.size() : 0); ++t) {
+            const WeightFormat format = pieces_[0].trials[t].format;
+            std::size_t rows = 0;
+            bool all = true;
+            for (const Piece& piece : pieces_) {
+                const RowTrial& trial = piece.trials[t];
+                all = all && trial.is_met();
+                rows += trial.is_met() ? trial.count : 0;
+                reachable.raise(trial.distance);
+            }
+            const std::size_t bytes =
+                rows * lanes * weight_bytes<T>(format) +
+                (format == WeightFormat::scalar ? 0 : blocks_ * (sizeof(T) + (D + 1) * sizeof(Lanes<T>)));
+            if (!all || (best && bytes >= least_bytes)) continue;
+            best = t;
+            least_bytes = bytes;
+        }
+        if (blocks_ == 0) return Status::ok;
+        if (!best) return too_coarse(report, reachable);
+        format_ = pieces_[0].trials[*best].format;
+        for (Piece& piece : pieces_) piece.handles.resize(piece.trials[*best].count);
+        return Status::ok;
+    }
+
+    static Status too_coarse(PackReport& report, const Extreme& distance) {
+        report.distance = distance;
+        report.culprit = distance.point;
+        return Status::format_too_coarse;
     }
 
     Status count_rows() {
         row_begin_.assign(1, 0);
         for (const Piece& piece : pieces_) {
-            rows_ += sparse_ ? piece.handles.size() : handles_;
-            if (sparse_ && rows_ > 0xFFFFFFFFu) return Status::too_many_handles;
+            rows_ += has_order() ? piece.handles.size() : handles_;
+            if (has_order() && rows_ > 0xFFFFFFFFu) return Status::too_many_handles;
             row_begin_.push_back(static_cast<std::uint32_t>(rows_));
         }
         return Status::ok;
@@ -138,11 +167,11 @@ private:
 
     BlobHeader header() const {
         BlobHeader header;
-        header.format = std::uint32_t(options_.format);
+        header.format = std::uint32_t(format_);
         header.handles = handles_;
         header.points = points_;
         header.rows = rows_;
-        header.row_begin = header.order = sparse_ ? 1 : 0;
+        header.row_begin = header.order = has_order() ? 1 : 0;
         header.handle_kinds = binding_.handle_kinds != nullptr ? 1 : 0;
         header.handle_faces = binding_.handle_faces != nullptr ? 1 : 0;
         header.vectors = binding_.handle_view().vector_count();
@@ -162,64 +191,44 @@ private:
         for (const Piece& piece : pieces_) {
             report.weight_change.raise(piece.change);
             report.rows_added += piece.added;
+            const Extreme before = report.distance;
+            report.distance.raise(piece.distance);
+            if (report.distance.point != before.point) report.distance_pose = piece.pose;
         }
         for (std::size_t i = 0; i < points_; ++i) {
             report.error.raise({double(report.errors[i]), i});
             report.mean_error += double(report.errors[i]) / double(points_);
+            report.mean_distance += double(report.distances[i]) / double(points_);
         }
+        report.format = format_;
+        report.poses = loss_.poses();
+        report.reach = loss_.reach();
+        report.size = size_of_points();
         report.rows = std::size_t(rows_);
         report.weights_per_point = points_ > 0 ? double(rows_) / double(blocks_) : 0;
         report.bytes = packed.bytes().size();
         report.dense_bytes = blocks_ * (handles_ + D) * sizeof(Lanes<T>) + handles_ * sizeof(Vec<T, D>);
     }
 
-    std::size_t used(std::size_t block) const { return std::min(lanes, points_ - block * lanes); }
-    std::size_t point(std::size_t block, std::size_t lane) const {
-        return sparse_ ? order_[block * lanes + lane] : block * lanes + lane;
+    /// The diagonal of the box around the finite points at rest.
+    double size_of_points() const {
+        std::vector<Vec<double, D>> at_rest;
+        for (std::size_t i = 0; i < points_; ++i) {
+            const auto p = vec_cast<double>(block_point<D>(binding_.rest, i));
+            if (is_finite(p)) at_rest.push_back(p);
+        }
+        return at_rest.empty() ? 0 : bounds_of(std::span<const Vec<double, D>>(at_rest)).diagonal();
     }
 
-    /// The handles that any point of a block wants, and more where those would not do.
-    void choose_rows(std::size_t block) {
-        std::vector<double> largest(handles_, 0.0); // of any point
-        std::vector<char> chosen(handles_, 0);
-        std::vector<std::size_t> ranked;
-        for (std::size_t lane = 0; lane < used(block); ++lane) {
-            const std::size_t i = point(block, lane);
-            const auto size = [&](std::size_t h) { return std::fabs(double(binding_.weights(i, h))); };
-            ranked.clear();
-            for (std::size_t h = 0; h < handles_; ++h) {
-                largest[h] = std::max(largest[h], size(h));
-                if (size(h) > 0 && size(h) >= options_.threshold) ranked.push_back(h);
-            }
-            if (options_.largest != 0 && ranked.size() > options_.largest) {
-                const auto last = ranked.begin() + std::ptrdiff_t(options_.largest);
-                std::nth_element(ranked.begin(), last - 1, ranked.end(), [&](std::size_t a, std::size_t b) {
-                    return size(a) != size(b) ? size(a) > size(b) : a < b;
-                });
-                ranked.erase(last, ranked.end());
-            }
-            for (const std::size_t h : ranked) chosen[h] = 1;
-        }
-        // Handles that lie nearly in one plane could restore what is missing across it by huge
-        // changes only.
-        constexpr double enough = 0.05;
-        Piece& piece = pieces_[block];
-        const auto is_chosen = [&chosen](std::size_t h) { return chosen[h] != 0; };
-        const bool all_are_needed =
-            std::none_of(largest.begin(), largest.end(), [](double w) { return w > 0; });
-        while (!all_are_needed && principal_axes(moments_.sum_of_squares(is_chosen)).least() < enough) {
-            std::size_t next = handles_;
-            for (std::size_t h = 0; h < handles_; ++h) {
-                if (!is_chosen(h) && largest[h] > 0 && (next == handles_ || largest[h] > largest[next]))
-                    next = h;
-            }
-            if (next == handles_) break;
-            chosen[next] = 1;
-            ++piece.added;
-        }
-        for (std::size_t h = 0; h < handles_; ++h) {
-            if (is_chosen(h)) piece.handles.push_back(static_cast<std::uint16_t>(h));
-        }
+    std::size_t used(std::size_t block) const { return std::min(lanes, points_ - block * lanes); }
+    std::size_t point(std::size_t block, std::size_t lane) const {
+        return has_order() ? order_[block * lanes + lane] : block * lanes + lane;
+    }
+    BlockPoints<T> points_of(std::size_t block) const {
+        BlockPoints<T> points;
+        points.count = used(block);
+        for (std::size_t lane = 0; lane < points.count; ++lane) points.index[lane] = point(block, lane);
+        return points;
     }
 
     bool is_permutation(const std::vector<std::uint32_t>& order) const {
@@ -254,11 +263,14 @@ private:
 
     void fill_tables(PackedBinding<T, D>& blob) const {
         const auto out = blob.view();
-        if (sparse_) {
+        if (has_order()) {
             std::copy(row_begin_.begin(), row_begin_.end(), blob.writable(out.row_begin));
             auto* place = blob.writable(out.row_handle);
-            for (const Piece& piece : pieces_)
-                place = std::copy(piece.handles.begin(), piece.handles.end(), place);
+            for (const Piece& piece : pieces_) {
+                std::vector<std::uint32_t> handles(piece.handles);
+                std::sort(handles.begin(), handles.end());
+                for (const std::uint32_t h : handles) *place++ = static_cast<std::uint16_t>(h);
+            }
             std::copy(order_.begin(), order_.end(), blob.writable(out.order));
         }
         std::copy_n(binding_.rest_handles, handles_, blob.writable(out.rest_handles));
@@ -273,96 +285,71 @@ private:
         }
     }
 
-    /// Of a row of a block.
-    std::size_t handle(std::size_t block, std::size_t row) const {
-        return sparse_ ? std::size_t(pieces_[block].handles[row]) : row;
-    }
-    std::size_t row_count(std::size_t block) const {
-        return sparse_ ? pieces_[block].handles.size() : handles_;
+    /// The rows of a block, with weights that restore the row sums of its points.
+    WeightRows rows_of(std::size_t block, const BlockPoints<T>& points) {
+        Piece& piece = pieces_[block];
+        if (!has_order()) {
+            std::vector<std::uint32_t> all(handles_);
+            std::iota(all.begin(), all.end(), 0u);
+            return packer_.rows_of(points, std::move(all));
+        }
+        WeightRows rows;
+        if (keeps_distance()) { // as they were tried
+            rows = RowChooser<T, D>(packer_, *square_loss_, points, piece.handles).rows(piece.handles.size());
+        } else {
+            rows = packer_.rows_of(points, piece.handles);
+        }
+        piece.change = packer_.restore(points, rows);
+        return rows;
     }
 
     void fill_block(std::size_t block, PackedBinding<T, D>& blob, PackReport& report) {
         const auto out = blob.view();
+        const BlockPoints<T> points = points_of(block);
         Lanes<T>* const rest = blob.writable(out.rest) + block * D;
         for (std::size_t lane = 0; lane < lanes; ++lane) { // copies of the last point fill the block
-            const std::size_t i = point(block, std::min(lane, used(block) - 1));
+            const std::size_t i = points.index[std::min(lane, points.count - 1)];
             for (std::size_t k = 0; k < D; ++k) rest[k][lane] = binding_.rest(i, k);
         }
-        std::vector<double> kept = kept_weights(block);
+        WeightRows rows = rows_of(block, points);
         std::byte* const place =
-            blob.writable(out.weights) + out.first_row(block) * lanes * weight_bytes<T>(options_.format);
-        const T scale = store_weights<T>(options_.format, kept, place);
+            blob.writable(out.weights) + out.first_row(block) * lanes * weight_bytes<T>(format_);
+        const T scale = store_weights<T>(format_, rows.weights, place);
         if (out.scale != nullptr) blob.writable(out.scale)[block] = scale;
-        for (std::size_t lane = 0; lane < used(block); ++lane)
-            report.errors[point(block, lane)] = store_residual(block, lane, kept, blob);
-    }
-
-    /// Σ w a of a point's weights in the binding.
-    Column row_sums(std::size_t i) const {
-        Column sum{};
-        for (std::size_t h = 0; h < handles_; ++h) sum = sum + double(binding_.weights(i, h)) * moments_[h];
-        return sum;
-    }
-
-    /// The weights of a block's rows, changed the least that restores the row sums of its points.
-    std::vector<double> kept_weights(std::size_t block) {
-        Piece& piece = pieces_[block];
-        const std::size_t rows = row_count(block);
-        std::vector<double> kept(rows * lanes, 0.0);
-        const auto has_row = [&](std::size_t h) {
-            return std::binary_search(piece.handles.begin(), piece.handles.end(), h);
-        };
-        const Matrix inverse = sparse_ ? Moments<D>::power(moments_.sum_of_squares(has_row), -1) : Matrix{};
-        for (std::size_t lane = 0; lane < used(block); ++lane) {
-            const std::size_t i = point(block, lane);
-            for (std::size_t r = 0; r < rows; ++r)
-                kept[r * lanes + lane] = double(binding_.weights(i, handle(block, r)));
-            if (!sparse_) continue;
-            Column missing = row_sums(i);
-            for (std::size_t r = 0; r < rows; ++r)
-                missing = missing - kept[r * lanes + lane] * moments_[handle(block, r)];
-            const auto is_rounding = [](double x) { return std::fabs(x) <= 4 * double(epsilon<T>); };
-            if (std::all_of(missing.v, missing.v + D + 1, is_rounding)) continue;
-            const Column step = product(inverse, missing);
-            for (std::size_t r = 0; r < rows; ++r) {
-                const double change = dot(step, moments_[handle(block, r)]);
-                kept[r * lanes + lane] += change;
-                piece.change.raise({std::fabs(change), i});
-            }
-        }
-        return kept;
-    }
-
-    /// What the weights `stored` leave of a point's row sums. Returns Σ |w' − w| of the weights
-    /// then in effect.
-    float store_residual(std::size_t block, std::size_t lane, std::span<const double> stored,
-                         PackedBinding<T, D>& blob) const {
-        const auto out = blob.view();
-        const std::size_t i = point(block, lane), rows = row_count(block);
-        Column residual{};
-        if (out.residual != nullptr) {
-            residual = row_sums(i);
-            for (std::size_t r = 0; r < rows; ++r)
-                residual = residual - stored[r * lanes + lane] * moments_[handle(block, r)];
+        const auto residuals = packer_.residuals(format_, points, rows);
+        for (std::size_t lane = 0; lane < residuals.size(); ++lane) {
             for (std::size_t k = 0; k <= D; ++k)
-                blob.writable(out.residual)[block * (D + 1) + k][lane] = static_cast<T>(residual[k]);
+                blob.writable(out.residual)[block * (D + 1) + k][lane] = static_cast<T>(residuals[lane][k]);
         }
-        double error = 0;
-        for (std::size_t h = 0, r = 0; h < handles_; ++h) {
-            double effective = 0;
-            if (r < rows && handle(block, r) == h) effective = stored[r++ * lanes + lane];
-            if (out.residual != nullptr) effective += dot(residual, moments_.fit(h));
-            error += std::fabs(effective - double(binding_.weights(i, h)));
+        measure(pieces_[block], points, packer_.change(points, rows, residuals), report);
+    }
+
+    /// Tells what a change of the weights of a block's points does to them.
+    void measure(Piece& piece, const BlockPoints<T>& points, std::span<const double> change,
+                 PackReport& report) const {
+        const auto distances = loss_.template distances<lanes>(change);
+        for (std::size_t lane = 0; lane < points.count; ++lane) {
+            const std::size_t i = points.index[lane];
+            double error = 0;
+            for (std::size_t h = 0; h < handles_; ++h) error += std::fabs(change[h * lanes + lane]);
+            report.errors[i] = static_cast<float>(error);
+            report.distances[i] = static_cast<float>(distances[lane].value);
+            if (piece.distance.point == Extreme::none || distances[lane].value > piece.distance.value)
+                piece.pose = distances[lane].pose;
+            piece.distance.raise({distances[lane].value, i});
         }
-        return static_cast<float>(error);
     }
 
     const BindingView<T, D> binding_;
     const PackOptions& options_;
     const Running& running_;
     std::size_t handles_, points_, blocks_;
-    bool sparse_;
+    bool sparse_; ///< by number or size of weights
     Moments<D> moments_;
+    WeightLoss<D> loss_;
+    BlockPacker<T, D> packer_{binding_, moments_, loss_};
+    std::optional<SquareLoss<D>> square_loss_; ///< where a distance is kept
+    WeightFormat format_;
     std::vector<std::uint32_t> order_, row_begin_;
     std::uint64_t rows_ = 0;
     std::vector<Piece> pieces_;

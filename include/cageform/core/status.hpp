@@ -66,6 +66,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(too_few_weights, "linear precision takes more weights a point")                             \
     X(too_few_influences, "a skin needs at least one influence a point")                          \
     X(order_not_a_permutation, "the order leaves a point out or names one twice")                 \
+    X(format_too_coarse, "weights of this format cannot keep the tolerance")                      \
     X(weight_not_finite, "a weight of the binding is not a finite number")                        \
     X(binding_empty, "the binding has no points to go by")                                        \
     /* binding/blob.hpp */                                                                        \

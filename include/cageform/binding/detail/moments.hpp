@@ -37,6 +37,7 @@ public:
         inverse_of_all_ = power(sum_of_squares([](std::size_t) { return true; }), -1);
     }
 
+    std::size_t size() const { return columns_.size(); }
     const Column& operator[](std::size_t handle) const { return columns_[handle]; }
     /// The best affine fit to values at all handles is Σ_i fit(i) · value_i, against these columns.
     Column fit(std::size_t handle) const { return product(inverse_of_all_, columns_[handle]); }

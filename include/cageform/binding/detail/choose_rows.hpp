@@ -1,0 +1,190 @@
+// Which handles a block of a packed binding keeps rows for.
+#pragma once
+
+#include <cageform/binding/detail/packed_block.hpp>
+#include <cageform/binding/detail/row_pursuit.hpp>
+
+#include <numeric>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Handles that lie nearly in one plane could restore what is missing across it by huge changes
+/// only: the least mean square of the affine rows, which is 1 of all handles.
+template <std::size_t D, class Chosen>
+bool are_spread(const Moments<D>& moments, const Chosen& chosen) {
+    constexpr double enough = 0.05;
+    return principal_axes(moments.sum_of_squares(chosen)).least() >= enough;
+}
+
+/// The rows that a block is asked for by number or size of weights.
+struct RowsBySize {
+    std::vector<std::uint32_t> handles; ///< ascending
+    std::size_t added = 0;              ///< because those asked for would lie too nearly in one plane
+};
+
+/// The handles that any point of a block wants, and more where those would not do.
+template <Scalar T, std::size_t D>
+RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& moments,
+                        const BlockPoints<T>& points, const PackOptions& options) {
+    const std::size_t handles = moments.size();
+    std::vector<double> largest(handles, 0.0); // of any point
+    std::vector<char> chosen(handles, 0);
+    std::vector<std::size_t> ranked;
+    for (std::size_t lane = 0; lane < points.count; ++lane) {
+        const std::size_t i = points.index[lane];
+        const auto size = [&](std::size_t h) { return std::fabs(double(binding.weights(i, h))); };
+        ranked.clear();
+        for (std::size_t h = 0; h < handles; ++h) {
+            largest[h] = std::max(largest[h], size(h));
+            if (size(h) > 0 && size(h) >= options.threshold) ranked.push_back(h);
+        }
+        if (options.largest != 0 && ranked.size() > options.largest) {
+            const auto last = ranked.begin() + std::ptrdiff_t(options.largest);
+            std::nth_element(ranked.begin(), last - 1, ranked.end(), [&](std::size_t a, std::size_t b) {
+                return size(a) != size(b) ? size(a) > size(b) : a < b;
+            });
+            ranked.erase(last, ranked.end());
+        }
+        for (const std::size_t h : ranked) chosen[h] = 1;
+    }
+    RowsBySize result;
+    const auto is_chosen = [&chosen](std::size_t h) { return chosen[h] != 0; };
+    const bool all_are_needed = std::none_of(largest.begin(), largest.end(), [](double w) { return w > 0; });
+    while (!all_are_needed && !are_spread(moments, is_chosen)) {
+        std::size_t next = handles;
+        for (std::size_t h = 0; h < handles; ++h) {
+            if (!is_chosen(h) && largest[h] > 0 && (next == handles || largest[h] > largest[next])) next = h;
+        }
+        if (next == handles) break;
+        chosen[next] = 1;
+        ++result.added;
+    }
+    for (std::size_t h = 0; h < handles; ++h) {
+        if (is_chosen(h)) result.handles.push_back(static_cast<std::uint32_t>(h));
+    }
+    return result;
+}
+
+/// How many rows of a block a format needs, in the order in which a pursuit added them.
+struct RowTrial {
+    static constexpr std::size_t none = ~std::size_t{0};
+
+    WeightFormat format = WeightFormat::scalar;
+    std::size_t too_few = 0;  ///< the largest number of rows known not to do
+    std::size_t count = none; ///< that keep the tolerance
+    std::size_t suspect = 0;  ///< the pose that decided
+    Extreme distance;         ///< of all rows, once they were asked
+    bool given_up = false;
+
+    bool is_met() const { return count != none; }
+    bool is_open() const { return !is_met() && !given_up; }
+};
+
+/// The rows of one block that keep a tolerance.
+template <Scalar T, std::size_t D>
+class RowChooser {
+public:
+    static constexpr std::size_t lanes = lane_count<T>;
+
+    /// `asked_for` come first.
+    RowChooser(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss, const BlockPoints<T>& points,
+               std::span<const std::uint32_t> asked_for)
+        : packer_(packer)
+        , loss_(loss)
+        , points_(points)
+        , all_(all_rows(packer, loss, points))
+        , pursuit_(loss, all_.weights) {
+        for (const std::uint32_t h : asked_for) pursuit_.add(h);
+    }
+
+    /// Fills `trials`, whose formats are given, with the fewest rows that are found to keep
+    /// `tolerance`. Their number grows by eighths, which is then bisected.
+    void run(std::span<RowTrial> trials, double tolerance) {
+        // Sums are taken in another order here than at the end.
+        const double limit = tolerance * (1 - 1e-9);
+        const std::size_t candidates = pursuit_.candidates(), asked_for = pursuit_.order().size();
+        for (std::size_t count = std::min(std::max(asked_for, D + 1), candidates);;) {
+            while (pursuit_.order().size() < count) pursuit_.add(pursuit_.best());
+            for (RowTrial& trial : trials) {
+                if (trial.is_open()) test(trial, count, limit);
+            }
+            const bool open = std::any_of(trials.begin(), trials.end(), [](auto& t) { return t.is_open(); });
+            if (!open || count == candidates) break;
+            count = std::min(count + std::max<std::size_t>(count / 8, 1), candidates);
+        }
+        for (RowTrial& trial : trials) {
+            if (trial.is_met()) bisect(trial, std::max(asked_for, trial.too_few), limit);
+        }
+    }
+
+    std::span<const std::uint32_t> order() const { return pursuit_.order(); }
+    /// The first `count` rows; the pursuit has gone as far.
+    WeightRows rows(std::size_t count) const {
+        const auto solution = pursuit_.solution(count);
+        std::vector<std::size_t> sorted(count);
+        std::iota(sorted.begin(), sorted.end(), std::size_t{0});
+        std::sort(sorted.begin(), sorted.end(),
+                  [&](std::size_t a, std::size_t b) { return order()[a] < order()[b]; });
+        WeightRows rows;
+        for (const std::size_t n : sorted) {
+            rows.handles.push_back(order()[n]);
+            rows.weights.insert(rows.weights.end(), solution[n].begin(), solution[n].end());
+        }
+        return rows;
+    }
+
+private:
+    static WeightRows all_rows(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss,
+                               const BlockPoints<T>& points) {
+        std::vector<std::uint32_t> handles(loss.handles());
+        std::iota(handles.begin(), handles.end(), 0u);
+        return packer.rows_of(points, std::move(handles));
+    }
+
+    /// Whether the first `count` rows do in the format of a trial.
+    bool keeps(RowTrial& trial, std::size_t count, double limit) const {
+        WeightRows kept = rows(count);
+        const auto has_row = [&](std::size_t h) {
+            return std::binary_search(kept.handles.begin(), kept.handles.end(), h);
+        };
+        if (count < pursuit_.candidates() && !are_spread(loss_.moments(), has_row)) return false;
+        packer_.restore(points_, kept);
+        if (packer_.distance(trial.format, points_, kept, limit, trial.suspect) <= limit) return true;
+        // What a coarse format loses by rounding, no further rows give back.
+        std::size_t suspect = trial.suspect;
+        if (count == pursuit_.candidates() ||
+            (trial.format != WeightFormat::scalar && trial.distance.point == Extreme::none &&
+             packer_.distance(WeightFormat::scalar, points_, kept, 0.25 * limit, suspect) <= 0.25 * limit)) {
+            trial.distance = packer_.farthest(trial.format, points_, all_);
+            trial.given_up = trial.distance.value > limit;
+        }
+        return false;
+    }
+
+    void test(RowTrial& trial, std::size_t count, double limit) const {
+        if (keeps(trial, count, limit)) {
+            trial.count = count;
+        } else {
+            trial.too_few = count;
+        }
+    }
+
+    void bisect(RowTrial& trial, std::size_t too_few, double limit) const {
+        while (trial.count > too_few + 1) {
+            const std::size_t middle = too_few + (trial.count - too_few) / 2;
+            if (keeps(trial, middle, limit)) {
+                trial.count = middle;
+            } else {
+                too_few = middle;
+            }
+        }
+    }
+
+    const BlockPacker<T, D>& packer_;
+    const SquareLoss<D>& loss_;
+    const BlockPoints<T>& points_;
+    WeightRows all_;
+    RowPursuit<D, lanes> pursuit_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,140 @@
+// A block of a packed binding: its points, the weights of its rows, and what they leave.
+#pragma once
+
+#include <cageform/binding/detail/moments.hpp>
+#include <cageform/binding/detail/stored_weights.hpp>
+#include <cageform/binding/detail/weight_loss.hpp>
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The points of a block; the last block may have fewer than lanes.
+template <Scalar T>
+struct BlockPoints {
+    std::array<std::size_t, lane_count<T>> index{};
+    std::size_t count = 0;
+};
+
+/// Some handles, and a row of weights for each: of point after point of a block.
+struct WeightRows {
+    std::vector<std::uint32_t> handles; ///< ascending
+    std::vector<double> weights;        ///< #handles rows of lanes
+};
+
+/// What a packing does with the rows of one block after the other.
+template <Scalar T, std::size_t D>
+class BlockPacker {
+public:
+    using Column = typename Moments<D>::Column;
+    using Matrix = typename Moments<D>::Matrix;
+    static constexpr std::size_t lanes = lane_count<T>;
+
+    BlockPacker(const BindingView<T, D>& binding, const Moments<D>& moments, const WeightLoss<D>& loss)
+        : binding_(binding)
+        , moments_(moments)
+        , loss_(loss) {}
+
+    /// The binding's weights of the points, a row for each of `handles`; those of lanes without a
+    /// point are 0.
+    WeightRows rows_of(const BlockPoints<T>& points, std::vector<std::uint32_t> handles) const {
+        WeightRows rows{std::move(handles), {}};
+        rows.weights.assign(rows.handles.size() * lanes, 0.0);
+        for (std::size_t r = 0; r < rows.handles.size(); ++r) {
+            for (std::size_t lane = 0; lane < points.count; ++lane)
+                rows.weights[r * lanes + lane] =
+                    double(binding_.weights(points.index[lane], rows.handles[r]));
+        }
+        return rows;
+    }
+
+    /// Changes weights the least that restores the row sums of their points. Returns the largest
+    /// change.
+    Extreme restore(const BlockPoints<T>& points, WeightRows& rows) const {
+        Extreme largest;
+        const auto has_row = [&](std::size_t h) {
+            return std::binary_search(rows.handles.begin(), rows.handles.end(), h);
+        };
+        const Matrix inverse = Moments<D>::power(moments_.sum_of_squares(has_row), -1);
+        for (std::size_t lane = 0; lane < points.count; ++lane) {
+            const Column missing = residual(points.index[lane], lane, rows);
+            const auto is_rounding = [](double x) { return std::fabs(x) <= 4 * double(epsilon<T>); };
+            if (std::all_of(missing.v, missing.v + D + 1, is_rounding)) continue;
+            const Column step = product(inverse, missing);
+            for (std::size_t r = 0; r < rows.handles.size(); ++r) {
+                const double change = dot(step, moments_[rows.handles[r]]);
+                rows.weights[r * lanes + lane] += change;
+                largest.raise({std::fabs(change), points.index[lane]});
+            }
+        }
+        return largest;
+    }
+
+    /// What rows leave of a point's row sums in the binding: Σ w a − Σ w' a.
+    Column residual(std::size_t point, std::size_t lane, const WeightRows& rows) const {
+        Column sum{};
+        for (std::size_t h = 0; h < moments_.size(); ++h)
+            sum = sum + double(binding_.weights(point, h)) * moments_[h];
+        for (std::size_t r = 0; r < rows.handles.size(); ++r)
+            sum = sum - rows.weights[r * lanes + lane] * moments_[rows.handles[r]];
+        return sum;
+    }
+
+    /// w' − w of all handles, #handles rows of lanes: `stored` are the weights as they are stored,
+    /// `residuals` what is kept of the points' row sums beside them, in formats that do.
+    std::vector<double> change(const BlockPoints<T>& points, const WeightRows& stored,
+                               std::span<const Column> residuals) const {
+        std::vector<double> change(moments_.size() * lanes, 0.0);
+        for (std::size_t h = 0, r = 0; h < moments_.size(); ++h) {
+            const bool has_row = r < stored.handles.size() && stored.handles[r] == h;
+            const Column fit = residuals.empty() ? Column{} : moments_.fit(h);
+            for (std::size_t lane = 0; lane < points.count; ++lane) {
+                double effective = has_row ? stored.weights[r * lanes + lane] : 0;
+                if (!residuals.empty()) effective += dot(residuals[lane], fit);
+                change[h * lanes + lane] = effective - double(binding_.weights(points.index[lane], h));
+            }
+            if (has_row) ++r;
+        }
+        return change;
+    }
+
+    /// The row sums that a format keeps beside the weights of all points; none of scalars.
+    std::vector<Column> residuals(WeightFormat format, const BlockPoints<T>& points,
+                                  const WeightRows& stored) const {
+        std::vector<Column> residuals;
+        for (std::size_t lane = 0; format != WeightFormat::scalar && lane < points.count; ++lane)
+            residuals.push_back(residual(points.index[lane], lane, stored));
+        return residuals;
+    }
+
+    /// The largest distance of the points when `rows` are stored in a format, or one above `limit`.
+    double distance(WeightFormat format, const BlockPoints<T>& points, const WeightRows& rows, double limit,
+                    std::size_t& suspect) const {
+        return loss_.template largest<lanes>(stored_change(format, points, rows), limit, suspect);
+    }
+
+    /// The same, of which point.
+    Extreme farthest(WeightFormat format, const BlockPoints<T>& points, const WeightRows& rows) const {
+        const auto distances = loss_.template distances<lanes>(stored_change(format, points, rows));
+        Extreme farthest;
+        for (std::size_t lane = 0; lane < points.count; ++lane)
+            farthest.raise({distances[lane].value, points.index[lane]});
+        return farthest;
+    }
+
+private:
+    std::vector<double> stored_change(WeightFormat format, const BlockPoints<T>& points,
+                                      WeightRows rows) const {
+        std::vector<std::byte> memory(rows.weights.size() * sizeof(T));
+        store_weights<T>(format, rows.weights, memory.data());
+        return change(points, rows, residuals(format, points, rows));
+    }
+
+    const BindingView<T, D>& binding_;
+    const Moments<D>& moments_;
+    const WeightLoss<D>& loss_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,226 @@
+// Which weights of a block to keep, and what they become, so that its points move as they did.
+#pragma once
+
+#include <cageform/binding/detail/moments.hpp>
+#include <cageform/binding/detail/weight_loss.hpp>
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The mean square of what a change δ of a point's weights moves it by: δᵀ K δ, where
+///
+///     K = mean over poses of m mᵀ + ν² I + α A Aᵀ
+///
+/// m are the handles' displacements in a pose less their best affine fit, A the affine rows. The
+/// second term is for moves of single handles, of a size ν that is a share of the mean one: without
+/// it weights would be fitted to the poses alone. The third is for affine moves, of the mean size.
+template <std::size_t D>
+class SquareLoss {
+public:
+    SquareLoss(const Moments<D>& moments, const WeightLoss<D>& loss)
+        : moments_(moments)
+        , handles_(moments.size()) {
+        if (loss.poses() == 0 || handles_ == 0) return;
+        poses_.assign(handles_ * handles_, 0.0);
+        double trace = 0;
+        for (std::size_t p = 0; p < loss.poses(); ++p) {
+            for (std::size_t k = 0; k < D; ++k) trace += add_pose(loss.displacements(p, k));
+        }
+        const double mean = trace / double(loss.poses()) / double(handles_);
+        for (double& x : poses_) x /= double(loss.poses());
+        // A tenth of the mean move lost hardly a row on what was measured, and halved the distances
+        // in poses that were not given. Moves below a millionth of the cage are rounding.
+        constexpr double share = 0.1, least = 1e-6;
+        noise_ = std::max(share * share * mean, least * least);
+        affine_ = std::max(mean, least * least);
+    }
+
+    std::size_t handles() const { return handles_; }
+    const Moments<D>& moments() const { return moments_; }
+
+    /// K's column of a handle.
+    void column(std::size_t handle, std::span<double> out) const {
+        for (std::size_t h = 0; h < handles_; ++h)
+            out[h] = affine_ * dot(moments_[h], moments_[handle]) +
+                     (poses_.empty() ? 0 : poses_[handle * handles_ + h]);
+        out[handle] += noise_;
+    }
+    double least_pivot() const { return noise_; } ///< of any Schur complement
+    double diagonal(std::size_t handle) const {
+        return affine_ * dot(moments_[handle], moments_[handle]) + noise_ +
+               (poses_.empty() ? 0 : poses_[handle * handles_ + handle]);
+    }
+
+private:
+    /// Adds m mᵀ; returns |m|².
+    double add_pose(std::span<const double> displacements) {
+        typename Moments<D>::Column fit{};
+        for (std::size_t h = 0; h < handles_; ++h) fit = fit + displacements[h] * moments_.fit(h);
+        std::vector<double> m(handles_);
+        double squared = 0;
+        for (std::size_t h = 0; h < handles_; ++h) {
+            m[h] = displacements[h] - dot(fit, moments_[h]);
+            squared += m[h] * m[h];
+        }
+        for (std::size_t a = 0; a < handles_; ++a) {
+            for (std::size_t b = 0; b < handles_; ++b) poses_[a * handles_ + b] += m[a] * m[b];
+        }
+        return squared;
+    }
+
+    const Moments<D>& moments_;
+    std::size_t handles_;
+    std::vector<double> poses_; // #handles²; empty: no poses
+    double noise_ = 1, affine_ = 1;
+};
+
+/// Handles of a block in the order in which they are worth a row, with the weights that are best
+/// when the first of them are kept: those that lose the least square and restore Σ wκ and Σ wH.
+/// Orthogonal least squares (Chen, Billings, Luo, Int. J. Control 50 (1989)), on a Cholesky
+/// factorisation of K that gains a row with every handle.
+///
+///   L     points of the block
+///   cost  O(#handles · (count + L)) for the next handle, and for a solution O(count² · L)
+template <std::size_t D, std::size_t L>
+class RowPursuit {
+public:
+    using Column = typename Moments<D>::Column;
+    using Row = std::array<double, L>;
+
+    /// Begins anew: `weights` are #handles rows of L numbers.
+    RowPursuit(const SquareLoss<D>& loss, std::span<const double> weights)
+        : loss_(loss)
+        , weights_(weights)
+        , is_candidate_(loss.handles(), 0)
+        , pivots_(loss.handles())
+        , gradients_(loss.handles())
+        , scratch_(loss.handles()) {
+        const std::size_t handles = loss.handles();
+        for (auto& row : gradients_) row.fill(0);
+        for (std::size_t h = 0; h < handles; ++h) {
+            pivots_[h] = loss.diagonal(h);
+            const double* const w = weights.data() + h * L;
+            if (std::all_of(w, w + L, [](double x) { return x == 0; })) continue;
+            is_candidate_[h] = 1;
+            ++candidates_;
+            loss.column(h, scratch_);
+            for (std::size_t other = 0; other < handles; ++other) {
+                for (std::size_t lane = 0; lane < L; ++lane)
+                    gradients_[other][lane] += scratch_[other] * w[lane];
+            }
+            for (std::size_t lane = 0; lane < L; ++lane)
+                sums_[lane] = sums_[lane] + w[lane] * loss.moments()[h];
+        }
+        for (std::size_t h = 0; h < handles; ++h) {
+            for (std::size_t lane = 0; lane < L; ++lane)
+                lost_[lane] += gradients_[h][lane] * weights[h * L + lane];
+        }
+    }
+
+    std::size_t candidates() const { return candidates_; } ///< handles with a weight that is not 0
+    std::span<const std::uint32_t> order() const { return order_; }
+
+    /// The handle that lowers the loss the most, points weighed by what they have lost.
+    std::uint32_t best() const {
+        double most = -1;
+        std::uint32_t best = 0;
+        for (std::size_t h = 0; h < loss_.handles(); ++h) {
+            if (is_candidate_[h] == 0) continue;
+            double gain = 0;
+            for (std::size_t lane = 0; lane < L; ++lane)
+                gain += lost_[lane] * gradients_[h][lane] * gradients_[h][lane];
+            gain /= pivots_[h];
+            if (gain > most) {
+                most = gain;
+                best = static_cast<std::uint32_t>(h);
+            }
+        }
+        return best;
+    }
+
+    /// Frees the weights of a candidate that was not added before.
+    void add(std::uint32_t handle) {
+        const std::size_t handles = loss_.handles(), count = order_.size();
+        factor_.resize((count + 1) * handles);
+        double* const next = factor_.data() + count * handles;
+        loss_.column(handle, {next, handles});
+        for (std::size_t j = 0; j < count; ++j) {
+            const double* const column = factor_.data() + j * handles;
+            const double f = column[handle];
+            for (std::size_t h = 0; h < handles; ++h) next[h] -= f * column[h];
+        }
+        const double root = std::sqrt(pivots_[handle]);
+        Row step;
+        for (std::size_t lane = 0; lane < L; ++lane) {
+            step[lane] = gradients_[handle][lane] / root;
+            lost_[lane] = std::max(lost_[lane] - step[lane] * step[lane], 0.0);
+        }
+        Column affine = loss_.moments()[handle];
+        for (std::size_t j = 0; j < count; ++j)
+            affine = affine - factor_[j * handles + handle] * affine_steps_[j];
+        affine_steps_.push_back(1 / root * affine);
+        for (std::size_t h = 0; h < handles; ++h) {
+            next[h] /= root;
+            pivots_[h] = std::max(pivots_[h] - next[h] * next[h], loss_.least_pivot());
+            for (std::size_t lane = 0; lane < L; ++lane) gradients_[h][lane] -= next[h] * step[lane];
+        }
+        steps_.push_back(step);
+        order_.push_back(handle);
+        is_candidate_[handle] = 0;
+    }
+
+    /// The weights of the first `count` handles that were added.
+    std::vector<Row> solution(std::size_t count) const {
+        std::vector<Row> x(count);
+        if (count == candidates_) { // nothing is dropped
+            for (std::size_t j = 0; j < count; ++j)
+                std::copy_n(weights_.data() + order_[j] * L, L, x[j].begin());
+            return x;
+        }
+        std::copy_n(steps_.begin(), count, x.begin());
+        restore_sums(x);
+        for (std::size_t j = count; j-- > 0;) {
+            const double* const column = factor_.data() + j * loss_.handles();
+            for (std::size_t i = j + 1; i < count; ++i) {
+                for (std::size_t lane = 0; lane < L; ++lane) x[j][lane] -= column[order_[i]] * x[i][lane];
+            }
+            for (double& w : x[j]) w /= column[order_[j]];
+        }
+        return x;
+    }
+
+private:
+    /// Adds the multipliers of the row sums to the right-hand side Lᵀ x of the weights.
+    void restore_sums(std::vector<Row>& x) const {
+        typename Moments<D>::Matrix square{};
+        for (std::size_t j = 0; j < x.size(); ++j)
+            add_outer_product(square, affine_steps_[j], affine_steps_[j]);
+        const auto inverse = Moments<D>::power(square, -1);
+        for (std::size_t lane = 0; lane < L; ++lane) {
+            Column missing = sums_[lane];
+            for (std::size_t j = 0; j < x.size(); ++j) missing = missing - x[j][lane] * affine_steps_[j];
+            const Column multipliers = product(inverse, missing);
+            for (std::size_t j = 0; j < x.size(); ++j) x[j][lane] += dot(multipliers, affine_steps_[j]);
+        }
+    }
+
+    const SquareLoss<D>& loss_;
+    std::span<const double> weights_;
+    std::vector<char> is_candidate_;
+    std::vector<double> pivots_;  // the diagonal of K's Schur complement
+    std::vector<Row> gradients_;  // of the loss, half and with the sign of the weights
+    std::vector<double> scratch_; // #handles
+    std::size_t candidates_ = 0;
+    std::array<Column, L> sums_{};
+    Row lost_{}; // the square loss of every point
+    std::vector<std::uint32_t> order_;
+    std::vector<double> factor_; // columns of #handles numbers
+    std::vector<Row> steps_;     // L⁻¹ K w of the handles added
+    std::vector<Column> affine_steps_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
