@@ -2,6 +2,7 @@
 #include "../support/meshes.hpp"
 #include "../support/packed.hpp"
 
+#include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
@@ -345,6 +346,294 @@ TEST_CASE("points kept in place stay there in every pose", "[pack]") {
         CHECK((out[2][0] != out[2][0] && out[2][1] == 1));
         CHECK(out[0] != points[0]);
     }
+}
+
+namespace {
+
+/// Poses of the handles that bend: affine images of them, each with a smooth wave added.
+template <class T, std::size_t D>
+std::vector<std::vector<Vec<T, D>>> bent_poses(const std::vector<Vec<T, D>>& handles, std::size_t count,
+                                               std::uint64_t seed) {
+    Random random(seed);
+    const double size = size_of(handles);
+    std::vector<std::vector<Vec<T, D>>> poses;
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto map = random_affine<D>(random, size);
+        auto pose = map(std::span<const Vec<T, D>>(handles));
+        const double reach = size * random.uniform(0.02, 0.2), turns = random.uniform(2, 6) / size;
+        for (std::size_t h = 0; h < pose.size(); ++h) {
+            for (std::size_t k = 0; k < D; ++k)
+                pose[h][k] += T(reach * std::sin(turns * double(handles[h][(k + 1) % D]) + double(n)));
+        }
+        poses.push_back(std::move(pose));
+    }
+    return poses;
+}
+
+/// By the definition: the distances of two clones, the largest of each point.
+template <class T, std::size_t D>
+std::vector<double> distances(const Binding<T, D>& binding, const cageform::PackedBinding<T, D>& packed,
+                              const std::vector<std::vector<Vec<T, D>>>& poses) {
+    std::vector<double> largest(binding.point_count(), 0.0);
+    for (const auto& pose : poses) {
+        const auto exact = cageform_tests::cloned(binding, pose), moved = cloned(packed, pose);
+        for (std::size_t i = 0; i < exact.size(); ++i)
+            largest[i] = std::max(largest[i], double(distance(exact[i], moved[i])));
+    }
+    return largest;
+}
+
+/// What the sums of two clones may round: as in the test of errors above.
+template <class T, std::size_t D>
+double rounding_of_clones(const std::vector<Vec<T, D>>& handles,
+                          const std::vector<std::vector<Vec<T, D>>>& poses, double error) {
+    double size = size_of(handles);
+    for (const auto& pose : poses) size = std::max(size, double(size_of(pose)));
+    return 64 * double(epsilon<T>) * size * (1 + error);
+}
+
+const auto all_formats = {std::optional<WeightFormat>{}, std::optional(WeightFormat::scalar),
+                          std::optional(WeightFormat::half), std::optional(WeightFormat::int16),
+                          std::optional(WeightFormat::int8)};
+
+} // namespace
+
+TEMPLATE_TEST_CASE("a tolerance over poses is kept by the clones, in every format or by name",
+                   "[pack][tolerance]", Float2, Double2, Float3, Double3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto seed = GENERATE(range(80, 83));
+    const double share = GENERATE(1e-2, 1e-4);
+    CAPTURE(seed, share);
+    const Bound<T, D> bound{std::uint64_t(seed)};
+    const double tolerance = share * size_of(bound.handles);
+    const auto poses = bent_poses(bound.handles, 5, std::uint64_t(seed));
+    std::vector<double> numbers;
+    for (const auto& pose : poses) cageform::append_pose(numbers, pose);
+    std::size_t open_bytes = 0, least_bytes = ~std::size_t{0};
+    for (const auto& format : all_formats) {
+        CAPTURE(format ? int(*format) : -1);
+        const PackOptions options{.format = format, .tolerance = tolerance, .poses = numbers};
+        const auto [packed, report] = pack(bound.binding, options);
+        CHECK(report.poses == poses.size());
+        if (format && *format != WeightFormat::scalar && report.status != Status::ok) {
+            // What is said to be reachable is.
+            REQUIRE(report.status == Status::format_too_coarse);
+            CHECK(packed.bytes().empty());
+            CHECK(report.distance.value > tolerance);
+            CHECK(report.culprit == report.distance.point);
+            auto looser = options;
+            looser.tolerance = 1.001 * report.distance.value;
+            CHECK(pack(bound.binding, looser).report.status == Status::ok);
+            continue;
+        }
+        REQUIRE(report.status == Status::ok);
+        CHECK(report.distance.value <= tolerance);
+        if (!format) open_bytes = report.bytes;
+        if (format) {
+            CHECK(report.format == *format);
+            least_bytes = std::min(least_bytes, report.bytes);
+        }
+        const auto measured = distances(bound.binding, packed, poses);
+        const double rounding = rounding_of_clones(bound.handles, poses, report.error.value);
+        double largest = 0, sum = 0;
+        for (std::size_t i = 0; i < measured.size(); ++i) {
+            CHECK(measured[i] <= tolerance + rounding);
+            CHECK(std::fabs(measured[i] - double(report.distances[i])) <= rounding + 1e-6 * measured[i]);
+            largest = std::max(largest, double(report.distances[i]));
+            sum += double(report.distances[i]);
+        }
+        CHECK(report.distance.value == Approx(largest).epsilon(1e-6));
+        CHECK(report.mean_distance == Approx(sum / double(measured.size())).margin(1e-300));
+        // The point and the pose are those of the largest distance.
+        REQUIRE(report.distance.point < measured.size());
+        REQUIRE(report.distance_pose < poses.size());
+        const auto in_that_pose = distances(bound.binding, packed, {poses[report.distance_pose]});
+        CHECK(std::fabs(in_that_pose[report.distance.point] - report.distance.value) <= rounding);
+        // As ever.
+        CHECK(cloned(packed, bound.handles) == bound.points);
+        Random random(std::uint64_t(seed) + 1);
+        const auto map = random_affine<D>(random, size_of(bound.handles));
+        const auto affine = map(std::span<const Vec<T, D>>(bound.handles));
+        const auto moved = cloned(packed, affine);
+        const double affine_rounding = rounding_of_clones<T, D>(bound.handles, {affine}, report.error.value);
+        for (std::size_t i = 0; i < moved.size(); ++i)
+            CHECK(distance(moved[i], map(cageform::vec_cast<long double>(bound.points[i]))) <=
+                  affine_rounding);
+    }
+    CHECK(open_bytes == least_bytes); // the cheapest format that does
+}
+
+TEMPLATE_TEST_CASE("without poses a tolerance holds for all that bend no farther than the reach",
+                   "[pack][tolerance]", Float2, Double3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto seed = GENERATE(range(90, 93));
+    const double share = GENERATE(0.0, 0.02); // of the cage's size; 0: a tenth of it
+    CAPTURE(seed, share);
+    const Bound<T, D> bound{std::uint64_t(seed)};
+    const double size = cageform::bounds_of(std::span<const Vec<T, D>>(bound.handles)).diagonal();
+    const PackOptions options{.tolerance = 5e-3 * size, .reach = share * size};
+    const auto [packed, report] = pack(bound.binding, options);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.reach == Approx(share > 0 ? share * size : 0.1 * size));
+    CHECK(report.poses == 0);
+    CHECK(report.distance_pose == cageform::Extreme::none);
+    CHECK(report.distance.value <= options.tolerance);
+    CHECK(report.distance.value == Approx(report.reach * report.error.value));
+    CHECK(report.distance.value >= 0.1 * options.tolerance); // or nothing was dropped
+    Random random{std::uint64_t(seed)};
+    std::vector<std::vector<Vec<T, D>>> poses;
+    for (int n = 0; n < 20; ++n) {
+        const auto map = random_affine<D>(random, size);
+        auto pose = map(std::span<const Vec<T, D>>(bound.handles));
+        for (auto& handle : pose) {
+            for (std::size_t k = 0; k < D; ++k) // to a corner of the cube within the reach
+                handle[k] += T((random.uniform(-1, 1) > 0 ? 1 : -1) * report.reach / std::sqrt(double(D)));
+        }
+        poses.push_back(std::move(pose));
+    }
+    const double rounding = rounding_of_clones(bound.handles, poses, report.error.value);
+    for (const double distance : distances(bound.binding, packed, poses))
+        CHECK(distance <= options.tolerance + rounding);
+}
+
+TEST_CASE(
+    "eight weights of a bent box are a tenth of it off, and the report says so; a tolerance takes fewer",
+    "[pack][tolerance]") {
+    // A box of 2 by 2 by 4 faces, 42 vertices, bent by a right angle.
+    const cageform_tests::MeshData box = divided_box({2, 2, 4}, 0.5);
+    const auto mesh = box.mesh<float>();
+    const std::vector<Vec<float, 3>> handles(mesh.vertices().begin(), mesh.vertices().end());
+    REQUIRE(handles.size() == 42);
+    std::vector<Vec<float, 3>> points;
+    Random random(5);
+    for (int i = 0; i < 1000; ++i)
+        points.push_back({float(random.uniform(-0.4, 0.4)), float(random.uniform(-0.4, 0.4)),
+                          float(random.uniform(-0.9, 0.9))});
+    const auto binding = cageform::bind(cageform::MeanValueCoordinates<float, 3>(mesh), points).binding;
+    std::vector<std::vector<Vec<float, 3>>> poses;
+    std::vector<double> numbers;
+    for (const double angle : {0.5, 1.0, 1.57}) {
+        auto& pose = poses.emplace_back(handles);
+        const double radius = 2 / angle;
+        for (auto& p : pose) {
+            const double at = angle * (double(p[2]) + 1) / 2, arm = radius - double(p[0]);
+            p = {float(radius - arm * std::cos(at)), p[1], float(arm * std::sin(at))};
+        }
+        cageform::append_pose(numbers, pose);
+    }
+    const auto eight = pack(binding, {.format = WeightFormat::int16, .largest = 8, .poses = numbers});
+    REQUIRE(eight.report.status == Status::ok);
+    const auto measured = distances(binding, eight.binding, poses);
+    const double worst = *std::max_element(measured.begin(), measured.end());
+    CHECK(worst > 0.02 * eight.report.size);
+    CHECK(eight.report.distance.value == Approx(worst).epsilon(1e-4));
+    const auto kept = pack(binding, {.tolerance = 1e-3 * eight.report.size, .poses = numbers});
+    REQUIRE(kept.report.status == Status::ok);
+    CHECK(kept.report.distance.value <= 1e-3 * kept.report.size);
+    CHECK(kept.report.bytes <= eight.report.bytes);
+}
+
+TEMPLATE_TEST_CASE("of vectors, a tolerance is the length of their change", "[pack][tolerance]", Float2,
+                   Double3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto seed = GENERATE(range(95, 97));
+    CAPTURE(seed);
+    const Bound<T, D> bound{std::uint64_t(seed)};
+    const auto poses = bent_poses(bound.handles, 4, std::uint64_t(seed));
+    std::vector<double> numbers;
+    for (const auto& pose : poses) cageform::append_pose(numbers, pose);
+    const auto points =
+        pack(bound.binding, {.tolerance = 1e-3 * size_of(bound.handles), .poses = numbers}).binding;
+    const std::span<const std::uint32_t> order(points.view().order, bound.points.size());
+    const auto vectors = random_binding<T, D>(bound.points.size(), bound.handles.size(), std::uint64_t(seed));
+    const auto [packed, report] = pack(vectors, {.tolerance = 0.01, .poses = numbers, .order = order});
+    REQUIRE(report.status == Status::ok);
+    CHECK(std::equal(order.begin(), order.end(), packed.view().order));
+    for (const double distance : distances(vectors, packed, poses))
+        CHECK(distance <= 0.01 + rounding_of_clones(bound.handles, poses, report.error.value));
+}
+
+TEST_CASE("rows that are asked for are kept beside those that a tolerance takes", "[pack][tolerance]") {
+    const Bound<float, 3> bound(99);
+    const auto poses = bent_poses(bound.handles, 3, 99);
+    std::vector<double> numbers;
+    for (const auto& pose : poses) cageform::append_pose(numbers, pose);
+    const double tolerance = 0.02 * size_of(bound.handles);
+    const auto asked = pack(bound.binding, {.largest = 8});
+    const auto both = pack(bound.binding, {.largest = 8, .tolerance = tolerance, .poses = numbers});
+    REQUIRE(both.report.status == Status::ok);
+    CHECK(both.report.distance.value <= tolerance);
+    CHECK(both.report.rows >= asked.report.rows);
+    CHECK(pack(bound.binding, {.tolerance = tolerance, .poses = numbers}).report.rows < both.report.rows);
+}
+
+TEST_CASE("a tolerance does not depend on threads, and can be cancelled", "[pack][tolerance][threads]") {
+    const auto binding = random_binding<float, 3>(3000, 40, 2);
+    const PackOptions options{.tolerance = 0.2};
+    const auto alone = pack(binding, options);
+    REQUIRE(alone.report.status == Status::ok);
+    cageform::Running running{cageform::ThreadedFor{3}};
+    const auto together = pack(binding, options, running);
+    const auto a = alone.binding.bytes(), b = together.binding.bytes();
+    REQUIRE(a.size() == b.size());
+    CHECK(std::memcmp(a.data(), b.data(), a.size()) == 0);
+    CHECK(alone.report.distances == together.report.distances);
+    running.progress = [](double done) { return done < 0.3; };
+    CHECK(pack(binding, options, running).report.status == Status::cancelled);
+}
+
+TEST_CASE("poses and tolerances that are none are refused by name", "[pack][tolerance][status]") {
+    const auto binding = random_binding<float, 2>(40, 7, 3);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> poses(3 * 7 * 2);
+    for (std::size_t n = 0; n < poses.size(); ++n) poses[n] = double(n * n % 11);
+    const auto status = [&](const PackOptions& options) { return pack(binding, options).report.status; };
+    CHECK(status({.tolerance = 0.1, .poses = poses}) == Status::ok);
+    for (const WeightFormat format : {WeightFormat::int8, WeightFormat::int16, WeightFormat::half})
+        CHECK(status({.format = format, .tolerance = 1e-9, .poses = poses}) == Status::format_too_coarse);
+    CHECK(status({.tolerance = 1e-9, .poses = poses}) == Status::ok);
+    CHECK(status({.tolerance = -0.1, .poses = poses}) == Status::value_not_finite);
+    CHECK(status({.tolerance = nan, .poses = poses}) == Status::value_not_finite);
+    CHECK(status({.tolerance = 0.1, .reach = -1}) == Status::value_not_finite);
+    CHECK(status({.reach = nan}) == Status::value_not_finite);
+    CHECK(status({.tolerance = 0.1, .poses = std::span(poses).first(41)}) == Status::pose_size_differs);
+    poses[2 * 14 + 5] = 1e39; // no float
+    const auto refused = pack(binding, {.poses = poses});
+    CHECK(refused.report.status == Status::pose_not_finite);
+    CHECK(refused.report.culprit == 2);
+    CHECK(pack(random_binding<double, 2>(3, 70000, 4), {.tolerance = 0.1}).report.status ==
+          Status::too_many_handles);
+}
+
+TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
+    for (const auto& format : all_formats) {
+        CHECK(pack(Binding<float, 3>{}, {.format = format, .tolerance = 1}).report.status == Status::ok);
+        for (const std::size_t handles : {1u, 2u, 3u, 4u}) {
+            const auto binding = random_binding<float, 3>(5, handles, handles);
+            const auto [packed, report] = pack(binding, {.format = format, .tolerance = 1});
+            REQUIRE(report.status == Status::ok);
+            CHECK(packed.view().point_count() == 5);
+        }
+    }
+    // Points kept in place need no rows; others of their block do.
+    const std::vector<Vec<double, 2>> cage{{0, 0}, {4, 0}, {4, 2}, {0, 2}, {-1, 1}};
+    std::vector<Vec<double, 2>> points{{50, 50}, {60, 50}};
+    const auto bind = [&] {
+        return cageform::bind(cageform::MeanValueCoordinates<double, 2>(cage), points,
+                              {.outside = cageform::OutsidePoints::keep_in_place})
+            .binding;
+    };
+    CHECK(pack(bind(), {.tolerance = 1e-3}).report.rows == 0);
+    points.push_back({1, 1});
+    const auto packed = pack(bind(), {.tolerance = 1e-3});
+    REQUIRE(packed.report.status == Status::ok);
+    CHECK(packed.report.rows > 0);
+    auto pose = cage;
+    pose[2] = {9, 9};
+    CHECK(cloned(packed.binding, pose)[0] == points[0]);
 }
 
 } // namespace pack_tests

@@ -65,6 +65,40 @@ inline MeshData torus(int around, int across) {
     return data;
 }
 
+/// A box about the origin of cells along each axis, its faces divided into their squares.
+inline MeshData divided_box(std::array<int, 3> cells, double edge) {
+    MeshData data;
+    std::map<std::array<int, 3>, int> vertices;
+    const auto vertex = [&](const std::array<int, 3>& at) {
+        const auto [found, added] = vertices.insert({at, int(data.vertices.size())});
+        if (added) {
+            data.vertices.push_back({edge * (at[0] - 0.5 * cells[0]), edge * (at[1] - 0.5 * cells[1]),
+                                     edge * (at[2] - 0.5 * cells[2])});
+        }
+        return found->second;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        for (int i = 0; i < cells[u]; ++i) {
+            for (int j = 0; j < cells[v]; ++j) {
+                for (const bool far : {false, true}) {
+                    const auto corner = [&](int along_u, int along_v) {
+                        std::array<int, 3> at{};
+                        at[axis] = far ? cells[axis] : 0;
+                        at[u] = i + along_u;
+                        at[v] = j + along_v;
+                        return vertex(at);
+                    };
+                    const int a = corner(0, 0), b = corner(far ? 1 : 0, far ? 0 : 1), c = corner(1, 1),
+                              d = corner(far ? 0 : 1, far ? 1 : 0);
+                    data.faces.insert(data.faces.end(), {{a, b, c}, {a, c, d}});
+                }
+            }
+        }
+    }
+    return data;
+}
+
 /// A bumpy sphere (concave in places) or a torus, somewhere, of some size, turned; 6 to 258 vertices.
 inline MeshData random_mesh(std::uint64_t seed) {
     Random random(seed);

@@ -69,7 +69,10 @@ RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& mome
 struct RowTrial {
     static constexpr std::size_t none = ~std::size_t{0};
 
-    WeightFormat format = WeightFormat::scalar;
+    explicit RowTrial(WeightFormat stored_as)
+        : format(stored_as) {}
+
+    WeightFormat format;
     std::size_t too_few = 0;  ///< the largest number of rows known not to do
     std::size_t count = none; ///< that keep the tolerance
     std::size_t suspect = 0;  ///< the pose that decided
@@ -98,34 +101,40 @@ public:
     }
 
     /// Fills `trials`, whose formats are given, with the fewest rows that are found to keep
-    /// `tolerance`. Their number grows by eighths, which is then bisected.
+    /// `tolerance`. Their number grows by eighths, which is then bisected. Formats that round are
+    /// not asked before scalars would do.
     void run(std::span<RowTrial> trials, double tolerance) {
         // Sums are taken in another order here than at the end.
         const double limit = tolerance * (1 - 1e-9);
         const std::size_t candidates = pursuit_.candidates(), asked_for = pursuit_.order().size();
+        RowTrial scalar(WeightFormat::scalar);
         for (std::size_t count = std::min(std::max(asked_for, D + 1), candidates);;) {
             while (pursuit_.order().size() < count) pursuit_.add(pursuit_.best());
-            for (RowTrial& trial : trials) {
-                if (trial.is_open()) test(trial, count, limit);
+            if (test(scalar, count, limit)) {
+                for (RowTrial& trial : trials) {
+                    if (trial.is_open() && !test(trial, count, limit)) give_up(trial, count, limit);
+                }
             }
             const bool open = std::any_of(trials.begin(), trials.end(), [](auto& t) { return t.is_open(); });
             if (!open || count == candidates) break;
             count = std::min(count + std::max<std::size_t>(count / 8, 1), candidates);
         }
+        std::size_t too_few = asked_for > 0 ? asked_for - 1 : 0;
+        too_few = bisect(scalar, too_few, limit);
         for (RowTrial& trial : trials) {
-            if (trial.is_met()) bisect(trial, std::max(asked_for, trial.too_few), limit);
+            if (trial.is_met()) (void)bisect(trial, too_few, limit);
         }
     }
 
     std::span<const std::uint32_t> order() const { return pursuit_.order(); }
     /// The first `count` rows; the pursuit has gone as far.
-    WeightRows rows(std::size_t count) const {
+    PackedRows rows(std::size_t count) const {
         const auto solution = pursuit_.solution(count);
         std::vector<std::size_t> sorted(count);
         std::iota(sorted.begin(), sorted.end(), std::size_t{0});
         std::sort(sorted.begin(), sorted.end(),
                   [&](std::size_t a, std::size_t b) { return order()[a] < order()[b]; });
-        WeightRows rows;
+        PackedRows rows;
         for (const std::size_t n : sorted) {
             rows.handles.push_back(order()[n]);
             rows.weights.insert(rows.weights.end(), solution[n].begin(), solution[n].end());
@@ -134,42 +143,47 @@ public:
     }
 
 private:
-    static WeightRows all_rows(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss,
+    static PackedRows all_rows(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss,
                                const BlockPoints<T>& points) {
         std::vector<std::uint32_t> handles(loss.handles());
         std::iota(handles.begin(), handles.end(), 0u);
         return packer.rows_of(points, std::move(handles));
     }
 
-    /// Whether the first `count` rows do in the format of a trial.
+    /// Whether the first `count` rows keep a distance in the format of a trial.
     bool keeps(RowTrial& trial, std::size_t count, double limit) const {
-        WeightRows kept = rows(count);
+        PackedRows kept = rows(count);
         const auto has_row = [&](std::size_t h) {
             return std::binary_search(kept.handles.begin(), kept.handles.end(), h);
         };
         if (count < pursuit_.candidates() && !are_spread(loss_.moments(), has_row)) return false;
         packer_.restore(points_, kept);
-        if (packer_.distance(trial.format, points_, kept, limit, trial.suspect) <= limit) return true;
-        // What a coarse format loses by rounding, no further rows give back.
-        std::size_t suspect = trial.suspect;
-        if (count == pursuit_.candidates() ||
-            (trial.format != WeightFormat::scalar && trial.distance.point == Extreme::none &&
-             packer_.distance(WeightFormat::scalar, points_, kept, 0.25 * limit, suspect) <= 0.25 * limit)) {
-            trial.distance = packer_.farthest(trial.format, points_, all_);
-            trial.given_up = trial.distance.value > limit;
-        }
-        return false;
+        return packer_.distance(trial.format, points_, kept, limit, trial.suspect) <= limit;
     }
 
-    void test(RowTrial& trial, std::size_t count, double limit) const {
-        if (keeps(trial, count, limit)) {
-            trial.count = count;
-        } else {
+    bool test(RowTrial& trial, std::size_t count, double limit) const {
+        const bool kept = keeps(trial, count, limit);
+        if (!kept) {
             trial.too_few = count;
+        } else if (!trial.is_met()) {
+            trial.count = count;
         }
+        return kept;
     }
 
-    void bisect(RowTrial& trial, std::size_t too_few, double limit) const {
+    /// What a coarse format loses by rounding, no further rows give back: once scalars lose little,
+    /// all rows are asked.
+    void give_up(RowTrial& trial, std::size_t count, double limit) const {
+        if (trial.distance.point != Extreme::none) return;
+        RowTrial scalar(WeightFormat::scalar);
+        if (count < pursuit_.candidates() && !keeps(scalar, count, 0.25 * limit)) return;
+        trial.distance = packer_.farthest(trial.format, points_, all_);
+        trial.given_up = trial.distance.value > limit;
+    }
+
+    /// Lessens the number of rows; returns the largest that is known not to do.
+    std::size_t bisect(RowTrial& trial, std::size_t too_few, double limit) const {
+        too_few = std::max(too_few, trial.too_few);
         while (trial.count > too_few + 1) {
             const std::size_t middle = too_few + (trial.count - too_few) / 2;
             if (keeps(trial, middle, limit)) {
@@ -178,12 +192,13 @@ private:
                 too_few = middle;
             }
         }
+        return too_few;
     }
 
     const BlockPacker<T, D>& packer_;
     const SquareLoss<D>& loss_;
     const BlockPoints<T>& points_;
-    WeightRows all_;
+    PackedRows all_;
     RowPursuit<D, lanes> pursuit_;
 };
 

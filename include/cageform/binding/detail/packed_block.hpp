@@ -19,7 +19,7 @@ struct BlockPoints {
 };
 
 /// Some handles, and a row of weights for each: of point after point of a block.
-struct WeightRows {
+struct PackedRows {
     std::vector<std::uint32_t> handles; ///< ascending
     std::vector<double> weights;        ///< #handles rows of lanes
 };
@@ -39,8 +39,8 @@ public:
 
     /// The binding's weights of the points, a row for each of `handles`; those of lanes without a
     /// point are 0.
-    WeightRows rows_of(const BlockPoints<T>& points, std::vector<std::uint32_t> handles) const {
-        WeightRows rows{std::move(handles), {}};
+    PackedRows rows_of(const BlockPoints<T>& points, std::vector<std::uint32_t> handles) const {
+        PackedRows rows{std::move(handles), {}};
         rows.weights.assign(rows.handles.size() * lanes, 0.0);
         for (std::size_t r = 0; r < rows.handles.size(); ++r) {
             for (std::size_t lane = 0; lane < points.count; ++lane)
@@ -52,7 +52,7 @@ public:
 
     /// Changes weights the least that restores the row sums of their points. Returns the largest
     /// change.
-    Extreme restore(const BlockPoints<T>& points, WeightRows& rows) const {
+    Extreme restore(const BlockPoints<T>& points, PackedRows& rows) const {
         Extreme largest;
         const auto has_row = [&](std::size_t h) {
             return std::binary_search(rows.handles.begin(), rows.handles.end(), h);
@@ -73,7 +73,7 @@ public:
     }
 
     /// What rows leave of a point's row sums in the binding: Σ w a − Σ w' a.
-    Column residual(std::size_t point, std::size_t lane, const WeightRows& rows) const {
+    Column residual(std::size_t point, std::size_t lane, const PackedRows& rows) const {
         Column sum{};
         for (std::size_t h = 0; h < moments_.size(); ++h)
             sum = sum + double(binding_.weights(point, h)) * moments_[h];
@@ -84,7 +84,7 @@ public:
 
     /// w' − w of all handles, #handles rows of lanes: `stored` are the weights as they are stored,
     /// `residuals` what is kept of the points' row sums beside them, in formats that do.
-    std::vector<double> change(const BlockPoints<T>& points, const WeightRows& stored,
+    std::vector<double> change(const BlockPoints<T>& points, const PackedRows& stored,
                                std::span<const Column> residuals) const {
         std::vector<double> change(moments_.size() * lanes, 0.0);
         for (std::size_t h = 0, r = 0; h < moments_.size(); ++h) {
@@ -102,7 +102,7 @@ public:
 
     /// The row sums that a format keeps beside the weights of all points; none of scalars.
     std::vector<Column> residuals(WeightFormat format, const BlockPoints<T>& points,
-                                  const WeightRows& stored) const {
+                                  const PackedRows& stored) const {
         std::vector<Column> residuals;
         for (std::size_t lane = 0; format != WeightFormat::scalar && lane < points.count; ++lane)
             residuals.push_back(residual(points.index[lane], lane, stored));
@@ -110,13 +110,13 @@ public:
     }
 
     /// The largest distance of the points when `rows` are stored in a format, or one above `limit`.
-    double distance(WeightFormat format, const BlockPoints<T>& points, const WeightRows& rows, double limit,
+    double distance(WeightFormat format, const BlockPoints<T>& points, const PackedRows& rows, double limit,
                     std::size_t& suspect) const {
         return loss_.template largest<lanes>(stored_change(format, points, rows), limit, suspect);
     }
 
     /// The same, of which point.
-    Extreme farthest(WeightFormat format, const BlockPoints<T>& points, const WeightRows& rows) const {
+    Extreme farthest(WeightFormat format, const BlockPoints<T>& points, const PackedRows& rows) const {
         const auto distances = loss_.template distances<lanes>(stored_change(format, points, rows));
         Extreme farthest;
         for (std::size_t lane = 0; lane < points.count; ++lane)
@@ -126,7 +126,7 @@ public:
 
 private:
     std::vector<double> stored_change(WeightFormat format, const BlockPoints<T>& points,
-                                      WeightRows rows) const {
+                                      PackedRows rows) const {
         std::vector<std::byte> memory(rows.weights.size() * sizeof(T));
         store_weights<T>(format, rows.weights, memory.data());
         return change(points, rows, residuals(format, points, rows));
