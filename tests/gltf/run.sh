@@ -103,7 +103,7 @@ corner_lines() { sed 's/^v //; s/ /,/g' corners; }
   refuses 'nowhere.obj' "$export" nowhere.obj --cage box.obj --skin 4 -o out.glb
   refuses 'nowhere.obj' "$export" textured.obj --cage nowhere.obj --skin 4 -o out.glb
   refuses 'nowhere.obj' "$export" $figure --pose nowhere.obj --skin 4 -o out.glb
-  refuses 'nowhere.csv: cannot be read' "$export" $figure --clip nowhere.csv --skin 4 -o out.glb
+  refuses 'nowhere.csv: no such file' "$export" $figure --clip nowhere.csv --skin 4 -o out.glb
   refuses 'point.obj: holds no faces' "$export" point.obj --cage box.obj --skin 4 -o out.glb
   refuses 'either --skin or --morph' "$export" $figure -o out.glb
   refuses 'morph targets are made of poses' "$export" $figure --morph -o out.glb
