@@ -34,7 +34,12 @@ fi
 echo "Installing:$missing"
 export DEBIAN_FRONTEND=noninteractive
 # Another apt may hold a lock (unattended upgrades): wait for it. Only dpkg's lock has an option for that.
-apt_get() { $as_root apt-get -q -o DPkg::Lock::Timeout=600 "$@" >/dev/null; }
+# What it prints is of use where it fails.
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+apt_get() {
+  $as_root apt-get -qq -o DPkg::Lock::Timeout=600 "$@" >"$log" 2>&1 || { cat "$log" >&2; return 1; }
+}
 tries=1
 until apt_get update; do
   [ $tries -lt 6 ] || exit 1

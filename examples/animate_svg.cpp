@@ -4,7 +4,7 @@
 //
 // The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser.
 // Curves and long lines are refined so that they follow the shape in all frames, in the same pieces in every
-// frame, as SVG asks. support/clip_file.hpp tells what a clip file holds.
+// frame, as SVG asks. --help tells what a clip file holds.
 
 #include "atomic_file.hpp"
 #include "bind_report.hpp"
@@ -126,6 +126,7 @@ struct Settings {
     std::size_t still_count = 12;
     int decimals = 1;
     CoordinatesChoice choice;
+    OutsideChoice outside;
 };
 
 int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
@@ -168,10 +169,14 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
             return fail(settings.clip + ": the figure has no shape in \"" + file.late[n].element + '"');
     }
 
-    const auto [binding, report] = make_coordinates<double>(settings.choice, cage)->bind(points);
+    const auto coordinates = make_coordinates<double>(settings.choice, cage);
+    cageform::BindOptions bind_options;
+    bind_options.outside = settings.outside.policy(*coordinates);
+    const auto [binding, report] = coordinates->bind(points, bind_options);
     if (report.status != cageform::Status::ok) return fail(describe_faults(settings.cage, report));
-    if (!report.outside.empty() || !report.unreached.empty())
-        return fail(settings.figure + ": points lie outside the cage, or are not reached by the grid");
+    const auto outside = settings.outside.judge(*coordinates, report, points, settings.figure, settings.cage);
+    if (!outside.fault.empty()) return fail(outside.fault);
+    if (!outside.warning.empty()) std::cerr << "animate_svg: warning: " << outside.warning << '\n';
 
     // All frames. A late layer has a player of its own, so that every player goes forth a frame at a time.
     const auto count = std::size_t(std::max(1.0, std::round(file.length * settings.rate)));
@@ -289,12 +294,12 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
 int run_program(int argc, char** argv) {
     CommandLine line("Animates an SVG figure by a cage and a motion of it.");
     Settings settings;
-    settings.choice.name = "harmonic";
     line.add("figure", settings.figure, "the SVG file to animate").required();
-    line.add("--cage", settings.cage, "its cage, as deform_svg takes it").required();
-    line.add("--clip", settings.clip, "a CSV file of controls and keys: see support/clip_file.hpp")
+    line.add("--cage", settings.cage,
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points")
         .required();
-    line.add("-o,--output", settings.out, "the SVG file to write").required();
+    line.add("--clip", settings.clip, "its motion: a CSV file of controls and keys").required();
+    line.add("-o,--output", settings.out, "the SVG file to write").required().ends_with({".svg"});
     line.add("--rate", settings.rate, "frames a second written; a browser goes straight between them")
         .range(1.0, 240.0)
         .show_default();
@@ -305,7 +310,9 @@ int run_program(int argc, char** argv) {
     line.add("--still-count", settings.still_count, "how many, equally far apart")
         .range(1, 99)
         .show_default();
+    settings.outside.add_option(line);
     settings.choice.add_options(line);
+    line.set_footer(cage_formats + std::string("\n") + clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     const auto document = load_svg(settings.figure);
     if (!document) return fail(to_string(document.error()));

@@ -5,6 +5,7 @@
 //
 // Each row stands twice: ours above, theirs below. At the end the largest difference of each table.
 
+#include "command_line.hpp"
 #include "guard.hpp"
 
 #include <cageform/animate/fit.hpp>
@@ -808,13 +809,8 @@ void scale_and_memory() {
 }
 
 int run_program(int argc, char** argv) {
-    if (argc > 1) {
-        const bool help = argv[1] == std::string("--help") || argv[1] == std::string("-h");
-        std::fputs(help ? "Prints tables of fits of Bezier curves beside known numbers. No arguments.\n"
-                        : "bezier_tables: takes no arguments\n",
-                   help ? stdout : stderr);
-        return help ? 0 : 1;
-    }
+    cageform_examples::CommandLine options("Prints tables of fits of Bezier curves beside known numbers.");
+    if (const auto code = options.parse(argc, argv)) return *code;
     const auto start = std::chrono::steady_clock::now();
     captions_and_sup_errors();
     knots();

@@ -27,10 +27,12 @@ using cageform::WeightFormat;
 
 struct Arguments {
     std::string figure, cage, clip, out;
+    std::vector<std::string> poses;
+    double seconds = 1;
     WeightFormat format = WeightFormat::scalar;
     std::size_t largest = 0;
     bool report = false;
-    CoordinatesChoice choice{"mean-value", {.resolution = 64}};
+    CoordinatesChoice choice;
 };
 
 int fail(const std::string& message) {
@@ -74,8 +76,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps("bind_mesh", cage.name, coordinates->cage_report);
     std::vector<cageform::PiecewiseCubic<float>> curves;
-    if (!given.clip.empty()) {
-        const auto clip = load_pose_clip(given.clip, cage.vertices.size());
+    if (!given.clip.empty() || !given.poses.empty()) {
+        const auto clip = given.clip.empty() ? clip_through_poses(cage, given.poses, given.seconds)
+                                             : load_pose_clip(given.clip, cage.vertices.size());
         if (!clip) return fail(to_string(clip.error()));
         auto made = curves_of(*clip);
         if (!made) return fail(to_string(made.error()));
@@ -86,9 +89,11 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const auto bound = coordinates->bind(figure.vertices, bind_options);
     if (bound.report.status != Status::ok) return fail(describe_mesh_faults(cage.name, bound.report));
     if (!bound.report.outside.empty() || !bound.report.unreached.empty()) {
+        const auto& first = bound.report.outside.empty() ? bound.report.unreached : bound.report.outside;
         return fail(std::to_string(bound.report.outside.size()) + " vertices of " + figure.name +
                     " lie outside the cage " + cage.name + ", " +
-                    std::to_string(bound.report.unreached.size()) + " have no weights");
+                    std::to_string(bound.report.unreached.size()) + " have no weights, first " +
+                    name_points(figure.vertices, first));
     }
     const auto tangents = cageform::tangents_of(normals_of(figure));
     const auto turned = bind_vectors(*coordinates, figure.vertices, tangents, bind_options);
@@ -128,14 +133,12 @@ int run_program(int argc, char** argv) {
     line.add("--cage", given.cage,
              "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
         .required();
-    line.add("--clip", given.clip, "a motion of the cage: poses as make_character writes them");
-    line.add("-o,--out", given.out, "the file to write").required();
-    line.add("--coordinates", given.choice.name, "mean-value or harmonic")
-        .one_of({"mean-value", "harmonic"})
-        .show_default();
-    line.add("--resolution", given.choice.harmonic.resolution,
-             "grid cells along the cage's longest side, for harmonic")
-        .show_default();
+    const CommandOption clip = line.add("--clip", given.clip, "a motion of the cage: a CSV file of poses");
+    line.add("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
+        .excludes(clip);
+    line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+    line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
+    given.choice.add_options(line);
     line.add("--largest", given.largest,
              "weights of its place that a vertex keeps at least, 4 or more; 0: all")
         .show_default();
@@ -143,7 +146,10 @@ int run_program(int argc, char** argv) {
         .one_of({"float", "half", "int16", "int8"})
         .show_default();
     line.add_flag("--report", given.report, "print sizes and errors");
+    line.set_footer(obj_format + std::string("\n") + pose_clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (given.choice.name == "barycentric")
+        return fail("--coordinates barycentric: normals are bound by mean-value or harmonic alone");
     given.format = format == "half"    ? WeightFormat::half
                    : format == "int16" ? WeightFormat::int16
                    : format == "int8"  ? WeightFormat::int8
@@ -151,6 +157,7 @@ int run_program(int argc, char** argv) {
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
+    if (figure->faces.empty()) return fail(figure->name + ": holds no faces, so it has no normals");
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
     for (const auto* file : {&*figure, &*cage}) {

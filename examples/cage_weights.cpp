@@ -178,15 +178,13 @@ int run_program(int argc, char** argv) {
     line.add("--cage", settings.cage_path, "in the plane a CSV or an SVG, in space an OBJ of a closed mesh")
         .required();
     line.add("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space").required();
-    line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required();
-    line.set_footer(
-        "The CSV of a cage is blocks of x,y lines with empty lines between them: loops, the outer one\n"
-        "first, and for harmonic coordinates chains, headed by a line \"# chain\", and single points,\n"
-        "headed by \"# point RADIUS\". A point of a chain that equals a vertex given before is that vertex.\n"
-        "w0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones of chains and\n"
-        "points, as they come in the file.");
+    line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required().ends_with({".csv"});
+    line.set_footer(cage_formats + std::string("\n") + obj_format +
+                    "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
+                    "of chains and points, as they come in the file; nan where a point has no weights.\n");
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
-    line.add("--outside", settings.outside, "points outside: extend, keep or nearest")
+    line.add("--outside", settings.outside,
+             "points outside: extend (where the coordinates are defined), keep or nearest")
         .one_of({"extend", "keep", "nearest"})
         .show_default();
     line.add("--linear-precision", settings.linear_precision,

@@ -70,7 +70,7 @@ int run_program(int argc, char** argv) {
     std::size_t columns = 2;
     bool png = false;
     int png_width = 1200, tile = 400;
-    line.add("-o,--output", out_path, "the SVG file to write").required();
+    line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add("--columns", columns, "tiles in a row").range(1, 64).show_default();
     line.add("--tile", tile, "width of a tile, in user units").range(10, 10000).show_default();
     line.add_flag("--png", png, "also render it, to the same name with .png");

@@ -102,10 +102,9 @@ std::vector<Point2> points_in(const cageform::Polygon<double>& cage, std::size_t
 
 constexpr std::size_t finest = 512; // cells shown
 
-cageform::BindResult<double, 2> weights_of(const CageFile& cage, cageform::HarmonicOptions options,
+cageform::BindResult<double, 2> weights_of(const CageFile& cage, const cageform::HarmonicOptions& options,
                                            std::size_t resolution) {
-    options.resolution = resolution;
-    return make_coordinates<double>({"harmonic", options}, cage)
+    return make_coordinates<double>({.name = "harmonic", .resolution = resolution, .harmonic = options}, cage)
         ->bind(points_in(cage.polygon<double>(), 1000));
 }
 
@@ -186,11 +185,12 @@ int run_program(int argc, char** argv) {
     bool png = false;
     std::size_t resolution = 512;
     line.add("--cage", cage_paths, "SVG or CSV files, six at most").required().count(1, 6);
-    line.add("-o,--output", out_path, "the SVG file to write").required();
+    line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add("--resolution", resolution, "cells of the grid the cycles are shown on")
         .range(16, 4096)
         .show_default();
     line.add_flag("--png", png, "also render it, to the same name with .png");
+    line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     std::vector<Curve> by_cycle, by_cells;

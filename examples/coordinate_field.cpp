@@ -31,11 +31,11 @@ int run_program(int argc, char** argv) {
     CoordinatesChoice choice;
     line.add("--cage", cage_path, "an SVG or CSV file").required();
     line.add("--vertex", vertex, "whose coordinate, from 0").required();
-    line.add("-o,--output", out_path, "the PNG file to write").required();
+    line.add("-o,--output", out_path, "the PNG file to write").required().ends_with({".png"});
     line.add("--size", size, "pixels along the longer side").range(16, 8192).show_default();
     line.add_flag("--y-up", y_up, "the cage's y axis points up (as in most CSV files)");
-    choice.harmonic.resolution = 256;
     choice.add_options(line);
+    line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto cage = load_cage(cage_path);

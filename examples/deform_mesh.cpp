@@ -29,9 +29,9 @@ int fail(const std::string& message) {
 
 struct Arguments {
     std::string figure, cage, pose, out, picture;
-    std::string outside = "refuse";
+    OutsideChoice outside;
     bool report = false;
-    CoordinatesChoice choice{"mean-value", {.resolution = 64}};
+    CoordinatesChoice choice;
 };
 
 /// Binds the figure, moves it and writes what was asked for.
@@ -39,9 +39,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const ObjFile& 
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     warn_of_closed_gaps("deform_mesh", cage.name, coordinates->cage_report);
     cageform::BindOptions options;
-    options.outside = given.outside == "nearest"  ? cageform::OutsidePoints::nearest_boundary
-                      : given.outside == "extend" ? cageform::OutsidePoints::extend
-                                                  : cageform::OutsidePoints::keep_in_place;
+    options.outside = given.outside.policy(*coordinates);
     cageform::BindResult<double, 3> bound;
     {
         ProgressBar bar("binding");
@@ -49,22 +47,9 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const ObjFile& 
     }
     const auto& report = bound.report;
     if (report.status != cageform::Status::ok) return fail(describe_mesh_faults(cage.name, report));
-    const std::string points = std::to_string(report.outside.size()) + " of " +
-                               std::to_string(report.points) + " vertices of " + figure.name;
-    if (given.outside == "refuse" && !report.outside.empty()) {
-        return fail(points + " lie outside the cage " + cage.name + ", first " +
-                    name_points(figure.vertices, report.outside) + "; --outside says what to do with them");
-    }
-    if (given.outside == "extend" && !coordinates->has_extension && !report.outside.empty()) {
-        return fail(given.choice.name + " coordinates are not defined outside the cage, where " + points +
-                    " lie, first " + name_points(figure.vertices, report.outside));
-    }
-    if (!report.unreached.empty()) {
-        return fail(figure.name + ": no weights can be had for " +
-                    name_points(figure.vertices, report.unreached) +
-                    (coordinates->closed_form ? ": too far from the cage"
-                                              : ": the grid is too coarse, raise --resolution"));
-    }
+    const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
+    if (!outside.fault.empty()) return fail(outside.fault);
+    if (!outside.warning.empty()) std::cerr << "deform_mesh: warning: " << outside.warning << '\n';
     std::vector<Point3> moved(figure.vertices.size());
     const auto status = cageform::clone(bound.binding, pose.vertices, moved);
     if (status != cageform::Status::ok) return fail(pose.name + ": " + cageform::to_string(status));
@@ -98,22 +83,13 @@ int run_program(int argc, char** argv) {
              "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
         .required();
     line.add("--pose", given.pose, "the same mesh with its vertices moved").required();
-    line.add("-o,--output", given.out, "the OBJ file to write").required();
-    line.add("--coordinates", given.choice.name, "mean-value or harmonic")
-        .one_of({"mean-value", "harmonic"})
-        .show_default();
-    line.add("--resolution", given.choice.harmonic.resolution, "harmonic: grid cells along the longest side")
-        .show_default();
-    line.add("--tolerance", given.choice.harmonic.multigrid.tolerance,
-             "harmonic: where the solver ends, an error of the functions")
-        .show_default();
-    line.add("--outside", given.outside,
-             "vertices outside the cage: refuse, keep (in place), nearest (follow the nearest boundary "
-             "point) or extend (where the coordinates are defined outside)")
-        .one_of({"refuse", "keep", "nearest", "extend"})
-        .show_default();
-    line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file");
+    line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
+    given.outside.add_option(line);
+    line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
+        .ends_with({".png"});
     line.add_flag("--report", given.report, "print the bind report");
+    given.choice.add_options(line);
+    line.set_footer(obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto figure = load_obj(given.figure);

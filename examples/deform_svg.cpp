@@ -20,7 +20,6 @@
 #include <cageform/clone/clone.hpp>
 
 #include <iostream>
-#include <sstream>
 
 namespace {
 
@@ -29,16 +28,6 @@ using namespace cageform_examples;
 int fail(const std::string& message) {
     std::cerr << "deform_svg: " << message << '\n';
     return 1;
-}
-
-/// "point 3 (412, 88)" for the first few of a list of points.
-std::string name_points(std::span<const Point2> points, const std::vector<std::size_t>& indices) {
-    std::ostringstream text;
-    for (std::size_t n = 0; n < std::min<std::size_t>(indices.size(), 5); ++n) {
-        text << (n == 0 ? "" : ", ") << '(' << points[indices[n]].x << ", " << points[indices[n]].y << ')';
-    }
-    if (indices.size() > 5) text << ", …";
-    return text.str();
 }
 
 /// Appends a cage to a document, in root user space: loops and chains as lines, points as circles.
@@ -73,31 +62,29 @@ void draw_cage(SvgDocument& document, const CageFile& cage) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Deforms an SVG figure by a cage and a pose of it.");
-    std::string figure_path, cage_path, pose_path, out_path, outside = "refuse";
+    std::string figure_path, cage_path, pose_path, out_path;
     bool png = false, show_cage = false, report = false;
     int png_width = 900;
     CoordinatesChoice choice;
+    OutsideChoice outside;
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
     line.add("--cage", cage_path,
-             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points, as "
-             "cage_weights --help says")
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points")
         .required();
     line.add("--pose", pose_path, "the moved cage: the same blocks, vertex by vertex").required();
-    line.add("-o,--output", out_path, "the SVG file to write").required();
+    line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
-    line.add("--outside", outside,
-             "points outside the cage: refuse, keep (in place), nearest (follow the nearest boundary "
-             "point) or extend (where the coordinates are defined outside)")
-        .one_of({"refuse", "keep", "nearest", "extend"})
-        .show_default();
+    outside.add_option(line);
     line.add("--flatness", options.tolerance,
              "how far curves may miss the deformed shape, in user units; 0: invisibly little")
-        .range(0.0, 1e100);
+        .range(0.0, 1e100)
+        .show_default();
     line.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
     line.add_flag("--report", report, "print the bind report and what became of the shapes");
     choice.add_options(line);
+    line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     auto document = load_svg(figure_path);
@@ -119,34 +106,18 @@ int run_program(int argc, char** argv) {
         if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage_path, last));
     }
     cageform::BindOptions bind_options;
-    bind_options.outside = outside == "nearest"  ? cageform::OutsidePoints::nearest_boundary
-                           : outside == "extend" ? cageform::OutsidePoints::extend
-                                                 : cageform::OutsidePoints::keep_in_place;
-    std::string failure;
+    bind_options.outside = outside.policy(*coordinates);
+    std::string failure, warning;
     const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
         const auto [binding, bound] = coordinates->bind(in, bind_options);
         if (bound.status != cageform::Status::ok) {
             failure = describe_faults(cage_path, bound);
             return false;
         }
-        if (outside == "refuse" && !bound.outside.empty()) {
-            failure = figure_path + ": " + std::to_string(bound.outside.size()) + " of " +
-                      std::to_string(in.size()) + " points lie outside the cage " + cage_path + ", first " +
-                      name_points(in, bound.outside) + "; --outside says what to do with them";
-            return false;
-        }
-        if (outside == "extend" && !coordinates->has_extension && !bound.outside.empty()) {
-            failure = choice.name + " coordinates are not defined outside the cage, where " +
-                      std::to_string(bound.outside.size()) + " points lie, first " +
-                      name_points(in, bound.outside);
-            return false;
-        }
-        if (!bound.unreached.empty()) {
-            failure = "no weights can be had for " + name_points(in, bound.unreached) +
-                      (coordinates->closed_form ? ": too far from the cage"
-                                                : ": the grid is too coarse, raise --resolution");
-            return false;
-        }
+        auto verdict = outside.judge(*coordinates, bound, in, figure_path, cage_path);
+        failure = std::move(verdict.fault);
+        if (!failure.empty()) return false;
+        if (warning.empty()) warning = std::move(verdict.warning); // of all points, not of those between them
         const auto status = cageform::clone(binding, pose->vertices, moved);
         if (status != cageform::Status::ok) failure = pose_path + ": " + cageform::to_string(status);
         if (last.points == 0) last = bound;
@@ -154,8 +125,8 @@ int run_program(int argc, char** argv) {
     };
     const auto deformed = deform(*document, deformer, options);
     if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
-    for (const std::string& warning : deformed->warnings)
-        std::cerr << "deform_svg: warning: " << warning << '\n';
+    if (!warning.empty()) std::cerr << "deform_svg: warning: " << warning << '\n';
+    for (const std::string& text : deformed->warnings) std::cerr << "deform_svg: warning: " << text << '\n';
     if (deformed->coarse > 0) {
         std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
                   << " segments miss the --flatness asked for\n";

@@ -36,7 +36,8 @@ using Use = GltfDocument::Use;
 struct Arguments {
     std::string figure, cage, clip, out;
     std::vector<std::string> poses;
-    std::string weights = "float", outside = "refuse";
+    std::string weights = "float";
+    OutsideChoice outside{.can_extend = false};
     std::size_t influences = 0; // 0: morph targets
     double threshold = 0, seconds = 1;
     bool morph = false, report = false;
@@ -254,8 +255,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     warn_of_closed_gaps("export_gltf", cage.name, coordinates->cage_report);
     cageform::BindOptions options;
-    options.outside = given.outside == "nearest" ? cageform::OutsidePoints::nearest_boundary
-                                                 : cageform::OutsidePoints::keep_in_place;
+    options.outside = given.outside.policy(*coordinates);
     cageform::BindResult<double, 3> bound;
     {
         ProgressBar bar("binding");
@@ -263,17 +263,9 @@ int export_figure(const Arguments& given, const Scene& scene) {
     }
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
-    if (given.outside == "refuse" && !report.outside.empty()) {
-        return fail(std::to_string(report.outside.size()) + " of " + std::to_string(report.points) +
-                    " vertices of " + figure.name + " lie outside the cage " + cage.name + ", first " +
-                    name_points(figure.vertices, report.outside) + "; --outside says what to do with them");
-    }
-    if (!report.unreached.empty()) {
-        return fail(figure.name + ": no weights can be had for " +
-                    name_points(figure.vertices, report.unreached) +
-                    (coordinates->closed_form ? ": too far from the cage"
-                                              : ": the grid is too coarse, raise --resolution"));
-    }
+    const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
+    if (!outside.fault.empty()) return fail(outside.fault);
+    if (!outside.warning.empty()) std::cerr << "export_gltf: warning: " << outside.warning << '\n';
     if (given.report) std::cout << describe(report);
 
     GltfDocument document;
@@ -316,7 +308,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     }
     if (!why.empty()) return fail(why);
 
-    const bool binary = std::filesystem::path(given.out).extension() == ".glb";
+    const bool binary = std::filesystem::path(given.out).extension() != ".gltf";
     if (document.bytes() > 0x7fffffff) return fail(given.out + ": would be larger than the format allows");
     const std::string text = document.text(binary);
     if (const auto error = write_file_atomically(given.out, text)) return fail(*error);
@@ -328,33 +320,15 @@ int export_figure(const Arguments& given, const Scene& scene) {
     return 0;
 }
 
-/// From the rest pose through those given and back.
-SvgResult<PoseClip> through_poses(const Arguments& given, const ObjFile& cage) {
-    PoseClip clip{
-        "poses", given.seconds * double(given.poses.size() + 1), {{0, PoseWay::smooth, cage.vertices}}};
-    for (const std::string& path : given.poses) {
-        const auto pose = load_obj(path);
-        if (!pose) return pose.error();
-        const std::string why = pose_difference(cage, *pose);
-        if (!why.empty()) return SvgError{why};
-        if (const auto fault = single_precision_fault(*pose)) return *fault;
-        clip.keys.push_back({given.seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
-    }
-    return clip;
-}
-
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
     Arguments given;
-    given.choice.name = "harmonic";
-    given.choice.harmonic.resolution = 64;
     line.add("figure", given.figure, "the OBJ file").required();
     line.add("--cage", given.cage,
              "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
         .required();
-    const CommandOption clip =
-        line.add("--clip", given.clip, "the motion: a CSV file of poses (support/clip_file.hpp)");
+    const CommandOption clip = line.add("--clip", given.clip, "the motion: a CSV file of poses");
     line.add("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
         .excludes(clip);
     line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
@@ -367,18 +341,18 @@ int run_program(int argc, char** argv) {
     line.add("--threshold", given.threshold, "of a skin: lesser weights are left out")
         .range(0.0, 1.0)
         .show_default();
-    line.add("-o,--output", given.out, "the file to write: .glb or .gltf").required();
+    line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
+        .required()
+        .ends_with({".glb", ".gltf"});
     given.choice.add_options(line);
-    line.add("--outside", given.outside,
-             "vertices outside the cage: refuse, keep (in place) or nearest (follow the nearest "
-             "boundary point)")
-        .one_of({"refuse", "keep", "nearest"})
-        .show_default();
+    given.outside.add_option(line);
     line.add_flag("--report", given.report, "print the bind report, and what the skin loses");
+    line.set_footer(
+        obj_format +
+        std::string("Vertices keep the order of the file: a vertex that needs several normals or\n"
+                    "texture coordinates is there once more, behind all others.\n\n") +
+        pose_clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    const std::string extension = std::filesystem::path(given.out).extension().string();
-    if (extension != ".glb" && extension != ".gltf")
-        return fail(given.out + ": the name of a glTF file ends with .glb or .gltf");
     if (!given.morph && given.influences == 0) return fail("either --skin or --morph says what to write");
     if (given.morph && given.clip.empty() && given.poses.empty())
         return fail("morph targets are made of poses: --clip or --pose");
@@ -391,7 +365,7 @@ int run_program(int argc, char** argv) {
     auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
     if (!given.clip.empty() || !given.poses.empty()) {
-        auto motion = given.clip.empty() ? through_poses(given, *cage)
+        auto motion = given.clip.empty() ? clip_through_poses(*cage, given.poses, given.seconds)
                                          : load_pose_clip(given.clip, cage->vertices.size());
         if (!motion) return fail(to_string(motion.error()));
         scene.clip = std::move(*motion);

@@ -4,6 +4,7 @@
 
 #include "bind_report.hpp"
 #include "cage_file.hpp"
+#include "command_line.hpp"
 #include "coordinates.hpp"
 #include "guard.hpp"
 #include "svg_document.hpp"
@@ -70,25 +71,25 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
 }
 
 int run_program(int argc, char** argv) {
-    const std::string usage =
-        "arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly\n";
-    if (argc == 2 && (argv[1] == std::string("--help") || argv[1] == std::string("-h"))) {
-        std::cout << "Prints how long figures take to bind and clone, and how exact they are; " << usage;
-        return 0;
-    }
-    if (argc < 5 || (argc - 1) % 4 != 0) {
-        std::cerr << "figure_table: " << usage;
+    CommandLine line("Prints how long figures take to bind and clone, and how exact they are.");
+    std::vector<std::string> words;
+    line.add("rows", words, "FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly").required();
+    line.set_footer(cage_formats);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (words.size() % 4 != 0) {
+        std::cerr << "figure_table: arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], "
+                     "repeatedly\n";
         return 1;
     }
     std::printf("%-8s %-12s %6s %8s %9s %9s %15s %13s\n", "figure", "coordinates", "points", "handles",
                 "bind ms", "clone us", "max |Swc - p|", "least weight");
-    for (int i = 1; i < argc; i += 4) {
-        std::istringstream names(argv[i + 3]);
+    for (std::size_t i = 0; i < words.size(); i += 4) {
+        std::istringstream names(words[i + 3]);
         for (std::string name; std::getline(names, name, ',');) {
             const auto& known = CoordinatesChoice::names();
             std::string error = std::find(known.begin(), known.end(), name) == known.end()
                                     ? "\"" + name + "\" is not one of barycentric, mean-value, harmonic"
-                                    : print_row(argv[i], argv[i + 1], argv[i + 2], name);
+                                    : print_row(words[i], words[i + 1], words[i + 2], name);
             if (error.empty()) continue;
             std::cerr << "figure_table: " << error << '\n';
             return 1;

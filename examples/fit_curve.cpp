@@ -570,8 +570,8 @@ int run_program(int argc, char** argv) {
         .show_default();
     line.add_flag("--in-units", given.in_units,
                   "weights count in the curve's unit of time, not where the interval is 1 long");
-    line.add("--json", given.json, "the JSON file to write");
-    line.add("--plot", given.plot, "the SVG file to draw to");
+    line.add("--json", given.json, "the JSON file to write").ends_with({".json"});
+    line.add("--plot", given.plot, "the SVG file to draw to").ends_with({".svg"});
     line.add_flag("--png", given.png, "also render the plot, to the same name with .png");
     if (const auto code = line.parse(argc, argv)) return *code;
     given.has_tolerance = tolerance.is_given();

@@ -423,7 +423,7 @@ int run_program(int argc, char** argv) {
     cageform_examples::ObjFile shell;
     shell.vertices = cage.mesh.vertices;
     shell.triangles = cage.mesh.faces;
-    const auto coordinates = cageform_examples::make_coordinates<double>({"mean-value", {}}, shell);
+    const auto coordinates = cageform_examples::make_coordinates<double>({}, shell);
     const auto outside = coordinates->bind(figure.vertices).report.outside;
     if (!outside.empty()) {
         const Point& p = figure.vertices[outside.front()];

@@ -3,28 +3,41 @@
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
 # pictures: the cat at rest and in every pose by mean value and harmonic coordinates, with cells inside its cage,
 # the man, the aleph, a character in space, heat maps of coordinates, how the solver converges, a key-frame
-# curve and its pieces; then prints a table of figures and those of the fits of key-frame curves.
+# curve and its pieces. What programs print goes to out/*.txt: tables of figures and of fits of key-frame curves.
+# Prints a line a step, and at the end what to open.
 set -eu
 cd "$(dirname "$0")/.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev librsvg2-bin
 
+step() { # WHAT
+  count=$((${count:-0} + 1))
+  printf '[%d/%d] %s\n' $count 13 "$1"
+}
+mkdir -p out
+step "configure"
 cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O2 -march=native' -DCAGEFORM_BUILD_TESTS=OFF \
   -DCAGEFORM_BUILD_BENCH=OFF -DCAGEFORM_WARNINGS_AS_ERRORS="${CAGEFORM_WARNINGS_AS_ERRORS:-OFF}" >/dev/null
-cmake --build build
+step "build into build/examples (some minutes)"
+if [ -t 1 ]; then # ninja keeps to one line
+  cmake --build build
+else
+  cmake --build build >out/build.txt 2>&1 || { cat out/build.txt; exit 1; }
+fi
 [ "${1:-}" != --build-only ] || exit 0
 
 programs=build/examples
 data=examples/data
-mkdir -p out
+report=out/report.txt
+: >$report
+step "lessons"
 for lesson in "$programs"/0*; do
   [ -f "$lesson" ] || continue # CMake keeps a folder beside it
-  echo
   echo "== $(basename "$lesson")"
   "$lesson"
-done
+  echo
+done >out/lessons.txt
 
-echo
-echo "== pictures, in out/"
+step "the cat, posed"
 # name FIGURE CAGE POSE COORDINATES
 deform() {
   "$programs/deform_svg" "$data/$2.svg" --cage "$data/$3.svg" --pose "$data/$4.svg" --coordinates "$5" -o "out/$1.svg" --png --show-cage
@@ -41,6 +54,7 @@ for pose in step look tail stretch leap short_leg; do
 done
 "$programs/contact_sheet" -o out/cat.svg --columns 3 --tile 300 --png "$@"
 
+step "the cat, with cells inside its cage"
 # Cells inside the cage: a vertex in the face, a chain along the back. Nothing else has moved.
 for cells in head spine; do
   "$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage_$cells.csv" --pose "$data/cat_pose_$cells.csv" \
@@ -49,15 +63,17 @@ done
 "$programs/contact_sheet" -o out/cat_interior.svg --columns 3 --png --png-width 1500 "at rest" out/cat_rest.svg \
   "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
 
+step "the cat walks"
 # The cat walks: an SVG that browsers play, and twelve frames of a stride.
-"$programs/animate_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --clip "$data/cat_walk.csv" -o out/cat_walk.svg \
-  --stills out/cat_walk_ --still-count 24
+"$programs/animate_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --clip "$data/cat_walk.csv" \
+  --coordinates harmonic -o out/cat_walk.svg --stills out/cat_walk_ --still-count 24 >>$report
 set --
 for frame in 01 02 03 04 05 06 07 08 09 10 11 12; do set -- "$@" $frame out/cat_walk_$frame.svg; done
 "$programs/contact_sheet" -o out/cat_walk_frames.svg --columns 4 --png --png-width 1600 "$@"
 mv out/cat_walk_frames.png out/cat_walk.png
 rm -f out/cat_walk_[0-9][0-9].svg out/cat_walk_frames.svg
 
+step "the man, the aleph"
 deform man_posed man man_cage man_pose barycentric
 deform man_rest man man_cage man_cage barycentric
 deform aleph_rest aleph aleph_cage aleph_cage mean-value
@@ -67,23 +83,26 @@ deform aleph_harmonic aleph aleph_cage aleph_pose harmonic
 "$programs/contact_sheet" -o out/aleph.svg --columns 3 --png "at rest" out/aleph_rest.svg \
   "mean value" out/aleph_mean_value.svg "harmonic" out/aleph_harmonic.svg
 
-"$programs/make_character" out
+step "a character in space"
+"$programs/make_character" out >>$report
 for type in mean-value harmonic; do
   name=out/character_$(echo $type | tr - _)
   "$programs/deform_mesh" out/character.obj --cage out/character_cage.obj --pose out/character_pose.obj \
     --coordinates $type -o "$name.obj" --picture "$name.png"
 done
 
+step "a character for a game"
 # What a game takes: a packed binding with the dance, and glTF files as a skin and as morph targets.
 "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
-  --coordinates harmonic --largest 16 --format int16 -o out/character.figure --report
+  --coordinates harmonic --largest 16 --format int16 -o out/character.figure --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --skin 8 \
-  -o out/character_skin.glb --report
+  --coordinates harmonic -o out/character_skin.glb --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \
-  -o out/character_morph.glb
+  --coordinates harmonic -o out/character_morph.glb >>$report
 
+step "heat maps"
 field() { # NAME CAGE VERTEX COORDINATES
-  echo "$1: $("$programs/coordinate_field" --cage "$data/$2.svg" --vertex "$3" --coordinates "$4" -o "out/$1.png")"
+  "$programs/coordinate_field" --cage "$data/$2.svg" --vertex "$3" --coordinates "$4" --resolution 256 -o "out/$1.png" >>$report
 }
 field field_cat_8_harmonic cat_cage 8 harmonic
 field field_cat_8_mean_value cat_cage 8 mean-value
@@ -96,24 +115,33 @@ done
   "mean value: negative (blue) in the other leg" out/field_biped_1_mean_value.png \
   "harmonic: nowhere negative" out/field_biped_1_harmonic.png
 
-"$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png
+step "how the solver converges"
+"$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png >>$report
 
 # Every grid point of the biped's cage, as numbers.
 awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print x "," y }' >out/biped_points.csv
 "$programs/cage_weights" --cage "$data/biped_cage.svg" --points out/biped_points.csv --coordinates mean-value \
   --outside keep --report -o out/biped_weights.csv >out/biped_report.txt
-echo "biped_weights.csv: $(grep '^least weight' out/biped_report.txt)"
 
+step "a key-frame curve"
 # A key-frame curve by as few cubic pieces as a screen of 1920 pixels asks for.
 "$programs/fit_curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.00052 --plot out/fit_curve.svg --png \
   --json out/fit_curve.json
 
-echo
-echo "== figures"
+step "tables"
 "$programs/figure_table" "$data/man.svg" "$data/man_cage.svg" "$data/man_pose.svg" barycentric \
   "$data/cat.svg" "$data/cat_cage.svg" "$data/cat_pose_step.svg" mean-value,harmonic \
-  "$data/aleph.svg" "$data/aleph_cage.svg" "$data/aleph_pose.svg" mean-value,harmonic
+  "$data/aleph.svg" "$data/aleph_cage.svg" "$data/aleph_pose.svg" mean-value,harmonic >out/figures.txt
+"$programs/bezier_tables" >out/curves.txt
 
-echo
-echo "== fits of key-frame curves"
-"$programs/bezier_tables"
+cat <<END
+
+Open, in out/:
+  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage
+  cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
+  aleph.png, man.png         other figures
+  character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
+  biped_signs.png            what negative weights mean; field_*.png: more heat maps
+  convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
+  figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
+END

@@ -37,6 +37,16 @@ SvgResult<CageFile> load_cage(const std::string& path) {
     return make_cage(path, std::move(blocks));
 }
 
+std::string name_points(std::span<const Point2> points, const std::vector<std::size_t>& indices) {
+    std::ostringstream text;
+    for (std::size_t n = 0; n < std::min<std::size_t>(indices.size(), 3); ++n) {
+        const Point2& p = points[indices[n]];
+        text << (n == 0 ? "" : ", ") << '(' << p.x << ", " << p.y << ')';
+    }
+    if (indices.size() > 3) text << ", …";
+    return text.str();
+}
+
 std::string describe(const CageBlock& block) {
     std::ostringstream text;
     switch (block.kind) {

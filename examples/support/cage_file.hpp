@@ -8,6 +8,7 @@
 #include <cageform/core/point.hpp>
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -83,10 +84,23 @@ struct CageFile {
     }
 };
 
+/// For --help: how a cage in the plane, and a pose of it, is given.
+inline constexpr const char* cage_formats =
+    "A cage in the plane is the first closed polygon of an SVG file: a polygon, a\n"
+    "rect or a path of lines; or a CSV file (.csv): blocks of lines x,y with empty\n"
+    "lines between them. A block is a loop, the outer one first, then holes and\n"
+    "islands; or, for harmonic coordinates, a chain of points inside, headed by a\n"
+    "line \"# chain\", or one point, headed by \"# point RADIUS\". A point of a chain\n"
+    "that equals a vertex given before is that vertex. Other lines that begin with #\n"
+    "are comments. A pose is a file of the same blocks with the points moved.\n";
+
 CageFile make_cage(std::string name, std::vector<CageBlock> blocks);
 
 /// Reads a cage: the first closed polygon of an SVG file, or a CSV file of loops, chains and points.
 SvgResult<CageFile> load_cage(const std::string& path);
+
+/// "(412, 88), …" for the first few of a list of points.
+std::string name_points(std::span<const Point2> points, const std::vector<std::size_t>& indices);
 
 /// "a chain of 3 points".
 std::string describe(const CageBlock& block);

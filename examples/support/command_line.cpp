@@ -1,6 +1,10 @@
 #include "command_line.hpp"
 
+#include <cageform/version.hpp>
+
 #include <CLI/CLI.hpp>
+
+#include <filesystem>
 
 namespace cageform_examples {
 
@@ -40,12 +44,32 @@ CommandOption& CommandOption::excludes(const CommandOption& other) {
     option_->excludes(other.option_);
     return *this;
 }
+CommandOption& CommandOption::ends_with(const std::vector<std::string>& endings) {
+    option_->check([endings](const std::string& path) -> std::string {
+        std::string ending = std::filesystem::path(path).extension().string(), known;
+        for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+        for (const std::string& one : endings) {
+            if (ending == one) return {};
+            known += (known.empty() ? "" : " or ") + one;
+        }
+        return "\"" + path + "\" does not end with " + known + ", which says what is written";
+    });
+    return *this;
+}
 bool CommandOption::is_given() const {
     return option_->count() > 0;
 }
 
 CommandLine::CommandLine(const std::string& description)
-    : app_(std::make_unique<CLI::App>(description)) {}
+    : app_(std::make_unique<CLI::App>(description)) {
+    app_->set_version_flag(
+        "--version",
+        [this] {
+            return std::filesystem::path(app_->get_name()).filename().string() + " (cageform) " +
+                   CAGEFORM_VERSION_STRING;
+        },
+        "Print the version and exit");
+}
 CommandLine::~CommandLine() = default;
 
 CommandOption CommandLine::add(const std::string& name, std::string& value, const std::string& help) {

@@ -32,6 +32,7 @@ public:
     CommandOption& check(const std::function<std::string(const std::string&)>& fault); ///< empty: none
     CommandOption& count(int least, int most);                                         ///< how many values
     CommandOption& excludes(const CommandOption& other);
+    CommandOption& ends_with(const std::vector<std::string>& endings); ///< such as ".svg", of a file to write
 
     bool is_given() const; ///< after parsing
 
@@ -39,6 +40,7 @@ private:
     CLI::Option* option_;
 };
 
+/// Every program has --help, and --version, which prints its name and the library's version.
 class CommandLine {
 public:
     explicit CommandLine(const std::string& description);
@@ -56,9 +58,10 @@ public:
                            const std::string& help);
     CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
                              const std::string& help);
+    /// Below the options in the help: how the files look that the program takes.
     void set_footer(const std::string& text);
 
-    /// Nothing, or the code to exit with: 0 after --help, 1 where the words are wrong and stderr says why.
+    /// Nothing, or the code to exit with: 0 after --help and --version, 1 where the words are wrong and stderr says why.
     [[nodiscard]] std::optional<int> parse(int argc, char** argv);
 
 private:

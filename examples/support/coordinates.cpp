@@ -1,5 +1,7 @@
 #include "coordinates.hpp"
 
+#include "mesh_cage.hpp"
+
 #include <algorithm>
 
 namespace cageform_examples {
@@ -10,15 +12,17 @@ const std::vector<std::string>& CoordinatesChoice::names() {
 }
 
 void CoordinatesChoice::add_options(CommandLine& line) {
-    line.add("--coordinates", name, "barycentric, mean-value or harmonic")
+    line.add("--coordinates", name, "barycentric (of a triangle or tetrahedron), mean-value or harmonic")
         .check([](const std::string& given) {
             const auto& known = names();
             return std::find(known.begin(), known.end(), given) != known.end()
                        ? std::string()
                        : "\"" + given + "\" is not one of barycentric, mean-value, harmonic";
-        });
-    line.add("--resolution", harmonic.resolution, "harmonic: grid cells along the longer side")
+        })
         .show_default();
+    line.add("--resolution", resolution, "harmonic: grid cells along the cage's longest side")
+        .range(8, 16384)
+        .show_default("128 in the plane, 64 in space");
     line.add_number(
             "--tolerance",
             [this](double t) { harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t; },
@@ -38,5 +42,68 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         })
         .show_default("multigrid");
 }
+
+cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimension) const {
+    cageform::HarmonicOptions options = harmonic;
+    options.resolution = resolution != 0 ? resolution : dimension == 2 ? 128 : 64;
+    return options;
+}
+
+void OutsideChoice::add_option(CommandLine& line) {
+    std::vector<std::string> words{"auto", "refuse", "keep", "nearest"};
+    if (can_extend) words.push_back("extend");
+    line.add("--outside", word,
+             std::string("points outside the cage: refuse, keep (in place), nearest (follow the nearest "
+                         "boundary point)") +
+                 (can_extend ? ", extend (by the coordinates, where they are defined outside) or auto "
+                               "(extend, else nearest; with a warning)"
+                             : " or auto (nearest, with a warning)"))
+        .one_of(words)
+        .show_default();
+}
+
+template <cageform::Scalar T, std::size_t D>
+cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<T, D>& coordinates) const {
+    if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension))
+        return cageform::OutsidePoints::extend;
+    return word == "nearest" || word == "auto" ? cageform::OutsidePoints::nearest_boundary
+                                               : cageform::OutsidePoints::keep_in_place;
+}
+
+template <cageform::Scalar T, std::size_t D>
+OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordinates,
+                                            const cageform::BindReport& report,
+                                            typename AnyCoordinates<T, D>::Points points,
+                                            const std::string& figure, const std::string& cage) const {
+    const std::string what = D == 2 ? " points of " : " vertices of ";
+    const std::string found = std::to_string(report.outside.size()) + " of " + std::to_string(report.points) +
+                              what + figure + " lie outside the cage " + cage + ", first " +
+                              name_points(points, report.outside);
+    const bool some = !report.outside.empty();
+    if (some && word == "refuse") return {found + "; --outside says what to do with them", {}};
+    if (some && word == "extend" && !coordinates.has_extension)
+        return {found + "; these coordinates are not defined outside the cage", {}};
+    if (!report.unreached.empty()) {
+        return {figure + ": no weights can be had for " + name_points(points, report.unreached) +
+                    (coordinates.closed_form ? ": too far from the cage"
+                                             : ": the grid is too coarse, raise --resolution"),
+                {}};
+    }
+    if (!some || word != "auto") return {};
+    const bool extended = policy(coordinates) == cageform::OutsidePoints::extend;
+    return {{},
+            found + "; they follow " +
+                (extended ? "the extension of the coordinates" : "the nearest points of the boundary") +
+                " (--outside)"};
+}
+
+template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 2>&) const;
+template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 3>&) const;
+template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 2>&,
+                                                     const cageform::BindReport&, std::span<const Point2>,
+                                                     const std::string&, const std::string&) const;
+template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 3>&,
+                                                     const cageform::BindReport&, std::span<const Point3>,
+                                                     const std::string&, const std::string&) const;
 
 } // namespace cageform_examples

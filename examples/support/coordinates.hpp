@@ -18,15 +18,18 @@
 
 namespace cageform_examples {
 
-/// What the programs' --coordinates, --resolution and --tolerance say.
+/// What --coordinates, --resolution, --tolerance and --solver say. The same in all programs.
 struct CoordinatesChoice {
     std::string name = "mean-value"; // one of names()
+    std::size_t resolution = 0;      // 0: 128 in the plane, 64 in space
     cageform::HarmonicOptions harmonic;
 
     static const std::vector<std::string>& names();
 
-    /// Adds --coordinates, --resolution, --tolerance and --solver.
     void add_options(CommandLine& line);
+
+    /// Of harmonic coordinates, in the plane (2) or in space (3).
+    cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
 };
 
 /// Coordinates of a type known when the program runs.
@@ -51,6 +54,28 @@ template <class T>
 std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice, const CageFile& cage);
 template <class T>
 std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
+
+/// What --outside says. The same in all programs that move a figure.
+struct OutsideChoice {
+    std::string word = "auto"; // extend where the coordinates are defined outside, else nearest
+    bool can_extend = true;    // whether the program can do with weights of points outside
+
+    void add_option(CommandLine& line);
+
+    template <cageform::Scalar T, std::size_t D>
+    cageform::OutsidePoints policy(const AnyCoordinates<T, D>& coordinates) const;
+
+    /// What there is to say after a bind.
+    struct Verdict {
+        std::string fault;   ///< why the program has to end; empty where it has not
+        std::string warning; ///< of points outside that nothing was said about; empty where there are none
+    };
+    ///   figure, cage   names of their files
+    template <cageform::Scalar T, std::size_t D>
+    Verdict judge(const AnyCoordinates<T, D>& coordinates, const cageform::BindReport& report,
+                  typename AnyCoordinates<T, D>::Points points, const std::string& figure,
+                  const std::string& cage) const;
+};
 
 /// Binds two vectors a point; mean value and harmonic coordinates only.
 cageform::VectorBindResult<float, 3, 2> bind_vectors(const AnyCoordinates<float, 3>& coordinates,

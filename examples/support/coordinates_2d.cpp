@@ -10,7 +10,8 @@ template <class T>
 std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice,
                                                        const CageFile& file) {
     return file.visit<T>([&](const auto& cage) -> std::unique_ptr<AnyCoordinates<T, 2>> {
-        if (choice.name == "harmonic") return model_of(cageform::HarmonicCoordinates(cage, choice.harmonic));
+        if (choice.name == "harmonic")
+            return model_of(cageform::HarmonicCoordinates(cage, choice.harmonic_options(2)));
         if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 2>(cage));
         return model_of(cageform::BarycentricCoordinates<T, 2>(cage));
     });

@@ -11,7 +11,7 @@ template <class T>
 std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
     const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
     if (choice.name == "harmonic")
-        return model_of(cageform::HarmonicCoordinates<T, 3>(cage, choice.harmonic));
+        return model_of(cageform::HarmonicCoordinates<T, 3>(cage, choice.harmonic_options(3)));
     if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 3>(cage));
     return model_of(cageform::BarycentricCoordinates<T, 3>(cage.vertices()));
 }

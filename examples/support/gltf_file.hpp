@@ -115,7 +115,9 @@ private:
     std::string bytes_;
 };
 
-/// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner.
+/// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner. The vertices
+/// of the OBJ file come first, all of them in its order; behind them those that are there once more, because their faces
+/// differ in normal or texture coordinate.
 struct GltfMesh {
     struct Corner {
         std::uint32_t vertex, normal, texture; // of the OBJ file; ObjCorner::none where there is none
@@ -160,16 +162,22 @@ inline SvgResult<GltfMesh> gltf_mesh(const ObjFile& file) {
     }
 
     GltfMesh mesh;
+    for (std::uint32_t v = 0; v < file.vertices.size(); ++v)
+        mesh.corners.push_back({v, ObjCorner::none, ObjCorner::none});
     std::map<GltfMesh::Corner, std::uint32_t> known;
+    std::vector<bool> met(file.vertices.size()); // whether a corner has taken the vertex's own place
     for (std::size_t t = 0; t < file.triangles.size(); ++t) {
         const ObjFace& face = file.faces[file.triangle_faces[t]];
         for (const std::uint32_t vertex : file.triangles[t]) {
             const auto at = std::find_if(face.corners.begin(), face.corners.end(),
                                          [&](const ObjCorner& corner) { return corner.vertex == vertex; });
             const std::uint32_t st = of_face[file.triangle_faces[t]][std::size_t(at - face.corners.begin())];
-            const auto [place, added] =
-                known.insert({{vertex, at->normal, st}, std::uint32_t(mesh.corners.size())});
-            if (added) mesh.corners.push_back(place->first);
+            const GltfMesh::Corner corner{vertex, at->normal, st};
+            const auto next = std::uint32_t(met[vertex] ? mesh.corners.size() : vertex);
+            const auto [place, added] = known.insert({corner, next});
+            if (added && met[vertex]) mesh.corners.push_back(corner);
+            if (added && !met[vertex]) mesh.corners[vertex] = corner;
+            met[vertex] = true;
             mesh.indices.push_back({place->second});
         }
     }

@@ -8,6 +8,8 @@ namespace cageform_examples {
 
 SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
     auto file = load_obj(path);
+    if (file && file->faces.empty())
+        return SvgError{file->name + ": holds no faces (lines \"f a b c\"); a cage is a closed mesh"};
     if (file && !file->folded.empty()) {
         return SvgError{file->name + ": a face cannot be cut into triangles; please split it",
                         file->faces[file->folded.front()].line};
@@ -42,6 +44,20 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
     }
     if (indices.size() > 3) text << ", …";
     return text.str();
+}
+
+SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
+                                       double seconds) {
+    PoseClip clip{"poses", seconds * double(poses.size() + 1), {{0, PoseWay::smooth, cage.vertices}}};
+    for (const std::string& path : poses) {
+        const auto pose = load_obj(path);
+        if (!pose) return pose.error();
+        const std::string why = pose_difference(cage, *pose);
+        if (!why.empty()) return SvgError{why};
+        if (const auto fault = single_precision_fault(*pose)) return *fault;
+        clip.keys.push_back({seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
+    }
+    return clip;
 }
 
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose) {

@@ -3,6 +3,7 @@
 // Cages in space: OBJ files of closed meshes, and what to say of them.
 
 #include "bind_report.hpp"
+#include "clip_file.hpp"
 #include "obj_file.hpp"
 
 #include <cstddef>
@@ -23,6 +24,11 @@ void warn_of_closed_gaps(const char* program, const std::string& name, const cag
 
 /// "(0.1, 0.2, 0.3), …" for the first few of a list of points, named as the file counts them.
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
+
+/// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the next. Fails
+/// where a file cannot be read, is no pose of the cage or is beyond single precision.
+SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
+                                       double seconds);
 
 /// Why `pose` is no pose of `cage`; empty where it is one.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);

@@ -66,13 +66,16 @@ refuses 'line' "$deform" malformed.svg --cage "$cage" --pose "$pose" -o out.svg
 refuses 'unclosed.svg' "$deform" unclosed.svg --cage "$cage" --pose "$pose" -o out.svg
 refuses 'text.svg' "$deform" text.svg --cage "$cage" --pose "$pose" -o out.svg
 refuses 'the pose has a loop of 3 vertices, the cage' "$deform" "$cat" --cage "$cage" --pose "$data/man_pose.svg" -o out.svg
-refuses 'outside the cage' "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" -o out.svg
+refuses 'outside the cage' "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --outside refuse -o out.svg
 refuses 'not defined outside' "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --coordinates harmonic --outside extend -o out.svg
 refuses 'simplex' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates barycentric -o out.svg
 refuses 'wachspress' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates wachspress -o out.svg
 refuses 'resolution' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 3 -o out.svg
 refuses '--pose' "$deform" "$cat" --cage "$cage" -o out.svg
 refuses 'missing/out.svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o missing/out.svg
+works "points outside" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" -o outside.svg
+[ "$(grep -c 'lie outside the cage.*they follow the extension of the coordinates' log)" = 1 ] && ok=yes || ok=no
+report $ok "one warning of points outside"
 for policy in keep nearest extend; do
   works "outside: $policy" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --outside $policy -o kept.svg
 done
@@ -202,6 +205,7 @@ for type in mean-value harmonic; do
   cmp -s character.obj rest.obj && ok=yes || ok=no
   report $ok "at rest, $type, the file is the same"
 done
+printf 'v 0 1 0\nv 0 1 0.01\nv 0 1.01 0\nv 0.01 1 0\n' >points.obj
 # What a game loads: sizes told, no half-written file.
 bind="$programs/bind_mesh"
 works "a packed character" "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv \
@@ -211,6 +215,15 @@ report $ok "the report tells the sizes"
 refuses 'nowhere.obj' "$bind" nowhere.obj --cage character_cage.obj -o out.figure
 refuses 'nowhere.csv' "$bind" character.obj --cage character_cage.obj --clip nowhere.csv -o out.figure
 refuses 'linear precision' "$bind" character.obj --cage character_cage.obj --largest 3 -o out.figure
+works "a character of poses" "$bind" character.obj --cage character_cage.obj --pose character_pose.obj character_cage.obj --seconds 0.5 -o posed.figure
+works "a character at rest" "$bind" character.obj --cage character_cage.obj -o still.figure
+[ $(($(wc -c <posed.figure) - $(wc -c <still.figure))) -eq $((112 * 3 * (4 + 3 * 20))) ] && ok=yes || ok=no
+report $ok "three pieces of a curve for every coordinate"
+refuses '--pose' "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv --pose character_pose.obj -o out.figure
+refuses 'the pose character.obj has 8066 vertices, the cage character_cage.obj has 112' "$bind" character.obj --cage character_cage.obj --pose character.obj -o out.figure
+refuses 'no normals' "$bind" points.obj --cage character_cage.obj -o out.figure
+refuses 'points.obj: holds no faces (lines "f a b c"); a cage is a closed mesh' "$bind" character.obj --cage points.obj -o out.figure
+refuses 'normals are bound by mean-value or harmonic alone' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
 # A figure file and glTF hold single precision.
 huge() { # LINE FILE   the line's first 0.xxx, or the number at its beginning, is 1e39 in huge.*
@@ -268,12 +281,21 @@ grep -qF 'deform_mesh: warning: box_open.obj: 4 open edges were closed, first be
 report $ok "the gap is reported"
 refuses 'open edge (0, 1)' "$mesh" figure.obj --cage box_wide_open.obj --pose box_wide_open.obj -o out.obj
 refuses 'box_bow_tie.obj: a face cannot be cut into triangles' "$mesh" figure.obj --cage box_bow_tie.obj --pose box_bow_tie.obj -o out.obj
-refuses '1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2)' "$mesh" stray.obj --cage box.obj --pose box_pose.obj -o out.obj
+refuses '1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2)' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside refuse -o out.obj
+for type in mean-value harmonic; do
+  works "a vertex outside, $type" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates $type -o auto_$type.obj
+  grep -q 'warning: 1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2); they follow' log && ok=yes || ok=no
+  report $ok "a warning of the vertex outside, $type"
+done
+works "a vertex extended" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside extend -o extended.obj
+works "a vertex on the boundary" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates harmonic --outside nearest -o nearest.obj
+cmp -s auto_mean-value.obj extended.obj && cmp -s auto_harmonic.obj nearest.obj && ok=yes || ok=no
+report $ok "auto extends where it can, else takes the nearest boundary"
 refuses 'not defined outside' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates harmonic --outside extend -o out.obj
 for policy in keep nearest extend; do
   works "vertices outside: $policy" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside $policy -o kept.obj
 done
-refuses 'barycentric' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates barycentric -o out.obj
+refuses 'not a simplex (8, 4)' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates barycentric -o out.obj
 refuses 'resolution' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates harmonic --resolution 3 -o out.obj
 refuses 'tolerance' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates harmonic --tolerance 0 -o out.obj
 refuses '--pose' "$mesh" figure.obj --cage box.obj -o out.obj
@@ -318,7 +340,7 @@ refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
 refuses 'cross' "$field" --cage bow_tie.svg --vertex 0 -o out.png
 works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic
 refuses 'not one of' "$table" "$cat" "$cage" "$pose" wachspress
-refuses 'arguments' "$table" "$cat"
+refuses 'arguments are FIGURE.svg' "$table" "$cat"
 works "a sheet" "$programs/contact_sheet" -o sheet.svg "at rest" "$cat" "a step" cat.svg
 works "a sheet of pictures" "$programs/contact_sheet" -o sheet.svg "a field" field.png "at rest" "$cat"
 grep -q 'image/png;base64,iVBORw0KGgo' sheet.svg && ok=yes || ok=no
@@ -341,7 +363,7 @@ works "help of fit_curve" "$curve" --help
 works "the sup norm" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup
 refuses "not tied together" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup --conditions end_value,knot_c0
 works "help of the tables" "$programs/bezier_tables" --help
-refuses 'no arguments' "$programs/bezier_tables" please
+refuses 'not expected: please' "$programs/bezier_tables" please
 works "a table of pieces" "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_c0 --knots uniform
 grep -Eq 'largest error 0.00218169 at time 0.(745764|254236); W12 error 0.026167 ' log && ok=yes || ok=no
 report $ok "the errors are those of the case s01"
@@ -436,12 +458,57 @@ if [ -d $icons ]; then
   done
 fi
 
-# ---- outputs: all or none, none twice, nothing left behind ----
-for same in out.obj ./out.obj folder/../out.obj; do
-  refuses "cannot write $same: it is the same file as out.obj" \
-    "$mesh" figure.obj --cage box.obj --pose box.obj -o out.obj --picture $same
+# ---- what all programs have ----
+version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
+  export_gltf animate_svg fit_curve bezier_tables; do
+  works "version of $program" "$programs/$program" --version
+  [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
+  report $ok "$program tells its version"
+  works "help of $program" "$programs/$program" --help
+  grep -q 'support/\|\.hpp' log && ok=no || ok=yes
+  report $ok "the help of $program names no source file"
+  if grep -q -- '--coordinates' log; then
+    grep -q -- '--coordinates .*=mean-value' log && grep -q -- '--resolution .*=128 in the plane, 64 in space' log &&
+      grep -q -- '--tolerance .*=1e-06' log && grep -q -- '--solver .*=multigrid' log && ok=yes || ok=no
+    report $ok "the defaults of $program are those of all"
+  fi
+  if grep -q -- '--cage' log; then
+    grep -q 'A cage in the plane is the first closed polygon\|A cage is a closed mesh' log && ok=yes || ok=no
+    report $ok "the help of $program says how a cage looks"
+  fi
 done
-refuses 'it is the same file as out.json' "$curve" --css 0,0,1,1 --pieces 2 --json out.json --plot ./out.json
+refuses '"out.png" does not end with .svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o out.png
+refuses '"out" does not end with .svg' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" -o out
+refuses '"out.svg" does not end with .png' "$field" --cage "$cage" --vertex 8 -o out.svg
+refuses '"out.ply" does not end with .obj' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.ply
+refuses '"out.jpg" does not end with .png' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.obj --picture out.jpg
+refuses '"out.txt" does not end with .csv' "$weights" --cage square.csv --points middle.csv -o out.txt
+refuses '"out.bin" does not end with .figure' "$bind" character.obj --cage character_cage.obj -o out.bin
+refuses '"out.png" does not end with .svg' "$curve" --css 0,0,1,1 --pieces 2 --plot out.png
+works "an ending in capitals" "$deform" "$cat" --cage "$cage" --pose "$pose" -o CAT.SVG
+
+# ---- animate_svg ----
+works "a cat that walks" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 12 -o walk.svg --stills still_ --still-count 2
+[ "$(grep -c '<animate ' walk.svg)" -ge 1 ] && [ -s still_01.svg ] && [ -s still_02.svg ] && ok=yes || ok=no
+report $ok "the walk and two stills are there"
+sed 's|</svg>|<path d="M -900 0 L -800 0 L -800 50 Z"/></svg>|' "$cat" >stray.svg
+for type in mean-value harmonic; do
+  works "a stray shape, $type" "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 --coordinates $type -o walk.svg
+  grep -q 'warning: .* points of stray.svg lie outside the cage .*, first (-900, 0), .* they follow' log && ok=yes || ok=no
+  report $ok "points outside are named, $type"
+done
+refuses 'stray.svg lie outside the cage' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --outside refuse -o out.svg
+refuses 'not defined outside' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --coordinates harmonic --outside extend -o out.svg
+refuses 'the same file as ' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 -o out.01.svg --stills out. --still-count 1
+
+# ---- outputs: all or none, none twice, nothing left behind ----
+cp figure.obj kept.obj
+ln -s ../kept.obj folder/link.png
+refuses 'cannot write folder/link.png: it is the same file as ./kept.obj' \
+  "$mesh" figure.obj --cage box.obj --pose box_pose.obj -o ./kept.obj --picture folder/link.png
+cmp -s figure.obj kept.obj && ok=yes || ok=no
+report $ok "neither of two outputs of one name is written"
 echo precious >kept.svg
 mkdir -p kept.png no_programs
 refuses 'cannot write kept.png: it is not a regular file' "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --png

@@ -106,6 +106,10 @@ File load(const std::string& path, const ObjFile& figure) {
         file.rest.push_back({positions[i], positions[i + 1], positions[i + 2]});
         file.origin.push_back(places.at(single(file.rest.back())));
     }
+    for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
+        if (single(file.rest.at(i)) != single(figure.vertices[i]))
+            throw std::runtime_error("the vertices are in another order");
+    }
     const auto indices = numbers(file.model, primitive.indices);
     if (indices.size() != 3 * figure.triangles.size()) throw std::runtime_error("triangles are missing");
     for (std::size_t n = 0; n < indices.size(); ++n) {

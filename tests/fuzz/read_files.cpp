@@ -1,0 +1,187 @@
+// Feeds texts to the readers of files of the examples, and what they take to what follows: for libFuzzer.
+//
+//     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
+//             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
+//             examples/support/{bind_report,cage_file,clip_file,csv,input_file,mesh_cage,obj_file,svg_*}.cpp
+//             -lpugixml -ltinyobjloader_double -o fuzz_read_files
+//     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
+//
+// Readers: cage (CSV), clip, poses, obj, svg.
+#include "cage_file.hpp"
+#include "clip_file.hpp"
+#include "gltf_file.hpp"
+#include "mesh_cage.hpp"
+#include "svg_document.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace cageform_examples;
+
+#define REQUIRE(condition)                                                                                   \
+    if (!(condition)) {                                                                                      \
+        std::fprintf(stderr, "line %d: %s\n", __LINE__, #condition);                                         \
+        std::abort();                                                                                        \
+    }
+
+template <class T>
+bool taken(const SvgResult<T>& result) {
+    REQUIRE(result || !result.error().message.empty());
+    return bool(result);
+}
+
+void read_cage(const std::string& text) {
+    auto blocks = parse_cage_csv(text, "file.csv");
+    if (!taken(blocks)) return;
+    const CageFile cage = make_cage("file.csv", std::move(*blocks));
+    for (const auto& handles : cage.handles) {
+        for (const std::size_t i : handles) REQUIRE(i < cage.vertices.size());
+    }
+    bool finite = true;
+    for (const Point2& p : cage.vertices) finite = finite && std::isfinite(p.x) && std::isfinite(p.y);
+    REQUIRE(!finite || taken(make_pose(cage, cage)));
+    (void)check(cage.polygon<float>());
+    (void)check(cage.polygon<double>());
+    cageform::BindReport report;
+    report.cage = check(cage.complex<double>());
+    report.status = report.cage.status;
+    REQUIRE(describe_faults("file.csv", report).size() < 4000);
+}
+
+constexpr std::size_t vertices = 4; ///< of the cages that clips move
+
+void read_clip(const std::string& text) {
+    const auto clip = parse_clip(text, "file.csv", vertices);
+    if (!taken(clip)) return;
+    REQUIRE(clip->length > 0 && std::isfinite(clip->length));
+    for (const ClipControl& control : clip->controls) {
+        REQUIRE(control.rows.size() >= 2);
+        for (const auto& share : control.shares) REQUIRE(share.vertex < vertices);
+    }
+}
+
+void read_poses(const std::string& text) {
+    const auto clip = parse_pose_clip(text, "file.csv", vertices);
+    if (!taken(clip)) return;
+    const auto motion = make_clip<float>(*clip);
+    const auto exact = make_clip<double>(*clip);
+    auto cursor = motion.make_cursor();
+    auto exact_cursor = exact.make_cursor();
+    std::vector<cageform::Vec<float, 3>> pose(vertices);
+    std::vector<Point3> exact_pose(vertices);
+    for (const PoseKey& key : clip->keys) {
+        motion.sample(float(key.time), cursor, pose);
+        exact.sample(key.time, exact_cursor, exact_pose);
+        for (std::size_t i = 0; i < vertices; ++i) {
+            for (std::size_t k = 0; k < 3; ++k) REQUIRE(std::isfinite(float(key.places[i][k])));
+        }
+    }
+    (void)pose_clip_text(*clip, "again");
+    const std::vector<double> values(clip->keys.size() * 3, 1.0);
+    (void)gltf_track(*clip, values, 3);
+}
+
+void read_obj(const std::string& text) {
+    const auto file = parse_obj(text, "file.obj");
+    if (!taken(file)) return;
+    REQUIRE(to_text(*file, file->vertices) == text);
+    REQUIRE(pose_difference(*file, *file).empty());
+    for (const auto& triangle : file->triangles) {
+        for (const std::uint32_t i : triangle) REQUIRE(i < file->vertices.size());
+    }
+    auto moved = file->vertices;
+    for (Point3& p : moved) p = {p[1], -p[2], 2 * p[0]};
+    REQUIRE(taken(parse_obj(to_text(*file, moved), "again.obj")));
+    if (single_precision_fault(*file)) return;
+    const auto mesh = gltf_mesh(*file);
+    if (!taken(mesh)) return;
+    const auto places = gltf_positions(*mesh, file->vertices);
+    REQUIRE(gltf_normals(*mesh, *file, file->vertices).size() == places.size());
+    for (std::size_t i = 0; i < file->vertices.size(); ++i)
+        REQUIRE(places[i][0] == float(file->vertices[i][0]));
+    for (std::size_t n = 0; n < mesh->indices.size(); ++n)
+        REQUIRE(mesh->corners.at(mesh->indices[n][0]).vertex == file->triangles[n / 3][n % 3]);
+}
+
+void read_svg(const std::string& text) {
+    const auto document = parse_svg(text, "file.svg");
+    if (!taken(document)) return;
+    (void)to_text(*document);
+    (void)taken(view_box(*document));
+    (void)taken(first_polygon(*document));
+    (void)taken(figure_vertices(*document));
+}
+
+struct Reader {
+    void (*read)(const std::string&);
+    std::vector<std::string> seeds;
+};
+const std::map<std::string, Reader>& readers() {
+    static const std::map<std::string, Reader> all{
+        {"cage",
+         {read_cage,
+          {"x,y\n0,0\n4,0\n4,4\n0,4\n\n1,1\n1,2\n2,2\n\n# chain\n0,0\n3,1\n\n# point 0.5\n3,3\n",
+           "1e308,-1e308\n1e-320,+2\r\n nan,inf\n\n# point -1e400\n,\n", "0,0\n1,0\n0,1\n"}}},
+        {"clip",
+         {read_clip,
+          {"# "
+           "a\nlength,2.4\nlate,legs,0.6\nground,744,166\n\ncontrol,tail\nvertices,1:0.5,3,2\npivot,775,400\n"
+           "time,x,y,turn,kind\n0.0,0,0,-6,ease\n1.2,0,1e9,6,hold\n2.4,0,0,-6,linear\n",
+           "length,1e308\ncontrol,\nvertices,4\n-1e308,0,0,0,automatic\n1e-308,1,nan,inf,automatic\n"}}},
+        {"poses",
+         {read_poses,
+          {"length,2\npose,0\n0,0,0\n1,0,0\n0,1,0\n0,0,1\npose,1,ease\n0,0,1\n1,0,1\n0,1,1\n0,0,2\n",
+           "# a\nlength,3e38\npose,0,linear\n3e38,0,0\n1e-45,0,0\n0,1e39,0\n0,0,1\npose,1e-40,smooth\n0,0,1\n"
+           "1,0,1\n0,1,1\n0,0,2\n"}}},
+        {"obj",
+         {read_obj,
+          {"v 0 0 0\nv 1 0 0\nv 0 1 0 1 1 1\r\nv 0 0 1\nvn 0 0 1\nvt 0 1\nf 1 3 2\nf 1/1/1 2//1 4/1\nf -1 -2 "
+           "-3\n"
+           "f 1 2 3 4\n",
+           "\xef\xbb\xbfo a\n#x\nv 1e308 -1e308 \\\n1e-308\nv 1e39 +1 .5\nv 2 2 2\nf 1 2 3 # c\ns "
+           "off\nusemtl m\n",
+           "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 1 0\nv 0 2 0\nv 0 0 0\nf 1 2 3 4 5\nf 1 6 1\n"}}},
+        {"svg",
+         {read_svg,
+          {"<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\"><g transform=\"rotate(9) "
+           "scale(2,1e-9)\">"
+           "<polygon points=\"0,0 1,0 1,1\"/><rect width=\"50%\" height=\"2cm\" rx=\"1\"/></g><use "
+           "href=\"#a\"/>"
+           "<path id=\"a\" d=\"m0 0h1v1Q1 2 3 4t5 5A1 2 3 0 1 9 9z\"/></svg>",
+           "<?xml version=\"1.0\"?><!DOCTYPE svg [<!ENTITY e \"x\">]><svg><use id=\"u\" "
+           "href=\"#u\"/></svg>"}}}};
+    return all;
+}
+
+const Reader* chosen = nullptr;
+
+} // namespace
+
+extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
+    std::string seeds;
+    for (int n = 1; n < *count; ++n) {
+        const std::string argument = (*arguments)[n], reader = "--reader=", folder = "--seeds=";
+        if (argument.starts_with(reader)) chosen = &readers().at(argument.substr(reader.size()));
+        if (argument.starts_with(folder)) seeds = argument.substr(folder.size());
+    }
+    REQUIRE(chosen != nullptr);
+    if (seeds.empty()) return 0;
+    for (std::size_t n = 0; n < chosen->seeds.size(); ++n) {
+        std::FILE* const file = std::fopen((seeds + "/" + std::to_string(n)).c_str(), "wb");
+        REQUIRE(file != nullptr);
+        REQUIRE(std::fwrite(chosen->seeds[n].data(), 1, chosen->seeds[n].size(), file) ==
+                chosen->seeds[n].size());
+        REQUIRE(std::fclose(file) == 0);
+    }
+    std::exit(0);
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    chosen->read(std::string(reinterpret_cast<const char*>(data), size));
+    return 0;
+}
