@@ -1,4 +1,4 @@
-// BROKEN: Point<
+// BROKEN: PointTraits: core/point.hpp, adapt/
 #include <cageform/core/view.hpp>
 
 #include <vector>

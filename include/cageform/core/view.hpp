@@ -79,7 +79,8 @@ template <class R>
 concept PointRange = requires(const std::remove_reference_t<R>& r, std::size_t i) {
     { std::size(r) } -> std::convertible_to<std::size_t>;
     r[i];
-    requires Point<std::remove_cvref_t<decltype(r[i])>>;
+    // Compilers print this line where a point type is unknown, and so the files that say what to do.
+    requires Point<std::remove_cvref_t<decltype(r[i])>>; // PointTraits: core/point.hpp, adapt/*.hpp
 };
 
 /// Points that can be written by `store(i, vec)` or through a MutablePoint reference `range[i]`.
@@ -94,7 +95,7 @@ concept ReferenceRange = PointRange<R> && requires(R& r, std::size_t i) {
     requires MutablePoint<range_point_t<R>>;
 };
 template <class R>
-concept MutablePointRange = StoringRange<R> || ReferenceRange<R>;
+concept MutablePointRange = PointRange<R> &&(StoringRange<R> || ReferenceRange<R>);
 
 /// Dimension and scalar of the points of a range.
 template <class R>

@@ -1,0 +1,18 @@
+// BROKEN: PointTraits: core/point.hpp, adapt/
+#include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+
+#include <vector>
+
+#if defined(BROKEN)
+struct Pixel {
+    double x, y;
+};
+#else
+using Pixel = cageform::Vec<double, 2>;
+#endif
+
+cageform::BindReport report_of(const cageform::MeanValueCoordinates2d& coordinates,
+                               const std::vector<Pixel>& figure) {
+    return cageform::bind(coordinates, figure).report;
+}
