@@ -77,6 +77,7 @@ int run_program(int argc, char** argv) {
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
     outside.add_option(line);
+    line.add_flag("--fit", options.fit, "grow the viewBox and the size of the picture to what has moved");
     line.add("--flatness", options.tolerance,
              "how far curves may miss the deformed shape, in user units; 0: invisibly little")
         .range(0.0, 1e100)
@@ -127,6 +128,11 @@ int run_program(int argc, char** argv) {
     if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
     if (!warning.empty()) std::cerr << "deform_svg: warning: " << warning << '\n';
     for (const std::string& text : deformed->warnings) std::cerr << "deform_svg: warning: " << text << '\n';
+    if (deformed->cut_off > 0) {
+        std::cerr << "deform_svg: warning: " << deformed->cut_off
+                  << (deformed->cut_off == 1 ? " shape is" : " shapes are")
+                  << " cut off at the edge of the picture; --fit grows it\n";
+    }
     if (deformed->coarse > 0) {
         std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
                   << " segments miss the --flatness asked for\n";

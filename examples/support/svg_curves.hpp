@@ -3,6 +3,7 @@
 // Paths under a deformation: curves and long lines are refined until they follow the deformed shape.
 
 #include "svg_document.hpp"
+#include "svg_motion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -62,6 +63,7 @@ public:
             }
         }
         if (!sample(1, starts)) return false;
+        record_motions(paths, starts);
         std::size_t first = 0;
         std::size_t next_subpath = 0;
         for (const Path& path : paths) {
@@ -98,6 +100,9 @@ public:
     }
 
     const std::string& failure() const { return failure_; }
+
+    /// Of every path, from its first samples.
+    const std::vector<Motion>& motions() const { return motions_; }
 
 private:
     struct Curve {
@@ -168,6 +173,30 @@ private:
         return true;
     }
 
+    /// Of all samples but the starts, each of which is a closed path's end again, or of no length.
+    void record_motions(const std::vector<Path>& paths, const std::vector<Point2>& starts) {
+        std::size_t piece = 0;
+        std::size_t next_subpath = 0;
+        for (const Path& path : paths) {
+            Motion motion;
+            for (const Subpath& subpath : path) {
+                motion.add(subpath.start, starts[next_subpath++], 0);
+                Point2 from = subpath.start;
+                for (std::size_t n = subpath.segments.size(); n > 0; --n, ++piece) {
+                    const Curve& curve = curves_[pieces_[piece].curve];
+                    const std::vector<Point2>& samples = pieces_[piece].samples;
+                    for (std::size_t i = 1; i < samples.size(); ++i) {
+                        const double t = static_cast<double>(i) / static_cast<double>(samples.size() - 1);
+                        const Point2 rest = at(curve.p0, curve.rest, t);
+                        motion.add(rest, samples[i], distance(from, rest));
+                        from = rest;
+                    }
+                }
+            }
+            motions_.push_back(motion);
+        }
+    }
+
     /// True if some pieces were halved and need more samples.
     bool settle_all() {
         std::vector<Piece> next;
@@ -195,7 +224,13 @@ private:
                    {},
                    {},
                    true};
-        if (fit(samples, curves_[piece.curve].rest.is_line, part.result)) {
+        const Curve& curve = curves_[piece.curve];
+        const bool starts = first == 0 && piece.from == 0;
+        const bool ends = last + 1 == piece.samples.size() && piece.to == 1;
+        const double short_handle = 10 * tolerance_;
+        const bool stops_at_start = starts && distance(curve.p0, curve.rest.p1) <= short_handle;
+        const bool stops_at_end = ends && distance(curve.rest.p2, curve.rest.p3) <= short_handle;
+        if (fit(samples, curve.rest.is_line, stops_at_start, stops_at_end, part.result)) {
             next.push_back(std::move(part));
         } else if (n > 6) {
             settle(piece, first, first + n / 2, next);
@@ -212,8 +247,11 @@ private:
         }
     }
 
-    /// The line or cubic for these samples, and whether it is within the tolerance of all of them.
-    bool fit(std::span<const Point2> samples, bool was_line, Segment& result) const {
+    /// The line or cubic for these samples, and whether it is within the tolerance of all of them. Where the
+    /// curve stops (its control point lies on its end), the cubic does too: its direction there would be that
+    /// of rounding, which strokes show.
+    bool fit(std::span<const Point2> samples, bool was_line, bool stops_at_start, bool stops_at_end,
+             Segment& result) const {
         const std::size_t n = samples.size() - 1;
         const Point2& a = samples[0];
         const Point2& b = samples[n / 3];
@@ -233,11 +271,34 @@ private:
             {(2 * a.x - 9 * b.x + 18 * c.x - 5 * d.x) / 6, (2 * a.y - 9 * b.y + 18 * c.y - 5 * d.y) / 6},
             d,
             false};
+        if (stops_at_start != stops_at_end) {
+            const Point2 control = control_of_stopping(samples, stops_at_start);
+            result.p1 = stops_at_start ? a : control;
+            result.p2 = stops_at_start ? control : d;
+        }
         for (std::size_t i = 0; i <= n; ++i) {
             const double t = static_cast<double>(i) / static_cast<double>(n);
             if (!(distance(at(a, result, t), samples[i]) <= tolerance_)) return false;
         }
         return true;
+    }
+
+    /// The control point that is left of a cubic that stops at one end, by least squares.
+    static Point2 control_of_stopping(std::span<const Point2> samples, bool at_start) {
+        const std::size_t n = samples.size() - 1;
+        Point2 sum;
+        double square = 0;
+        for (std::size_t i = 0; i <= n; ++i) {
+            const double t = static_cast<double>(i) / static_cast<double>(n);
+            const double u = 1 - t;
+            const double free = at_start ? 3 * u * t * t : 3 * u * u * t;
+            const double first = u * u * u + (at_start ? 3 * u * u * t : 0);
+            const double last = t * t * t + (at_start ? 0 : 3 * u * t * t);
+            sum.x += free * (samples[i].x - first * samples[0].x - last * samples[n].x);
+            sum.y += free * (samples[i].y - first * samples[0].y - last * samples[n].y);
+            square += free * free;
+        }
+        return {sum.x / square, sum.y / square};
     }
 
     static double distance_to_chord(const Point2& p, const Point2& a, const Point2& b) {
@@ -254,6 +315,7 @@ private:
     int max_halvings_;
     DeformReport& report_;
     std::vector<Curve> curves_;
+    std::vector<Motion> motions_;
     std::vector<Piece> pieces_; // in the order of the curves and along each
     std::string failure_;
 };

@@ -115,11 +115,13 @@ namespace detail {
 SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document) {
     SvgDocument work = copy_of(document);
     std::vector<std::string> ignored;
-    auto drawn = collect_shapes(work, false, ignored);
-    if (!drawn) return drawn.error();
+    const StyleSheets styles(root_element(work.xml));
+    IdTable ids(root_element(work.xml));
+    auto drawing = walk(work, styles, ids, {.follow_references = false}, ignored);
+    if (!drawing) return drawing.error();
     std::vector<SvgShape> shapes;
-    shapes.reserve(drawn->size());
-    for (DrawnShape& shape : *drawn) {
+    shapes.reserve(drawing->shapes.size());
+    for (DrawnShape& shape : drawing->shapes) {
         shapes.push_back({label(work, shape.node), std::move(shape.path)});
     }
     return shapes;

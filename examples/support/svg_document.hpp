@@ -5,13 +5,17 @@
 //
 // What is deformed: path, rect, circle, ellipse, line, polyline and polygon wherever they are drawn, also
 // through g, a, switch and nested svg, through `use` of an element of the same file (each use becomes a
-// group with its own copy), and inside a clipPath or mask in user space that a drawn element refers to
-// (copied where elements under different transforms share it). Each becomes a <path> in place.
+// group with its own copy), and inside a clipPath or mask that a drawn element refers to (copied where
+// elements under different transforms share it, or where it is in units of their boxes). Each becomes a
+// <path> in place. What has not moved stays as it was written.
 //
-// What is not, and is then named in the warnings: text, image, foreignObject; gradients and patterns in
-// user space, which stay where they are; clip paths and masks in units of the bounding box; shapes under
-// a transform without inverse; transforms given by CSS. A nested svg or a used symbol clips its content
-// in SVG; an expanded symbol no longer does.
+// What follows a shape by the affine map that fits its points best, in the sense of least squares: its
+// gradients and patterns, in user space or in units of its box (svg_paint.hpp), and of text, image and
+// foreignObject the whole. Regions of filters and masks grow to hold what has moved. A nested svg or a used
+// symbol that cuts off what it holds becomes a group with a clip path.
+//
+// What stays: the width of strokes; the parts of filters; markers at vertices, also at those that are
+// added; shapes under a transform without inverse; transforms given by CSS. Warnings name all but the first.
 //
 // Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
 // ("cageform-rect") and the selector names the class instead, so that it still matches after the
@@ -60,6 +64,7 @@ struct DeformOptions {
     double tolerance =
         0; // user units of the root; 0 takes 2e-5 of the viewBox's diagonal, which is invisible
     int max_halvings = 8; // of a piece that misses the tolerance
+    bool fit = false;     // grow the viewBox, and the size, to what has moved
     int decimals = -1;    // written; negative takes what makes rounding a twentieth of the tolerance
 };
 
@@ -69,6 +74,7 @@ struct DeformReport {
     std::size_t batches = 0;  // calls of the deformer
     std::size_t segments = 0; // written
     std::size_t coarse = 0;   // of these, accepted outside the tolerance after `max_halvings`
+    std::size_t cut_off = 0;  // shapes that now reach further beyond the viewBox than they did
     std::vector<std::string> warnings;
 };
 
@@ -107,11 +113,21 @@ SvgResult<ViewBox> view_box(const SvgDocument& document);
 
 namespace detail {
 
+/// A shape as the walk finds it. What is no shape (text, an image) but is asked for has the outline of its box
+/// for a path.
 struct DrawnShape {
     pugi::xml_node node;
     Affine2 to_root;
     Affine2 from_root;
-    Path path; // in root user space
+    Path path;                  // in root user space
+    std::string fill = "black"; // as CSS has them here, inherited
+    std::string stroke = "none";
+    double stroke_width = 1;     // in its own user space
+    bool marks_ends = false;     // has markers at its start or end
+    bool marks_vertices = false; // has markers between
+    int level = 0;               // of clip paths and masks that it stands in; 0 is the picture itself
+    bool clips = false;          // stands in a clip path
+    bool is_box = false;         // text or an image
 };
 
 /// What is drawn, in document order. The document is changed on the way, without changing what it shows: every `use`

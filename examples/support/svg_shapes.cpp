@@ -33,6 +33,87 @@ bool is_fixed(const std::string& kind) {
     return kind == "text" || kind == "image" || kind == "foreignObject";
 }
 
+void Box::add(const Point2& p) {
+    x0 = std::min(x0, p.x);
+    y0 = std::min(y0, p.y);
+    x1 = std::max(x1, p.x);
+    y1 = std::max(y1, p.y);
+}
+
+void Box::add(const Box& other) {
+    if (other.empty()) return;
+    add(Point2{other.x0, other.y0});
+    add(Point2{other.x1, other.y1});
+}
+
+Box Box::within(const Box& other) const {
+    return {std::max(x0, other.x0), std::max(y0, other.y0), std::min(x1, other.x1), std::min(y1, other.y1)};
+}
+
+bool Box::contains(const Box& other) const {
+    return other.empty() || (x0 <= other.x0 && y0 <= other.y0 && x1 >= other.x1 && y1 >= other.y1);
+}
+
+/// Adds a cubic's extreme values along one axis: those at the zeros of its derivative inside (0, 1).
+void add_extremes(double a, double b, double c, double d, double& least, double& most) {
+    least = std::min({least, a, d});
+    most = std::max({most, a, d});
+    if (std::min(b, c) >= least && std::max(b, c) <= most) return;
+    const double p = d - a + 3 * (b - c); // the derivative is 3 (p t² + 2 q t + r)
+    const double q = a - 2 * b + c;
+    const double r = b - a;
+    const double root = std::sqrt(std::max(0.0, q * q - p * r));
+    const double e = q > 0 ? -q - root : -q + root; // zeros e / p and r / e, without cancellation
+    for (const double t : {e / p, r / e}) {
+        if (!(t > 0 && t < 1)) continue;
+        const double u = 1 - t;
+        const double value = u * u * u * a + 3 * u * u * t * b + 3 * u * t * t * c + t * t * t * d;
+        least = std::min(least, value);
+        most = std::max(most, value);
+    }
+}
+
+Box bounds(const Path& path, const Affine2& map) {
+    Box box;
+    for (const Subpath& subpath : path) {
+        Point2 from = apply(map, subpath.start);
+        if (!subpath.segments.empty()) box.add(from);
+        for (const Segment& s : subpath.segments) {
+            const Point2 p1 = apply(map, s.p1);
+            const Point2 p2 = apply(map, s.p2);
+            const Point2 p3 = apply(map, s.p3);
+            if (s.is_line) {
+                box.add(p3);
+            } else {
+                add_extremes(from.x, p1.x, p2.x, p3.x, box.x0, box.x1);
+                add_extremes(from.y, p1.y, p2.y, p3.y, box.y0, box.y1);
+            }
+            from = p3;
+        }
+    }
+    return box;
+}
+
+double largest_scale(const Affine2& m) {
+    // the larger singular value, from the sum of squares and the determinant
+    const double square = m.a * m.a + m.b * m.b + m.c * m.c + m.d * m.d;
+    const double determinant = m.a * m.d - m.b * m.c;
+    const double spread = std::sqrt(std::max(0.0, square * square - 4 * determinant * determinant));
+    return std::sqrt((square + spread) / 2);
+}
+
+std::string write_transform(const Affine2& map, int digits) {
+    const auto decimals = [&](double largest) {
+        const double size = std::log10(std::max(largest, 1e-300));
+        return std::clamp(digits - 1 - static_cast<int>(std::floor(size)), 0, 17);
+    };
+    const double linear = std::max({std::abs(map.a), std::abs(map.b), std::abs(map.c), std::abs(map.d)});
+    std::string text = "matrix(";
+    for (const double v : {map.a, map.b, map.c, map.d}) text += format_number(v, decimals(linear)) + ' ';
+    const int of_shift = decimals(std::max(std::abs(map.e), std::abs(map.f)));
+    return text + format_number(map.e, of_shift) + ' ' + format_number(map.f, of_shift) + ')';
+}
+
 SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name, double whole,
                             double otherwise) {
     const std::string text = attribute_text(node, name);

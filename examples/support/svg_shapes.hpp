@@ -4,7 +4,9 @@
 
 #include "svg_document.hpp"
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -30,6 +32,33 @@ struct Viewport {
 /// An attribute as a length in user units, `otherwise` where there is none.
 SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name, double whole,
                             double otherwise);
+
+/// Empty where x0 > x1.
+struct Box {
+    double x0 = std::numeric_limits<double>::infinity();
+    double y0 = x0;
+    double x1 = -x0;
+    double y1 = -x0;
+
+    bool empty() const { return !(x0 <= x1 && y0 <= y1); }
+    double width() const { return x1 - x0; }
+    double height() const { return y1 - y0; }
+    void add(const Point2& p);
+    void add(const Box& other);
+    Box grown(double by) const { return {x0 - by, y0 - by, x1 + by, y1 + by}; } ///< of one not empty
+    Box within(const Box& other) const;
+    bool contains(const Box& other) const;
+    std::array<Point2, 4> corners() const { return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}; }
+};
+
+/// The least box of a path after a map: the curves', not their control points'.
+Box bounds(const Path& path, const Affine2& map = {});
+
+/// How far a map lengthens at most.
+double largest_scale(const Affine2& map);
+
+/// matrix(…), to `digits` significant digits of its largest entries.
+std::string write_transform(const Affine2& map, int digits = 10);
 
 /// A shape's path in its own user space, drawn from SVG's starting points in its direction; empty where
 /// the shape is not drawn because a size is zero.

@@ -79,6 +79,22 @@ void set_attribute(pugi::xml_node node, const char* name, const std::string& raw
     node.attribute(name).set_value(raw.c_str());
 }
 
+std::string escaped(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        if (c == '&') {
+            result += "&amp;";
+        } else if (c == '<') {
+            result += "&lt;";
+        } else if (c == '"') {
+            result += "&quot;";
+        } else {
+            result += c;
+        }
+    }
+    return result;
+}
+
 void add_class(pugi::xml_node node, const std::string& name) {
     const std::string old = node.attribute("class").value();
     if ((' ' + old + ' ').find(' ' + name + ' ') != std::string::npos) return;
@@ -120,6 +136,27 @@ SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::s
                   const SvgError& error) {
     const std::string place = std::to_string(error.line) + ':' + std::to_string(error.column);
     return error_at(document, node, attribute + " at " + place + ": " + error.message);
+}
+
+IdTable::IdTable(pugi::xml_node root) {
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+        if (node.attribute("id")) nodes_.try_emplace(attribute_text(node, "id"), node);
+    }
+}
+
+pugi::xml_node IdTable::find(const std::string& id) const {
+    const auto found = nodes_.find(id);
+    return found == nodes_.end() ? pugi::xml_node() : found->second;
+}
+
+std::string IdTable::name(pugi::xml_node node, const std::string& stem) {
+    std::size_t& number = next_.try_emplace(stem, 2).first->second;
+    std::string id = stem + '-' + std::to_string(number++);
+    while (nodes_.count(id) != 0) id = stem + '-' + std::to_string(number++);
+    nodes_[id] = node;
+    if (!node.attribute("id")) node.prepend_attribute("id");
+    set_attribute(node, "id", escaped(id));
+    return id;
 }
 
 SvgDocument copy_of(const SvgDocument& document) {

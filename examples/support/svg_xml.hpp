@@ -4,9 +4,9 @@
 
 #include "svg_document.hpp"
 
-#include <map>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 
 namespace cageform_examples {
 
@@ -27,6 +27,9 @@ std::string_view trimmed(std::string_view text);
 /// Replaces character references and the five entities of XML; others, from a doctype, are left.
 std::string unescaped(std::string_view raw);
 
+/// Text as it stands between the quotes of an attribute.
+std::string escaped(std::string_view text);
+
 /// Adds a class to the element's, once.
 void add_class(pugi::xml_node node, const std::string& name);
 
@@ -41,6 +44,22 @@ SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::s
 /// An error inside an attribute: its line and column are counted in the attribute.
 SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
                   const SvgError& error);
+
+/// The elements of a document by their ids; of several with the same id the first one counts.
+class IdTable {
+public:
+    explicit IdTable(pugi::xml_node root);
+
+    pugi::xml_node find(const std::string& id) const; ///< nothing if there is none
+    void move(const std::string& id, pugi::xml_node node) { nodes_[id] = node; }
+
+    /// Gives the element an id that is not in use: the stem with a number.
+    std::string name(pugi::xml_node node, const std::string& stem);
+
+private:
+    std::unordered_map<std::string, pugi::xml_node> nodes_;
+    std::unordered_map<std::string, std::size_t> next_; // number of a stem
+};
 
 } // namespace detail
 

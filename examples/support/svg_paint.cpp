@@ -1,0 +1,268 @@
+#include "svg_paint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace cageform_examples {
+
+namespace detail {
+
+constexpr std::size_t max_pattern_copies = 1'000'000; // nodes
+
+/// A gradient or pattern, and those it takes attributes from.
+struct PaintFollower::Server {
+    std::vector<pugi::xml_node> chain; // itself first
+    bool is_pattern = false;
+    bool of_box = true; // its place is in units of the shape's box
+    Affine2 transform;
+};
+
+namespace {
+
+bool is_gradient(const std::string& kind) {
+    return kind == "linearGradient" || kind == "radialGradient";
+}
+
+Affine2 from_unit_square(const Box& box) {
+    return {box.width(), 0, 0, box.height(), box.x0, box.y0};
+}
+
+/// The name of the attribute that refers to another element, declared where it has a prefix.
+std::string reference_name(pugi::xml_node root) {
+    const char* const space = "http://www.w3.org/1999/xlink";
+    if (!root.attribute("xmlns:xlink")) set_attribute(root, "xmlns:xlink", space);
+    return attribute_text(root, "xmlns:xlink") == space ? "xlink:href" : "href";
+}
+
+double fraction_or_number(const std::string& text, double otherwise) {
+    const auto value = parse_length(text, 1);
+    return value ? *value : otherwise;
+}
+
+} // namespace
+
+std::string PaintFollower::chain_text(const Server& server, const char* name) const {
+    for (const pugi::xml_node node : server.chain) {
+        if (node.attribute(name)) return attribute_text(node, name);
+    }
+    return {};
+}
+
+void PaintFollower::follow(const DrawnShape& shape, const Affine2& best, const Box& rest, const Box& moved) {
+    const Affine2 local = compose(compose(shape.from_root, best), shape.to_root);
+    follow(shape, "fill", shape.fill, local, rest, moved);
+    follow(shape, "stroke", shape.stroke, local, rest, moved);
+}
+
+void PaintFollower::follow(const DrawnShape& shape, const char* property, const std::string& value,
+                           const Affine2& local, const Box& rest, const Box& moved) {
+    const std::string id = referenced_id(value);
+    Server server;
+    for (pugi::xml_node node = id.empty() ? pugi::xml_node() : ids_.find(id); node;) {
+        const std::string kind = local_name(node);
+        if (server.chain.empty()) server.is_pattern = kind == "pattern";
+        if (server.is_pattern ? kind != "pattern" : !is_gradient(kind)) break;
+        if (std::find(server.chain.begin(), server.chain.end(), node) != server.chain.end()) break;
+        if (server.chain.size() > 30) break;
+        server.chain.push_back(node);
+        const std::string next = reference_of(node);
+        node = next.starts_with('#') ? ids_.find(next.substr(1)) : pugi::xml_node();
+    }
+    if (server.chain.empty()) return;
+    const char* const name = server.is_pattern ? "patternTransform" : "gradientTransform";
+    const auto transform = parse_transform(chain_text(server, name));
+    if (!transform) {
+        warnings.push_back(label(document_, server.chain.front()) + ": " + name + ": " +
+                           transform.error().message);
+        return;
+    }
+    server.transform = *transform;
+    server.of_box =
+        chain_text(server, server.is_pattern ? "patternUnits" : "gradientUnits") != "userSpaceOnUse";
+    const bool has_area = rest.width() > 0 && rest.height() > 0 && moved.width() > 0 && moved.height() > 0;
+    if (rest.empty() || moved.empty() || (server.of_box && !has_area)) return;
+
+    // Where the paint goes by itself: nowhere, or with the box.
+    const auto from_box = server.of_box ? inverse(from_unit_square(rest)) : Affine2();
+    const auto from_moved = server.of_box ? inverse(from_unit_square(moved)) : Affine2();
+    if (!from_box || !from_moved) return;
+    const Affine2 by_itself = server.of_box ? compose(from_unit_square(moved), *from_box) : Affine2();
+    double missed = 0;
+    for (const Point2& p : rest.corners()) {
+        const Point2 a = apply(shape.to_root, apply(local, p));
+        const Point2 b = apply(shape.to_root, apply(by_itself, p));
+        missed = std::max(missed, std::hypot(a.x - b.x, a.y - b.y));
+    }
+    if (!(missed > tolerance_)) return;
+
+    std::string fresh;
+    if (server.is_pattern) {
+        fresh = copy_of_pattern(server, compose(local, server.transform), rest);
+    } else {
+        const Affine2 units =
+            compose(compose(*from_moved, local), server.of_box ? from_unit_square(rest) : Affine2());
+        fresh = copy_of_gradient(server, compose(units, server.transform));
+    }
+    if (!fresh.empty()) styles_.set(shape.node, property, with_referenced_id(value, fresh));
+}
+
+std::string PaintFollower::copy_of_gradient(const Server& gradient, const Affine2& transform) {
+    pugi::xml_node original = gradient.chain.front();
+    const std::string id = attribute_text(original, "id");
+    const std::string map = write_transform(transform);
+    std::string& copy_id = copies_[id + ' ' + map];
+    if (!copy_id.empty()) return copy_id;
+    pugi::xml_node copy = original.parent().insert_child_after(original.name(), original);
+    copy_id = ids_.name(copy, id);
+    set_attribute(copy, reference_name(root_element(document_.xml)).c_str(), '#' + escaped(id));
+    set_attribute(copy, "gradientTransform", map);
+    return copy_id;
+}
+
+/// A pattern's tile in units of the box is written in user space, where the transform applies.
+std::string PaintFollower::copy_of_pattern(const Server& pattern, const Affine2& transform, const Box& rest) {
+    pugi::xml_node original = pattern.chain.front();
+    const std::string id = attribute_text(original, "id");
+    const std::string map = write_transform(transform);
+    std::string key = id + ' ' + map;
+    if (pattern.of_box) key += ' ' + write_transform(from_unit_square(rest));
+    std::string& copy_id = copies_[key];
+    if (!copy_id.empty()) return copy_id;
+    for (pugi::xml_node node = original; node; node = next_node(node, original)) ++copied_;
+    if (copied_ > max_pattern_copies) {
+        warnings.push_back(label(document_, original) + ": is used too often to be copied, and stays");
+        return {};
+    }
+    pugi::xml_node copy = original.parent().insert_copy_after(original, original);
+    for (pugi::xml_node node = copy; node; node = next_node(node, copy)) node.remove_attribute("id");
+    copy_id = ids_.name(copy, id);
+    set_attribute(copy, "patternTransform", map);
+
+    const auto number = [&](const char* name) { return fraction_or_number(chain_text(pattern, name), 0); };
+    const double width = number("width");
+    const double height = number("height");
+    const std::string view = chain_text(pattern, "viewBox");
+    const bool content_of_box =
+        view.empty() && chain_text(pattern, "patternContentUnits") == "objectBoundingBox";
+    double across = 1; // user units of the tile
+    double down = 1;
+    if (pattern.of_box) {
+        across = rest.width();
+        down = rest.height();
+        set_attribute(copy, "x", format_number(rest.x0 + across * number("x"), 12));
+        set_attribute(copy, "y", format_number(rest.y0 + down * number("y"), 12));
+        set_attribute(copy, "width", format_number(across * width, 12));
+        set_attribute(copy, "height", format_number(down * height, 12));
+        set_attribute(copy, "patternUnits", "userSpaceOnUse");
+    }
+    if (content_of_box) { // a viewBox scales it as the box would
+        const double w = pattern.of_box ? width : width / rest.width();
+        const double h = pattern.of_box ? height : height / rest.height();
+        set_attribute(copy, "viewBox", "0 0 " + format_number(w, 15) + ' ' + format_number(h, 15));
+        set_attribute(copy, "preserveAspectRatio", "none");
+        set_attribute(copy, "patternContentUnits", "userSpaceOnUse");
+    }
+    return copy_id;
+}
+
+namespace {
+
+/// A region as its element gives it: in user units, or as fractions of the box.
+struct Region {
+    pugi::xml_node node;
+    bool of_box = true;
+    Box written; // at first
+    Box wanted;  // by all that refer to it
+    bool changed = false;
+};
+
+Box in_user_units(const Region& region, const Box& box) {
+    const Box& r = region.written;
+    if (!region.of_box) return r;
+    return {box.x0 + r.x0 * box.width(), box.y0 + r.y0 * box.height(), box.x0 + r.x1 * box.width(),
+            box.y0 + r.y1 * box.height()};
+}
+
+Box in_units_of(const Region& region, const Box& r, const Box& box) {
+    if (!region.of_box) return r;
+    return {(r.x0 - box.x0) / box.width(), (r.y0 - box.y0) / box.height(), (r.x1 - box.x0) / box.width(),
+            (r.y1 - box.y0) / box.height()};
+}
+
+Region region_of(pugi::xml_node node, const Viewport& viewport) {
+    Region region;
+    region.node = node;
+    const char* const units = local_name(node) == "mask" ? "maskUnits" : "filterUnits";
+    region.of_box = attribute_text(node, units) != "userSpaceOnUse";
+    const auto value = [&](const char* name, double whole, double otherwise) {
+        const auto read = parse_length(attribute_text(node, name), region.of_box ? 1 : whole);
+        return read ? *read : otherwise * (region.of_box ? 1 : whole);
+    };
+    const double x = value("x", viewport.width, -0.1);
+    const double y = value("y", viewport.height, -0.1);
+    region.written = {x, y, x + value("width", viewport.width, 1.2),
+                      y + value("height", viewport.height, 1.2)};
+    region.wanted = region.written;
+    return region;
+}
+
+} // namespace
+
+void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<Path>& moved,
+                    const std::vector<Motion>& motions, std::vector<std::string>& warnings) {
+    std::map<std::size_t, Region> regions; // by the hash of their element
+    for (const Reference& r : rest.references) {
+        if (local_name(r.target) == "clipPath") continue;
+        Box before;
+        Box after;
+        Motion motion;
+        for (std::size_t i = r.first; i < r.end; ++i) {
+            if (rest.shapes[i].level != r.level) continue;
+            before.add(bounds(rest.shapes[i].path, r.from_root));
+            after.add(bounds(moved[i], r.from_root));
+            motion.add(motions[i]);
+        }
+        if (before.empty() || after.empty() || !motion.moved()) continue;
+        Region& region =
+            regions.try_emplace(r.target.hash_value(), region_of(r.target, r.viewport)).first->second;
+        const bool has_area =
+            before.width() > 0 && before.height() > 0 && after.width() > 0 && after.height() > 0;
+        if (region.of_box && !has_area) continue;
+
+        // As far beyond the box as it was. Where it cuts the box, the cut goes where the best map takes it.
+        const Box old = in_user_units(region, before);
+        const double rounding = 1e-6 * (before.width() + before.height());
+        Box now{after.x0 - std::max(0.0, before.x0 - old.x0), after.y0 - std::max(0.0, before.y0 - old.y0),
+                after.x1 + std::max(0.0, old.x1 - before.x1), after.y1 + std::max(0.0, old.y1 - before.y1)};
+        if (!old.grown(rounding).contains(before)) {
+            const auto best = motion.best_map();
+            if (!best) continue;
+            now = {};
+            const Affine2 local = compose(compose(r.from_root, *best), r.to_root);
+            for (const Point2& p : old.corners()) now.add(apply(local, p));
+            warnings.push_back(label(document, r.target) +
+                               ": cuts off what it is about at a rectangle, which stays one");
+            region.wanted = region.changed ? region.wanted : Box();
+            region.changed = true;
+        }
+        const Box wanted = in_units_of(region, now, after);
+        const double small = 1e-3 * (region.written.width() + region.written.height());
+        if (!region.wanted.empty() && region.wanted.grown(small).contains(wanted)) continue;
+        region.wanted.add(wanted);
+        region.changed = true;
+    }
+    for (auto& [hash, region] : regions) {
+        const Box& box = region.wanted;
+        if (!region.changed || box.empty() || !std::isfinite(box.width() + box.height())) continue;
+        set_attribute(region.node, "x", format_number(box.x0, 6));
+        set_attribute(region.node, "y", format_number(box.y0, 6));
+        set_attribute(region.node, "width", format_number(box.width(), 6));
+        set_attribute(region.node, "height", format_number(box.height(), 6));
+    }
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

@@ -1,0 +1,541 @@
+// What a shape takes from elsewhere follows it: gradients, patterns, regions; and what is seen stays in view.
+
+#include "svg_motion.hpp"
+#include "svg_style.hpp"
+#include "svg_walk.hpp"
+
+#include "catch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace svg_paint_tests {
+
+using namespace cageform_examples;
+using detail::Box;
+
+namespace {
+
+std::string svg(std::string_view content) {
+    return R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">)" + std::string(content) +
+           "</svg>";
+}
+
+SvgDocument parsed(std::string_view text) {
+    auto document = parse_svg(text, "test.svg");
+    INFO(text);
+    REQUIRE(document);
+    return std::move(*document);
+}
+
+Deformer by(const Affine2& map) {
+    return [map](std::span<const Point2> in, std::span<Point2> out) {
+        std::transform(in.begin(), in.end(), out.begin(), [&](const Point2& p) { return apply(map, p); });
+        return true;
+    };
+}
+
+/// Bends the x axis.
+bool bend(std::span<const Point2> in, std::span<Point2> out) {
+    std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
+        return Point2{p.x, p.y + 0.01 * (p.x - 50) * (p.x - 50)};
+    });
+    return true;
+}
+
+struct Result {
+    SvgDocument document;
+    DeformReport report;
+    std::string text;
+};
+
+Result deformed(std::string_view text, const Deformer& deformer, const DeformOptions& options = {}) {
+    SvgDocument document = parsed(text);
+    auto report = deform(document, deformer, options);
+    INFO(text);
+    INFO((report ? std::string() : to_string(report.error())));
+    REQUIRE(report);
+    std::string after = to_text(document);
+    return {std::move(document), *report, std::move(after)};
+}
+
+class Random {
+public:
+    explicit Random(unsigned seed)
+        : engine_(seed) {}
+    double in(double least, double most) {
+        return std::uniform_real_distribution<double>(least, most)(engine_);
+    }
+    std::size_t below(std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(engine_); }
+    Affine2 map(double shift) {
+        const double turn = in(0, 6), skew = in(-0.8, 0.8), sx = in(0.4, 2), sy = in(0.4, 2);
+        const double side = below(4) == 0 ? -1 : 1; // some are mirrored
+        const double c = std::cos(turn), s = std::sin(turn);
+        return {sx * c,
+                sx * s,
+                side * (skew * c - sy * s),
+                side * (skew * s + sy * c),
+                in(-shift, shift),
+                in(-shift, shift)};
+    }
+
+private:
+    std::mt19937 engine_;
+};
+
+std::string number(double v) {
+    return format_number(v, 9);
+}
+
+pugi::xml_node by_id(const SvgDocument& document, const std::string& id) {
+    return document.xml.find_node([&](pugi::xml_node node) { return id == node.attribute("id").value(); });
+}
+
+/// The attribute of a gradient or pattern, or of those it refers to.
+std::string chain_text(const SvgDocument& document, pugi::xml_node node, const char* name) {
+    for (int i = 0; node && i < 9; ++i) {
+        if (node.attribute(name)) return node.attribute(name).value();
+        const std::string next = detail::reference_of(node);
+        node = next.empty() ? pugi::xml_node() : by_id(document, next.substr(1));
+    }
+    return {};
+}
+
+/// The map from a paint server's own space to the root, for the only shape of a document, as a renderer has it.
+Affine2 server_to_root(const SvgDocument& document, std::string_view property, const char* transform,
+                       const char* units) {
+    SvgDocument copy = detail::copy_of(document);
+    const pugi::xml_node root = detail::root_element(copy.xml);
+    const detail::StyleSheets styles(root);
+    detail::IdTable ids(root);
+    std::vector<std::string> ignored;
+    const auto drawing = detail::walk(copy, styles, ids, {}, ignored);
+    REQUIRE(drawing);
+    REQUIRE(drawing->shapes.size() == 1);
+    const detail::DrawnShape& shape = drawing->shapes.front();
+    const std::string id = detail::referenced_id(property == "fill" ? shape.fill : shape.stroke);
+    const pugi::xml_node server = by_id(copy, id);
+    INFO(id);
+    REQUIRE(server);
+    const auto map = parse_transform(chain_text(copy, server, transform));
+    REQUIRE(map);
+    if (chain_text(copy, server, units) == "userSpaceOnUse") return compose(shape.to_root, *map);
+    const Box box = detail::bounds(shape.path, shape.from_root);
+    return compose(compose(shape.to_root, {box.width(), 0, 0, box.height(), box.x0, box.y0}), *map);
+}
+
+double distance(const Point2& a, const Point2& b) {
+    return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+/// A shape painted by url(#paint), which is given in one of the ways that there are.
+std::string painted_shape(Random& random, const std::string& property) {
+    const std::string value = random.below(2) == 0 ? "url(#paint)" : "url('#paint') red";
+    const std::string transform =
+        random.below(3) == 0 ? "" : " transform=\"" + detail::write_transform(random.map(9)) + '"';
+    std::string sheet, own, outer;
+    switch (random.below(6)) {
+    case 0: own = ' ' + property + "=\"" + value + '"'; break;
+    case 1: own = " style=\"fill-opacity:1; " + property + ": " + value + " ;stroke-width:2\""; break;
+    case 2: outer = ' ' + property + "=\"" + value + '"'; break;
+    case 3: own = " class=\"x a\"", sheet = ".a, b { " + property + ":" + value + " }"; break;
+    case 4:
+        own = " class=\"a\" " + property + "=\"blue\" style=\"opacity:.5\"";
+        sheet = "g > .a{" + property + ":" + value + "!important}";
+        break;
+    default: own = " id=\"s\"", sheet = "#s{" + property + ":" + value + "}"; break;
+    }
+    const double x = random.in(10, 60), y = random.in(10, 60), w = random.in(5, 30), h = random.in(5, 30);
+    std::string shape;
+    switch (random.below(3)) {
+    case 0:
+        shape = "<rect x=\"" + number(x) + "\" y=\"" + number(y) + "\" width=\"" + number(w) +
+                "\" height=\"" + number(h) + '"';
+        break;
+    case 1:
+        shape = "<ellipse cx=\"" + number(x) + "\" cy=\"" + number(y) + "\" rx=\"" + number(w) + "\" ry=\"" +
+                number(h) + '"';
+        break;
+    default:
+        shape = "<path d=\"M" + number(x) + ' ' + number(y) + " c " + number(w) + " 0 0 " + number(h) + ' ' +
+                number(w) + ' ' + number(-h) + " z\"";
+    }
+    return (sheet.empty() ? "" : "<style>" + sheet + "</style>") + "<g" + outer + transform + '>' + shape +
+           own + "/></g>";
+}
+
+} // namespace
+
+TEST_CASE("gradients follow affine maps of their shapes exactly",
+          "[examples][svg_document][paint][property]") {
+    const auto seed = GENERATE(range(0, 60));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const std::string kind = random.below(2) == 0 ? "linearGradient" : "radialGradient";
+    const std::string property = random.below(3) == 0 ? "stroke" : "fill";
+    const std::string units = random.below(3) == 0 ? "" : " gradientUnits=\"userSpaceOnUse\"";
+    const std::string own =
+        random.below(2) == 0 ? "" : " gradientTransform=\"" + detail::write_transform(random.map(3)) + '"';
+    const bool refers = random.below(2) == 0; // stops, and what the gradient says itself, from another one
+    std::string text = "<" + kind + " id=\"" + (refers ? "base" : "paint") + "\"" + units + own +
+                       "><stop offset=\"0\"/></" + kind + ">";
+    if (refers) text += "<" + kind + " id=\"paint\" href=\"#base\"/>";
+    text = svg(text + painted_shape(random, property));
+    CAPTURE(text);
+    const Affine2 pose = random.map(30);
+    const Result result = deformed(text, by(pose));
+    CAPTURE(result.text);
+    const Affine2 before = server_to_root(parsed(text), property, "gradientTransform", "gradientUnits");
+    const Affine2 after = server_to_root(result.document, property, "gradientTransform", "gradientUnits");
+    const double unit = units.empty() ? 1 : 50;
+    for (const Point2& p : Box{0, 0, unit, unit}.corners()) {
+        CHECK(distance(apply(after, p), apply(pose, apply(before, p))) < 0.02);
+    }
+    CHECK(result.report.warnings.empty());
+    // and again: a gradient that was copied can be copied
+    const Result again = deformed(result.text, by(pose));
+    const Affine2 twice = server_to_root(again.document, property, "gradientTransform", "gradientUnits");
+    CHECK(distance(apply(twice, {}), apply(pose, apply(pose, apply(before, {})))) < 0.06);
+}
+
+TEST_CASE("patterns follow affine maps of their shapes exactly",
+          "[examples][svg_document][paint][property]") {
+    const auto seed = GENERATE(range(0, 30));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const bool of_box = random.below(2) == 0;
+    const bool content_of_box = random.below(2) == 0;
+    std::string text =
+        "<pattern id=\"paint\" x=\".1\" y=\"20%\" width=\".5\" height=\".25\" patternTransform=\"" +
+        detail::write_transform(random.map(3)) + '"' + (of_box ? "" : " patternUnits=\"userSpaceOnUse\"") +
+        (content_of_box ? " patternContentUnits=\"objectBoundingBox\"" : "") +
+        "><path id=\"dot\" d=\"M0 0H.1V.1Z\"/></pattern>";
+    text = svg(text + painted_shape(random, "fill"));
+    CAPTURE(text);
+    const Affine2 pose = random.map(30);
+    const Result result = deformed(text, by(pose));
+    CAPTURE(result.text);
+    // From the tile's own space (its corner and units as a renderer has them) to the root.
+    const auto tile_to_root = [](const SvgDocument& document) {
+        SvgDocument copy = detail::copy_of(document);
+        const pugi::xml_node root = detail::root_element(copy.xml);
+        const detail::StyleSheets styles(root);
+        detail::IdTable ids(root);
+        std::vector<std::string> ignored;
+        const auto drawing = detail::walk(copy, styles, ids, {}, ignored);
+        REQUIRE(drawing);
+        const detail::DrawnShape& shape = drawing->shapes.front();
+        const pugi::xml_node pattern = by_id(copy, detail::referenced_id(shape.fill));
+        REQUIRE(pattern);
+        const Box box = detail::bounds(shape.path, shape.from_root);
+        const bool user = std::string_view(pattern.attribute("patternUnits").value()) == "userSpaceOnUse";
+        const auto length = [&](const char* name, double whole, double start) {
+            const double v = *parse_length(pattern.attribute(name).value(), user ? 100 : 1);
+            return user ? v : start + v * whole;
+        };
+        const Point2 corner{length("x", box.width(), box.x0), length("y", box.height(), box.y0)};
+        const Point2 size{length("width", box.width(), 0), length("height", box.height(), 0)};
+        Point2 unit{1, 1};
+        if (pattern.attribute("viewBox")) {
+            const auto view = parse_numbers(pattern.attribute("viewBox").value());
+            CHECK(std::string_view(pattern.attribute("preserveAspectRatio").value()) == "none");
+            unit = {size.x / (*view)[2], size.y / (*view)[3]};
+        } else if (std::string_view(pattern.attribute("patternContentUnits").value()) ==
+                   "objectBoundingBox") {
+            unit = {box.width(), box.height()};
+        }
+        const Affine2 map = *parse_transform(pattern.attribute("patternTransform").value());
+        const Affine2 placed = compose(compose(shape.to_root, map), {1, 0, 0, 1, corner.x, corner.y});
+        return std::pair(compose(placed, {unit.x, 0, 0, unit.y, 0, 0}),  // of the content
+                         compose(placed, {size.x, 0, 0, size.y, 0, 0})); // of the tile
+    };
+    const auto before = tile_to_root(parsed(text));
+    const auto after = tile_to_root(result.document);
+    for (const Point2& p : Box{0, 0, 1, 1}.corners()) {
+        CHECK(distance(apply(after.first, p), apply(pose, apply(before.first, p))) < 0.02);
+        CHECK(distance(apply(after.second, p), apply(pose, apply(before.second, p))) < 0.02);
+    }
+}
+
+TEST_CASE("shapes that share a gradient have copies of their own", "[examples][svg_document][paint]") {
+    const std::string gradient =
+        R"(<linearGradient id="g" gradientUnits="userSpaceOnUse" x2="100"><stop offset="0"/></linearGradient>)";
+    const std::string shapes =
+        R"x(<rect width="9" height="9" fill="url(#g)"/><rect id="g-2" x="80" width="9" height="9" fill="url(#g)"/>)x";
+    const Result bent = deformed(svg(gradient + shapes), bend);
+    CHECK(by_id(bent.document, "g-3")); // g-2 is taken
+    CHECK(by_id(bent.document, "g-4"));
+    CHECK(bent.text.find(R"(<stop offset="0"/></linearGradient><linearGradient id="g-4" xlink:href="#g")") !=
+          std::string::npos);
+    CHECK(bent.document.xml.document_element().attribute("xmlns:xlink"));
+    // moved alike, they share one; not moved, they keep the one there is
+    const Result shifted = deformed(svg(gradient + shapes), by({1, 0, 0, 1, 5, 0}));
+    CHECK(by_id(shifted.document, "g-3"));
+    CHECK_FALSE(by_id(shifted.document, "g-4"));
+    const std::string box = R"x(<linearGradient id="b"/><rect width="9" height="9" fill="url(#b)"/>)x";
+    CHECK_FALSE(by_id(deformed(svg(box), by({2, 0, 0, 3, 5, 0})).document, "b-2")); // goes with the box
+    CHECK(by_id(deformed(svg(box), by({1, 1, 0, 1, 0, 0})).document, "b-2"));
+    // cycles end, and what is no paint is left alone
+    const Result odd =
+        deformed(svg(R"x(<linearGradient id="a" href="#b"/><linearGradient id="b" href="#a"/><mask id="m"/>
+                <rect width="9" height="9" fill="url(#a)" stroke="url(#m)"/>)x"),
+                 by({1, 1, 0, 1, 0, 0}));
+    CHECK(by_id(odd.document, "a-2"));
+}
+
+TEST_CASE("the best affine map of a motion", "[examples][svg_document][paint][property]") {
+    const auto seed = GENERATE(range(0, 40));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    std::vector<Point2> points;
+    const double thin = std::pow(10.0, random.in(-5, 0)); // across a line of length 50 at any angle
+    const double c = std::cos(seed), s = std::sin(seed);
+    for (int i = 0; i < 30; ++i) {
+        const double u = random.in(-25, 25), v = thin * random.in(-25, 25);
+        points.push_back({c * u - s * v + 40, s * u + c * v - 300});
+    }
+    const auto motion_of = [&](const auto& map) {
+        std::array<detail::Motion, 2> halves;
+        for (std::size_t i = 0; i < points.size(); ++i) halves[i % 2].add(points[i], map(points[i]), 1);
+        halves[0].add(halves[1]);
+        return halves[0];
+    };
+    // affine motions are met
+    const Affine2 pose = random.map(50);
+    const auto exact = motion_of([&](const Point2& p) { return apply(pose, p); }).best_map();
+    REQUIRE(exact);
+    for (const Point2& p : points) CHECK(distance(apply(*exact, p), apply(pose, p)) < 1e-6);
+
+    // others as a sum of squares allows: no other map near it is better by more than the ridge costs
+    const auto bent = [](const Point2& p) { return Point2{p.x, p.y + 0.004 * (p.x - 40) * (p.x - 40)}; };
+    const auto best = motion_of(bent).best_map();
+    REQUIRE(best);
+    const auto missed = [&](const Affine2& m) {
+        double sum = 0;
+        for (const Point2& p : points) sum += std::pow(distance(apply(m, p), bent(p)), 2);
+        return sum;
+    };
+    for (int i = 0; i < 20; ++i) {
+        Affine2 other = *best;
+        for (double* entry : {&other.a, &other.b, &other.c, &other.d}) *entry += random.in(-0.2, 0.2);
+        const Point2 p = apply(*best, {40, -300}), q = apply(other, {40, -300});
+        other.e += p.x - q.x, other.f += p.y - q.y;
+        CHECK(missed(*best) <= 1.05 * missed(other));
+    }
+    // and never does it throw a point near the shape far away, however thin the shape
+    const Point2 beside{40 - 10 * s, -300 + 10 * c};
+    CHECK(distance(apply(*best, beside), apply(*best, {40, -300})) < 60);
+}
+
+TEST_CASE("motions without an affine map", "[examples][svg_document][paint]") {
+    detail::Motion point, line, gone, still;
+    point.add({3, 4}, {5, 6}, 1);
+    REQUIRE(point.best_map());
+    CHECK(apply(*point.best_map(), {0, 0}) == Point2{2, 2});
+    for (int i = 0; i <= 10; ++i) {
+        line.add({double(i), 1}, {1, 2.0 * i}, 1); // turned by a quarter and twice as long
+        gone.add({double(i), double(i * i)}, {7, 7}, 1);
+        still.add({double(i), 1}, {double(i), 1}, 1);
+    }
+    REQUIRE(line.best_map());
+    CHECK(distance(apply(*line.best_map(), {5, 2}), {-1, 10}) < 1e-6);
+    CHECK_FALSE(gone.best_map());
+    CHECK(*still.best_map() == Affine2());
+    CHECK_FALSE(still.moved());
+}
+
+TEST_CASE("which value of a property wins", "[examples][svg_document][style]") {
+    const auto fill = [](std::string_view css, std::string_view element) {
+        const SvgDocument document =
+            parsed(svg("<style>" + std::string(css) + "</style><g class='outer'><a>" + std::string(element) +
+                       "</a></g>"));
+        const detail::StyleSheets styles(detail::root_element(document.xml));
+        return styles
+            .value(document.xml.find_node(
+                       [](pugi::xml_node node) { return detail::local_name(node) == "path"; }),
+                   "fill")
+            .text;
+    };
+    CHECK(fill("", "<path/>").empty());
+    CHECK(fill("", "<path fill=' red '/>") == "red");
+    CHECK(fill("", "<path fill='red' style='fill:blue'/>") == "blue");
+    CHECK(fill("", "<path style='fill:blue;fill:url(a;b)'/>") == "url(a;b)");
+    CHECK(fill("", "<path style='font-family:&quot;a;fill:red&quot;;fill:tan'/>") == "tan");
+    CHECK(fill("", "<path style='/*fill:red;*/fill-rule:evenodd;x:\"fill:red\"'/>").empty());
+    CHECK(fill("path{fill:red}", "<path fill='blue'/>") == "red");
+    CHECK(fill("path{fill:red}", "<path style='fill:blue'/>") == "blue");
+    CHECK(fill("path{fill:red!important}", "<path style='fill:blue'/>") == "red");
+    CHECK(fill("path{fill:red !important}", "<path style='fill:blue ! important'/>") == "blue");
+    CHECK(fill("path{fill:red}path{fill:blue}", "<path/>") == "blue");
+    CHECK(fill(".a{fill:red}path{fill:blue}", "<path class='b a'/>") == "red");
+    CHECK(fill(".a{fill:red}", "<path class='ab ba'/>").empty());
+    CHECK(fill("#i{fill:red}.a{fill:blue}", "<path id='i' class='a'/>") == "red");
+    CHECK(fill("path.a.b{fill:red}path.a{fill:blue}", "<path class='a b'/>") == "red");
+    CHECK(fill(".outer path{fill:red}", "<path/>") == "red");
+    CHECK(fill(".outer>path{fill:red}", "<path/>").empty());
+    CHECK(fill("g > a > path{fill:red}", "<path/>") == "red");
+    CHECK(fill("svg a path, rect{fill:red}", "<path/>") == "red");
+    CHECK(fill("rect , path{fill:red}", "<path/>") == "red");
+    CHECK(fill("*{fill:red}", "<path/>") == "red");
+    CHECK(fill("@media print{path{fill:red}}path{stroke:red}", "<path/>").empty());
+    CHECK(fill("@import 'x;{';/*}*/path{fill:red", "<path/>") == "red"); // the end closes what is open
+    CHECK(fill("path:hover{fill:red}path[d]{fill:red}a+path{fill:red}", "<path/>").empty());
+    CHECK(fill("<![CDATA[g path{fill:url(\"#a\")}]]>", "<path/>") == "url(\"#a\")");
+    for (const std::string_view broken : {"{", "}", "path{", "path{fill", "a{}}path{x:(", "/*", "'", "@",
+                                          ">{fill:red}", "{fill:red}", ",,{fill:red}", "path >{fill:red"}) {
+        CAPTURE(broken);
+        CHECK((fill(broken, "<path/>").empty() || fill(broken, "<path/>") == "red"));
+    }
+}
+
+TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_document][paint][property]") {
+    const auto seed = GENERATE(range(0, 30));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const bool mask = random.below(2) == 0;
+    const bool user = random.below(2) == 0;
+    const std::string kind = mask ? "mask" : "filter";
+    // 4 units beyond the shape on every side
+    const std::string region =
+        user ? "x=\"26\" y=\"36\" width=\"28\" height=\"18\" " + kind + "Units=\"userSpaceOnUse\""
+             : std::string("x=\"-.2\" y=\"-.4\" width=\"1.4\" height=\"1.8\"");
+    const std::string content = mask ? "<rect width='100' height='100' fill='white'/>" : "<feGaussianBlur/>";
+    const std::string text =
+        svg("<" + kind + " id=\"r\" " + region + ">" + content + "</" + kind + "><g " + kind +
+            "=\"url(#r)\"><rect x=\"30\" y=\"40\" width=\"20\" height=\"10\"/></g>");
+    const Result result = deformed(text, by(random.map(20)));
+    CAPTURE(result.text);
+    const auto all = shapes(result.document);
+    REQUIRE(all);
+    const Box moved = detail::bounds(all->front().path);
+    const pugi::xml_node node = by_id(result.document, "r");
+    const auto value = [&](const char* name) { return node.attribute(name).as_double(); };
+    Box held{value("x"), value("y"), value("x") + value("width"), value("y") + value("height")};
+    if (!user) {
+        held = {moved.x0 + held.x0 * moved.width(), moved.y0 + held.y0 * moved.height(),
+                moved.x0 + held.x1 * moved.width(), moved.y0 + held.y1 * moved.height()};
+    }
+    CHECK(held.contains(moved.grown(3.9)));
+    CHECK(result.report.warnings.empty());
+
+    const std::string cutting =
+        svg(R"x(<mask id="r" x="35" width="5" height="100" maskUnits="userSpaceOnUse"/>
+        <rect mask="url(#r)" x="30" y="40" width="20" height="10"/>)x");
+    const Result cut = deformed(cutting, by({1, 0, 0, 1, 10, 0}));
+    CHECK(by_id(cut.document, "r").attribute("x").as_double() == Approx(45));
+    CHECK(by_id(cut.document, "r").attribute("width").as_double() == Approx(5));
+    CHECK(cut.report.warnings.size() == 1);
+}
+
+TEST_CASE("a nested svg clips what it did, where it went", "[examples][svg_document][clip]") {
+    const std::string inside = R"(<rect width="6" height="6"/>)";
+    const std::string across = R"(<rect width="60" height="6"/>)";
+    const std::string open = R"(<svg x="10" y="10" width="20" height="20" viewBox="0 0 10 10">)";
+    // what cuts nothing no longer cuts
+    const Result whole = deformed(svg(open + inside + "</svg>"), by({1, 0, 0, 1, 50, 0}));
+    CHECK(whole.text.find("overflow=\"visible\"") != std::string::npos);
+    CHECK(whole.text.find("clipPath") == std::string::npos);
+    // what does becomes a group with a clip path that moves
+    for (const bool symbol : {false, true}) {
+        CAPTURE(symbol);
+        const std::string text = symbol
+                                     ? R"(<symbol id="s" viewBox="0 0 10 10">)" + across +
+                                           R"(</symbol><use href="#s" x="10" y="10" width="20" height="20"/>)"
+                                     : open + across + "</svg>";
+        const Result cut = deformed(svg(text), by({1, 0, 0, 1, 50, 0}));
+        CAPTURE(cut.text);
+        const pugi::xml_node clip = cut.document.xml.find_node(
+            [](pugi::xml_node node) { return detail::local_name(node) == "clipPath"; });
+        REQUIRE(clip);
+        CHECK(std::string(clip.child("path").attribute("d").value()) == "M25 0 L35 0 L35 10 L25 10 Z");
+        CHECK(std::string(clip.next_sibling().attribute("clip-path").value()) == "url(#cageform-clip-2)");
+        CHECK(cut.report.cut_off == 0); // the clip path ends inside the picture
+    }
+    CHECK(deformed(svg(R"(<svg width="5" height="5" overflow="visible">)" + across + "</svg>"),
+                   by({1, 0, 0, 1, 5, 0}))
+              .text.find("clip") == std::string::npos);
+}
+
+TEST_CASE("the picture grows to what has moved when asked", "[examples][svg_document][fit]") {
+    const std::string text =
+        R"(<svg viewBox="0 0 100 50" width="200px" height="50mm"><rect width="10" height="10"/>
+<rect x="-50" y="20" width="60" height="5"/><rect x="-300" width="5" height="5"/><rect x="80" width="9" height="9" fill="none"/></svg>)";
+    const Affine2 right{1, 0, 0, 1, 100, 0};
+    CHECK(deformed(text, by({1, 0, 0, 1, 80, 0})).report.cut_off == 0); // the second one now comes into view
+    const Result cut = deformed(text, by(right));
+    CHECK(cut.report.cut_off == 2);
+    CHECK(cut.text.find("viewBox=\"0 0 100 50\"") != std::string::npos);
+    const Result fitted = deformed(text, by(right), {.fit = true});
+    CHECK(fitted.report.cut_off == 0);
+    const auto view = view_box(fitted.document);
+    REQUIRE(view);
+    CHECK(view->x == Approx(0).margin(0.5));
+    CHECK(view->width == Approx(110).margin(0.5)); // nothing of what was never seen
+    CHECK(view->height == Approx(50).margin(0.5));
+    const pugi::xml_node root = fitted.document.xml.document_element();
+    CHECK(root.attribute("width").as_double() == Approx(2 * view->width));
+    CHECK(std::string_view(root.attribute("height").value()).ends_with("mm"));
+    CHECK(deformed(text, by({1, 0, 0, 1, 0, 1}), {.fit = true}).text.find("viewBox=\"0 0 100 50\"") !=
+          std::string::npos);
+    // without a viewBox the size is it
+    const Result bare = deformed(R"(<svg width="100" height="50"><rect width="10" height="10"/></svg>)",
+                                 by(right), {.fit = true});
+    CHECK(view_box(bare.document)->width == Approx(110).margin(0.5));
+}
+
+TEST_CASE("texts and images move as a whole", "[examples][svg_document][paint]") {
+    const Affine2 pose{0, 2, -2, 0, 90, 10};
+    const Result result = deformed(
+        svg(R"x(<g transform="translate(5)"><image transform="scale(2)" x="1" y="1" width="8" height="4"/>
+            <text y="20" font-size="4">two <tspan>words</tspan></text></g>)x"),
+        by(pose));
+    for (const char* kind : {"image", "text"}) {
+        const pugi::xml_node node =
+            result.document.xml.find_node([&](pugi::xml_node n) { return detail::local_name(n) == kind; });
+        const auto map = parse_transform(node.attribute("transform").value());
+        REQUIRE(map);
+        const Affine2 before{kind[0] == 'i' ? 2.0 : 1.0, 0, 0, kind[0] == 'i' ? 2.0 : 1.0, 5, 0};
+        const Point2 p = apply(compose({1, 0, 0, 1, 5, 0}, *map), {3, 7});
+        CHECK(distance(p, apply(pose, apply(before, {3, 7}))) < 1e-6);
+    }
+    CHECK(result.report.warnings.size() == 2);
+}
+
+TEST_CASE("where a curve stops, the moved one has its direction", "[examples][svg_document][deform]") {
+    // Editors write such curves for handles that were drawn back. A stroke's corner shows the direction.
+    const std::string_view data = GENERATE("M10 10C10 10 40 12 40 40L41 60", "M10 10C12 40 40 40 40 40L41 60",
+                                           "M10 10C10 10 40 40 40 40L41 60");
+    CAPTURE(data);
+    const Result result = deformed(svg("<path d=\"" + std::string(data) + "\"/>"), bend, {.decimals = 10});
+    const auto all = shapes(result.document);
+    REQUIRE(all);
+    const auto before = parse_path_data(data);
+    const Subpath& rest = before->front();
+    const Subpath& moved = all->front().path.front();
+    const auto leaves = [](const Point2& p, const Segment& s) { // the first control point that is elsewhere
+        const Point2 q = distance(p, s.p1) > 1e-9 ? s.p1 : distance(p, s.p2) > 1e-9 ? s.p2 : s.p3;
+        return std::atan2(q.y - p.y, q.x - p.x);
+    };
+    const auto arrives = [](const Point2& p, const Segment& s) {
+        const Point2 q = distance(s.p3, s.p2) > 1e-9 ? s.p2 : distance(s.p3, s.p1) > 1e-9 ? s.p1 : p;
+        return std::atan2(s.p3.y - q.y, s.p3.x - q.x);
+    };
+    const auto slope = [](double angle, double x) { // after the bend
+        return std::atan2(std::sin(angle) + 0.02 * (x - 50) * std::cos(angle), std::cos(angle));
+    };
+    CHECK(leaves(moved.start, moved.segments.front()) ==
+          Approx(slope(leaves(rest.start, rest.segments[0]), 10)).margin(0.02));
+    const auto joint = std::find_if(moved.segments.begin(), moved.segments.end(),
+                                    [](const Segment& s) { return std::abs(s.p3.x - 40) < 1e-6; });
+    REQUIRE(joint != moved.segments.end());
+    const Point2 from = joint == moved.segments.begin() ? moved.start : std::prev(joint)->p3;
+    CHECK(arrives(from, *joint) == Approx(slope(arrives(rest.start, rest.segments[0]), 40)).margin(0.02));
+}
+
+} // namespace svg_paint_tests
