@@ -107,7 +107,7 @@ inline KnotSearch refine_knot(const BezierCurve& curve, std::size_t steps, const
         double best = 0.5 * (low + high), least = std::numeric_limits<double>::infinity();
         for (std::size_t i = 1; i < steps; ++i) {
             const double part = low + (high - low) * double(i) / double(steps);
-            const std::array<double, 3> parameters{0, fitter.function().parameter_at_part(part), 1};
+            const std::array<double, 3> parameters{0, BezierFunction(curve).parameter_at_part(part), 1};
             const double objective = fitter.objective(parameters);
             ++search.trials;
             if (objective >= least) continue;

@@ -9,7 +9,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A piece of degree 3 of a fit as it is at run time; from times as T rounds them, so that it still
-/// meets the next. Not finite where T does not tell its ends apart.
+/// meets the next. Of times that T tells apart; its coefficients may be too large for T.
 template <Scalar T>
 CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
     const auto b = fitted.coefficients(piece);
@@ -17,7 +17,6 @@ CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
     const double h = double(static_cast<T>(fitted.knots[piece + 1])) - double(begin);
     const double c1 = 3 * (b[1] - b[0]), c2 = 3 * (b[2] - 2 * b[1] + b[0]),
                  c3 = b[3] - 3 * b[2] + 3 * b[1] - b[0];
-    if (!(h > 0)) return {begin, static_cast<T>(b[0]), T(0), T(0), std::numeric_limits<T>::infinity()};
     return {begin, static_cast<T>(b[0]), static_cast<T>(c1 / h), static_cast<T>(c2 / (h * h)),
             static_cast<T>(c3 / (h * h * h))};
 }
@@ -30,7 +29,8 @@ struct TrackOptions {
 
 template <Scalar T>
 struct CompiledTrack {
-    /// keys_missing; value_not_finite; keys_not_ascending; cancelled; out_of_memory; as `fit`.
+    /// keys_missing; value_not_finite, also of what is too large for T; keys_not_ascending;
+    /// cancelled; out_of_memory; as `fit`.
     Status status = Status::ok;
     std::size_t culprit = 0; ///< the key that is refused, or the first of the interval
     Track<T> track;          ///< without pieces where the status is not ok
@@ -83,6 +83,10 @@ private:
               key.in_handle[0], key.in_handle[1], key.out_handle[0], key.out_handle[1]}) {
             if (!is_finite(x)) return Status::value_not_finite;
         }
+        // In T too, and so that the track's length is.
+        if (!is_finite(static_cast<T>(key.value)) || !is_finite(static_cast<T>(key.time - keys_[0].time)) ||
+            !is_finite(static_cast<T>(key.time)))
+            return Status::value_not_finite;
         const bool later = i == 0 || static_cast<T>(key.time) > static_cast<T>(keys_[i - 1].time);
         return later ? Status::ok : Status::keys_not_ascending;
     }
@@ -91,16 +95,26 @@ private:
         return Status::ok;
     }
     Status add_interval(std::size_t i) {
-        const BezierFit fitted = fit(key_interval(keys_, i), tolerance_, fit_);
+        const BezierFit fitted =
+            FewestPieces(key_interval(keys_, i), tolerance_, fit_, default_max_pieces).find({});
         if (fitted.status != Status::ok) return fitted.status;
         result_.sup_error = std::max(result_.sup_error, fitted.sup_error);
         for (std::size_t k = 0; k < fitted.pieces(); ++k) {
+            const T begin = static_cast<T>(fitted.knots[k]), end = static_cast<T>(fitted.knots[k + 1]);
+            if (!(begin < end)) continue; // shorter than T resolves
             const auto piece = cubic_piece<T>(fitted, k);
-            // A piece shorter than T resolves goes.
-            if (!pieces_.empty() && !(piece.begin > pieces_.back().begin)) pieces_.pop_back();
-            if (is_finite(piece.c3)) pieces_.push_back(piece);
+            if (!stays_finite(piece, end - begin)) return Status::value_not_finite;
+            pieces_.push_back(piece);
         }
         return Status::ok;
+    }
+
+    /// Whether no step of a piece's evaluation overflows up to `length`: those of the absolute
+    /// coefficients are the largest there.
+    static bool stays_finite(const CubicPiece<T>& piece, T length) noexcept {
+        const CubicPiece<T> bound{T(0), std::fabs(piece.c0), std::fabs(piece.c1), std::fabs(piece.c2),
+                                  std::fabs(piece.c3)};
+        return is_finite(bound(length)) && is_finite(bound.derivative(length));
     }
 
     std::span<const Key> keys_;

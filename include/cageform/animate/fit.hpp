@@ -8,6 +8,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
+inline constexpr std::size_t default_max_pieces = 64;
+
 /// The fewest pieces of one curve for a tolerance.
 class FewestPieces {
 public:
@@ -18,10 +20,17 @@ public:
         , tolerance_(tolerance)
         , max_pieces_(max_pieces) {}
 
+    /// tolerance_not_met, where pieces are determined by their own interval, is without pieces.
     BezierFit find(const Running& running) const {
         if (fitter_.status() != Status::ok) return refused(fitter_.status());
         if (!(tolerance_ > 0)) return refused(Status::tolerance_not_positive);
         return fitter_.decoupled() ? reach_far(running) : add_pieces(running);
+    }
+    /// With as many pieces as there may be: what comes nearest to a tolerance that is not met.
+    BezierFit nearest(const Running& running) const {
+        BezierFit result = at_optimal_knots(max_pieces_, KnotOptions{}.rounds, running);
+        if (result.status == Status::ok) result.status = Status::tolerance_not_met;
+        return result;
     }
 
 private:
@@ -31,11 +40,11 @@ private:
         return result;
     }
 
-    BezierFit at_optimal_knots(std::size_t pieces, int rounds) const {
+    BezierFit at_optimal_knots(std::size_t pieces, int rounds, const Running& running) const {
         KnotOptions options;
         options.fit = options_;
         options.rounds = rounds;
-        const auto search = optimal_knots(fitter_.function().curve(), pieces, options);
+        const auto search = optimal_knots(fitter_.curve(), pieces, options, running);
         return search.status == Status::ok ? fitter_.fit(search.parameters) : refused(search.status);
     }
 
@@ -46,7 +55,7 @@ private:
             if (!running.keep_going(double(pieces - 1) / double(max_pieces_)))
                 return refused(Status::cancelled);
             for (const int rounds : {0, 20}) { // polished only where that may help
-                result = at_optimal_knots(pieces, rounds);
+                result = at_optimal_knots(pieces, rounds, {});
                 if (result.status != Status::ok) break;
                 if (result.sup_error <= tolerance_) return result;
                 if (result.sup_error > 2 * tolerance_) break;
@@ -65,11 +74,7 @@ private:
         double begin = 0, step = 1;
         while (begin < 1) {
             if (!running.keep_going(begin)) return refused(Status::cancelled);
-            if (pieces.size() == max_pieces_) {
-                BezierFit result = at_optimal_knots(max_pieces_, KnotOptions{}.rounds);
-                if (result.status == Status::ok) result.status = Status::tolerance_not_met;
-                return result;
-            }
+            if (pieces.size() == max_pieces_) return refused(Status::tolerance_not_met);
             const auto [status, piece] = longest_piece(begin, std::min(1.0, begin + step));
             if (status != Status::ok) return refused(status);
             pieces.push_back(piece);
@@ -142,8 +147,11 @@ private:
 ///   cost        some microseconds a piece where it is determined by its own interval; otherwise
 ///               milliseconds, and seconds for many
 inline BezierFit fit(const BezierCurve& curve, double tolerance, const FitOptions& options = {},
-                     std::size_t max_pieces = 64, const Running& running = {}) {
-    return detail::FewestPieces(curve, tolerance, options, max_pieces).find(running);
+                     std::size_t max_pieces = detail::default_max_pieces, const Running& running = {}) {
+    const detail::FewestPieces search(curve, tolerance, options, max_pieces);
+    BezierFit result = search.find(running);
+    const bool nothing = result.status == Status::tolerance_not_met && result.knots.empty();
+    return nothing ? search.nearest(running.part(1, 1)) : result;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

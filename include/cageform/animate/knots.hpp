@@ -26,7 +26,8 @@ struct KnotOptions {
     FitOptions fit{};
     std::size_t max_trials = 1000000; ///< of search_knots: then it fails with too_many_trials
     std::size_t steps = 40;           ///< of optimal_knots' grid in the parameter; two a piece at least
-    int rounds = 100;                 ///< of optimal_knots: in each, every knot is moved once
+    /// Of optimal_knots: in each, every knot is moved once. 20 at most of more than 64 pieces.
+    int rounds = 100;
 };
 
 /// Knots and what they cost.
@@ -49,25 +50,28 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
     const std::size_t last = candidates.size() - 1;
     constexpr double infinity = std::numeric_limits<double>::infinity();
     KnotSearch search;
-    std::vector<double> cost((last + 1) * (last + 1), infinity);
+    const auto cancelled = [&](double done) {
+        if (running.keep_going(done)) return false;
+        search.status = Status::cancelled;
+        return true;
+    };
+    std::vector<double> cost((last + 1) * (last + 1), infinity); // from j to k, those to one k in a row
     for (std::size_t j = 0; j < last; ++j) {
-        if (!running.keep_going(double(j) / double(last))) {
-            search.status = Status::cancelled;
-            return search;
-        }
+        if (cancelled(0.8 * double(j) / double(last))) return search;
         for (std::size_t k = j + 1; k <= last; ++k) {
             const auto piece = fitter.fit_piece(candidates[j], candidates[k]);
             ++search.trials;
-            if (piece.solved) cost[j * (last + 1) + k] = fitter.cost(piece);
+            if (piece.solved) cost[k * (last + 1) + j] = fitter.cost(piece);
         }
     }
     std::vector<std::vector<double>> least(pieces + 1, std::vector<double>(last + 1, infinity));
     std::vector<std::vector<std::size_t>> from(pieces + 1, std::vector<std::size_t>(last + 1));
     least[0][0] = 0;
     for (std::size_t n = 1; n <= pieces; ++n) {
+        if (cancelled(0.8 + 0.2 * double(n) / double(pieces))) return search;
         for (std::size_t k = n; k <= last; ++k) {
             for (std::size_t j = n - 1; j < k; ++j) {
-                const double sum = least[n - 1][j] + cost[j * (last + 1) + k];
+                const double sum = least[n - 1][j] + cost[k * (last + 1) + j];
                 if (sum >= least[n][k]) continue;
                 least[n][k] = sum;
                 from[n][k] = j;
@@ -118,7 +122,7 @@ inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> c
             return search;
         }
         for (std::size_t i = 0; i <= pieces; ++i) parameters[i] = candidates[indices[i]];
-        const double objective = fitter.objective(parameters);
+        const double objective = fitter.cost(parameters);
         if (objective < search.objective) {
             search.objective = objective;
             search.parameters = parameters;
@@ -139,6 +143,20 @@ inline FitOptions apart(FitOptions options) noexcept {
     return options;
 }
 
+/// As dense as given knots, but another number of pieces.
+inline std::vector<double> divided_anew(std::span<const double> knots, std::size_t pieces) {
+    if (knots.empty()) return {};
+    std::vector<double> result;
+    const double ratio = double(knots.size() - 1) / double(pieces);
+    for (std::size_t i = 0; i < pieces; ++i) {
+        const double place = double(i) * ratio;
+        const auto k = std::size_t(place);
+        result.push_back(std::lerp(knots[k], knots[k + 1], place - double(k)));
+    }
+    result.push_back(1);
+    return result;
+}
+
 /// Moves every inner knot once to where it costs least; the largest move.
 inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
     auto& t = search.parameters;
@@ -149,7 +167,7 @@ inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
             if (!fitter.decoupled()) {
                 auto others = t;
                 others[i] = x;
-                return fitter.objective(others);
+                return fitter.cost(others);
             }
             const auto left = fitter.fit_piece(t[i - 1], x), right = fitter.fit_piece(x, t[i + 1]);
             if (!left.solved || !right.solved) return std::numeric_limits<double>::infinity();
@@ -179,26 +197,45 @@ inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double>
         search.status = Status::knots_not_ascending;
         return search;
     }
-    return fitter.decoupled() ? detail::cheapest_path(fitter, candidates, pieces, running)
-                              : detail::try_all(fitter, candidates, pieces, options.max_trials, running);
+    search = fitter.decoupled() ? detail::cheapest_path(fitter, candidates, pieces, running)
+                                : detail::try_all(fitter, candidates, pieces, options.max_trials, running);
+    search.objective = fitter.in_units(search.objective);
+    return search;
 }
 
 /// The best knots: those on a grid of equal steps of the parameter, then polished, one knot after
-/// the other, until none moves. O(steps² + pieces · rounds) fits of a piece, of all pieces where
-/// they are tied.
+/// the other, until none moves. Of more than 64 pieces the first are those of half as many, divided
+/// anew. Of more than 24 pieces that are tied, the knots are those of `end_value | knot_value`,
+/// which cost some hundredths more.
+///
+///   cost  O(steps² + pieces · rounds) fits of a piece, of all pieces where they are tied: some
+///         milliseconds for 8 pieces, seconds for 1000
 inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, const KnotOptions& options = {},
                                 const Running& running = {}) {
-    const SobolevFitter fitter(curve, detail::apart(options.fit));
+    constexpr std::size_t most_on_grid = 64, most_tied = 24;
+    const bool many = pieces > most_on_grid;
+    FitOptions polished = detail::apart(options.fit);
     // On the grid pieces are apart whatever the conditions, or there would be too many choices.
     KnotOptions on_grid = options;
     using enum FitCondition;
-    if (!fitter.decoupled()) on_grid.fit.conditions = end_value | knot_value;
-    const auto candidates = uniform_in_parameter(std::max(options.steps, 2 * pieces));
-    KnotSearch search = search_knots(curve, candidates, pieces, on_grid, running.part(0, 0.5));
+    if (!detail::decoupled(polished.conditions)) {
+        on_grid.fit.conditions = end_value | knot_value;
+        if (pieces > most_tied) polished.conditions = end_value | knot_value;
+    }
+    KnotSearch search;
+    if (many) {
+        search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.part(0, 0.5));
+        search.parameters = detail::divided_anew(search.parameters, pieces);
+    } else {
+        const auto candidates = uniform_in_parameter(std::max(options.steps, 2 * pieces));
+        search = search_knots(curve, candidates, pieces, on_grid, running.part(0, 0.5));
+    }
     if (search.status != Status::ok) return search;
     search.indices.clear();
-    for (int round = 0; round < options.rounds; ++round) {
-        if (!running.keep_going(0.5 + 0.5 * round / options.rounds)) {
+    const SobolevFitter fitter(curve, polished);
+    const int rounds = many ? std::min(options.rounds, 20) : options.rounds;
+    for (int round = 0; round < rounds; ++round) {
+        if (!running.keep_going(0.5 + 0.5 * round / rounds)) {
             search.status = Status::cancelled;
             return search;
         }

@@ -3,7 +3,7 @@
 //
 // Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD
 // thesis, Warsaw University of Technology (2019), ch. 4. Misprints are corrected, integrals exact.
-// Bind time: allocates, uses Eigen. The normal equations are in detail/normal_equations.hpp,
+// Bind time: allocates. The normal equations are in detail/normal_equations.hpp,
 // conditions in detail/tied_pieces.hpp.
 #pragma once
 
@@ -17,17 +17,18 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Fits pieces to one curve; the search for knots asks it many times. Inside, time runs from 0
-/// to 1, and values are differences from the first key's.
+/// to 1, and values are differences from the first key's in a unit that makes the largest about 1.
 class SobolevFitter {
 public:
     using Piece = detail::FitPiece;
 
     SobolevFitter(const BezierCurve& curve, const FitOptions& options)
-        : status_(check_all(curve, options))
-        , problem_(curve, options) {}
+        : curve_(curve)
+        , problem_(curve, options)
+        , status_(check_all()) {}
 
     Status status() const noexcept { return status_; }
-    const BezierFunction& function() const noexcept { return problem_.function; }
+    const BezierCurve& curve() const noexcept { return curve_; }
 
     /// Whether every piece is determined by its own interval.
     bool decoupled() const noexcept { return detail::decoupled(problem_.options.conditions); }
@@ -51,11 +52,12 @@ public:
         return piece;
     }
 
-    /// What knots are searched by: the weighted squares of a piece's errors. Where the curve's
-    /// slope is unbounded, less a constant that is infinite but the same for all knots.
+    /// What knots are searched by: the weighted squares of a piece's errors, in the unit of the
+    /// fitter. Where the curve's slope is unbounded, less a constant that is infinite but the same
+    /// for all knots.
     double cost(const Piece& piece) const {
-        const auto& [function, options, vertical] = problem_;
-        if (!vertical || options.slope_weight == 0) {
+        const FitOptions& options = problem_.options;
+        if (!problem_.vertical || options.slope_weight == 0) {
             const auto error = detail::residual(problem_, piece);
             double sum = options.value_weight * detail::l2_square(problem_, piece, error);
             if (options.slope_weight > 0)
@@ -75,9 +77,13 @@ public:
 
     /// The largest |C − f| on a piece; exact, since the difference is a polynomial of the curve's
     /// parameter.
-    double largest_error(const Piece& piece) const { return detail::largest_error(problem_, piece); }
+    double largest_error(const Piece& piece) const {
+        return problem_.unit * detail::largest_error(problem_, piece);
+    }
     /// What samples find of it: never more, seldom less by more than a twentieth. Much faster.
-    double sampled_error(const Piece& piece) const noexcept { return detail::sampled_error(problem_, piece); }
+    double sampled_error(const Piece& piece) const noexcept {
+        return problem_.unit * detail::sampled_error(problem_, piece);
+    }
 
     /// All pieces between parameters that ascend from 0 to 1.
     BezierFit fit(std::span<const double> parameters) const {
@@ -91,7 +97,7 @@ public:
     }
 
     /// The sum of the costs of the pieces between parameters; infinite where there is no fit.
-    double objective(std::span<const double> parameters) const {
+    double cost(std::span<const double> parameters) const {
         std::vector<Piece> pieces;
         if (solve(parameters, pieces) != Status::ok) return std::numeric_limits<double>::infinity();
         double sum = 0;
@@ -99,10 +105,14 @@ public:
         return sum;
     }
 
+    /// The same in the units of the curve.
+    double objective(std::span<const double> parameters) const { return in_units(cost(parameters)); }
+    double in_units(double cost) const noexcept { return cost * problem_.unit * problem_.unit; }
+
     /// The result made of solved pieces.
     BezierFit gather(std::span<const Piece> pieces) const {
-        const auto& [function, options, vertical] = problem_;
-        const double length = function.length(), begin = function.curve().begin();
+        const FitOptions& options = problem_.options;
+        const double length = problem_.function.length(), begin = curve_.begin(), unit = problem_.unit;
         BezierFit result;
         result.degree = options.degree;
         result.free_coefficients =
@@ -113,25 +123,28 @@ public:
         for (const Piece& piece : pieces) {
             const auto error = detail::residual(problem_, piece);
             result.parameters.push_back(piece.end);
-            result.knots.push_back(piece.end == 1 ? function.curve().end() : begin + length * piece.x_end);
-            for (std::size_t k = 0; k <= options.degree; ++k)
-                result.bernstein.push_back(function.curve().points[0][1] + piece.polynomial.c[k]);
+            result.knots.push_back(piece.end == 1 ? curve_.end() : begin + length * piece.x_end);
+            for (std::size_t k = 0; k <= options.degree; ++k) {
+                result.bernstein.push_back(curve_.points[0][1] + unit * piece.polynomial.c[k]);
+                if (!is_finite(result.bernstein.back())) result.status = Status::value_not_finite;
+            }
             l2 += detail::l2_square(problem_, piece, error);
             slope += detail::slope_square(problem_, piece, error);
             const auto largest = detail::largest_absolute(error);
-            if (largest.value <= result.sup_error && &piece != pieces.data()) continue;
-            result.sup_error = largest.value;
-            result.sup_at =
-                begin + length * function.time()(piece.begin + largest.at * (piece.end - piece.begin));
+            if (unit * largest.value <= result.sup_error && &piece != pieces.data()) continue;
+            result.sup_error = unit * largest.value;
+            result.sup_at = begin + length * problem_.function.time()(piece.begin +
+                                                                      largest.at * (piece.end - piece.begin));
         }
-        result.l2_error = std::sqrt(l2 * length);
-        result.slope_error = std::sqrt(slope / length);
+        result.l2_error = unit * (std::sqrt(l2) * std::sqrt(length));
+        result.slope_error = unit * (std::sqrt(slope) / std::sqrt(length));
         return result;
     }
 
 private:
-    static Status check_all(const BezierCurve& curve, const FitOptions& options) noexcept {
-        if (const Status status = check(curve).status; status != Status::ok) return status;
+    Status check_all() const noexcept {
+        const FitOptions& options = problem_.options; // with the weights that count
+        if (const Status status = check(curve_).status; status != Status::ok) return status;
         if (options.degree < 3 || options.degree > 5) return Status::degree_not_supported;
         using enum FitCondition;
         const bool tied = contains(options.conditions, knot_c0 | knot_c1 | knot_c2) ||
@@ -179,8 +192,9 @@ private:
         return Status::ok;
     }
 
-    Status status_;
+    BezierCurve curve_;
     detail::FitProblem problem_;
+    Status status_;
 };
 
 /// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals

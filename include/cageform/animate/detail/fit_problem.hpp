@@ -1,4 +1,4 @@
-// A fit in units of its own: time from 0 to 1, values from the first key's on.
+// A fit in units of its own: time from 0 to 1, values from the first key's on and of at most 1.
 #pragma once
 
 #include <cageform/animate/bezier.hpp>
@@ -21,14 +21,32 @@ struct FitPiece {
 inline constexpr std::size_t most_coefficients = 6;
 using Coefficients = std::array<double, most_coefficients>;
 
+/// The power of two above the largest difference of the curve's values from its first key's, so
+/// that squares of them neither overflow nor vanish. A division by it does not round.
+inline double value_unit(const BezierCurve& curve) noexcept {
+    double largest = 0;
+    for (const auto& p : curve.points) largest = std::fmax(largest, std::fabs(p[1] - curve.points[0][1]));
+    if (largest == 0 || !is_finite(largest)) return 1;
+    int exponent = 0;
+    (void)std::frexp(largest, &exponent);
+    return std::ldexp(1.0, exponent < -1000 ? -1000 : exponent);
+}
+inline BezierCurve in_value_unit(BezierCurve curve) noexcept {
+    const double unit = value_unit(curve);
+    for (auto& p : curve.points) p[1] /= unit;
+    return curve;
+}
+
 /// The curve and what is asked of its fit. Of a sound curve.
 struct FitProblem {
+    double unit; ///< of the values
     BezierFunction function;
     FitOptions options; ///< the weights in the units of the fit
     bool vertical;      ///< the curve has a vertical tangent somewhere
 
     FitProblem(const BezierCurve& curve, const FitOptions& given) noexcept
-        : function(curve)
+        : unit(value_unit(curve))
+        , function(in_value_unit(curve))
         , options(given)
         , vertical(check(curve).vertical_tangent) {
         if (given.scale_free) return;

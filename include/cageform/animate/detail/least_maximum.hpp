@@ -25,11 +25,13 @@ public:
     void improve(FitPiece& piece) {
         double least = largest_error(problem_, piece);
         for (int round = 0; round < 40; ++round) {
-            const SmallVector solution = weighted_least_squares();
+            const Coefficients solution = weighted_least_squares();
             double largest = 0;
             std::array<double, samples> error{};
             for (std::size_t k = 0; k < samples; ++k) {
-                error[k] = std::fabs(rest_[k] - basis_[k].dot(solution));
+                double left = rest_[k];
+                for (std::size_t i = 0; i < count_; ++i) left -= basis_[k][i] * solution[i];
+                error[k] = std::fabs(left);
                 largest = std::fmax(largest, error[k]);
             }
             if (!(largest > 0)) return;
@@ -37,7 +39,7 @@ public:
             for (std::size_t k = 0; k < samples; ++k) weight_[k] *= error[k] / largest + 1e-12;
             if (largest >= least) continue;
             FitPiece moved = piece;
-            for (std::size_t i = 0; i < count_; ++i) moved.polynomial.c[first_ + i] = solution(long(i));
+            for (std::size_t i = 0; i < count_; ++i) moved.polynomial.c[first_ + i] = solution[i];
             if (const double exact = largest_error(problem_, moved); exact < least) {
                 least = exact;
                 piece = moved;
@@ -51,32 +53,34 @@ private:
         const std::size_t d = problem_.options.degree;
         const double t = piece.begin + part * (piece.end - piece.begin);
         const double u = (problem_.function.time()(t) - piece.x_begin) / piece.length();
-        basis_[k].resize(long(count_));
         rest_[k] = problem_.function.value()(t);
         for (std::size_t j = 0; j <= d; ++j) {
             const double value = binomials[d][j] * std::pow(u, double(j)) * std::pow(1 - u, double(d - j));
             if (j >= first_ && j < first_ + count_) {
-                basis_[k](long(j - first_)) = value;
+                basis_[k][j - first_] = value;
             } else {
                 rest_[k] -= piece.polynomial.c[j] * value;
             }
         }
     }
 
-    SmallVector weighted_least_squares() const {
-        FitMatrix normal = FitMatrix::Zero(long(count_), long(count_));
-        SmallVector right = SmallVector::Zero(long(count_));
+    Coefficients weighted_least_squares() const noexcept {
+        FitMatrix normal{};
+        Coefficients right{};
         for (std::size_t k = 0; k < samples; ++k) {
-            normal += weight_[k] * basis_[k] * basis_[k].transpose();
-            right += weight_[k] * rest_[k] * basis_[k];
+            for (std::size_t i = 0; i < count_; ++i) {
+                for (std::size_t j = 0; j <= i; ++j) normal[i][j] += weight_[k] * basis_[k][i] * basis_[k][j];
+                right[i] += weight_[k] * rest_[k] * basis_[k][i];
+            }
         }
-        return normal.ldlt().solve(right);
+        solve_symmetric(normal, right, count_);
+        return right;
     }
 
     static constexpr std::size_t samples = 48;
     const FitProblem& problem_;
     std::size_t first_, count_;
-    std::array<SmallVector, samples> basis_;
+    std::array<Coefficients, samples> basis_{};
     std::array<double, samples> rest_{}, weight_{};
 };
 

@@ -2,14 +2,10 @@
 // matrix G of the basis and the load l of the curve.
 #pragma once
 
-#include <cageform/animate/detail/fit_problem.hpp>
 #include <cageform/animate/detail/gauss.hpp>
-
-#include <Eigen/Cholesky>
+#include <cageform/animate/detail/linear_systems.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
-
-using GramMatrix = std::array<Coefficients, most_coefficients>;
 
 /// ∫ B_a B_b over [0, 1] of two Bernstein polynomials of degree n; 0 for an index out of range.
 inline double bernstein_product(std::size_t n, std::size_t a, std::size_t b) noexcept {
@@ -18,11 +14,11 @@ inline double bernstein_product(std::size_t n, std::size_t a, std::size_t b) noe
 }
 
 /// G_ij = w0 ∫ B_i B_j dx + w1 ∫ B_i' B_j' dx on an interval of length h.
-inline GramMatrix gram_matrix(const FitProblem& problem, double h) noexcept {
+inline FitMatrix gram_matrix(const FitProblem& problem, double h) noexcept {
     const std::size_t d = problem.options.degree;
     const double of_values = problem.options.value_weight * h;
     const double of_slopes = problem.options.slope_weight * double(d * d) / h;
-    GramMatrix gram{};
+    FitMatrix gram{};
     for (std::size_t i = 0; i <= d; ++i) {
         for (std::size_t j = 0; j <= d; ++j) {
             // B_i' = d (B_(i−1) − B_i) of one degree less. Index −1 wraps to one out of range.
@@ -81,30 +77,26 @@ inline Coefficients load(const FitProblem& problem, const FitPiece& piece) {
     return problem.options.degree == 3 ? load_by_rule<8>(problem, piece) : load_by_rule<11>(problem, piece);
 }
 
-using FitMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, int(most_coefficients), int(most_coefficients)>;
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, int(most_coefficients), 1>;
-
 /// Solves for `count` coefficients of a piece, from `first` on. The others are given.
 inline void solve_normal_equations(const FitProblem& problem, FitPiece& piece, std::size_t first,
                                    std::size_t count) {
-    const GramMatrix gram = gram_matrix(problem, piece.length());
+    const FitMatrix gram = gram_matrix(problem, piece.length());
     const Coefficients right = load(problem, piece);
     auto& b = piece.polynomial.c;
-    FitMatrix free(count, count);
-    SmallVector rest(count);
+    FitMatrix free{};
+    Coefficients rest{};
     for (std::size_t i = 0; i < count; ++i) {
-        rest(long(i)) = right[first + i];
+        rest[i] = right[first + i];
         for (std::size_t j = 0; j <= problem.options.degree; ++j) {
             if (j >= first && j < first + count) {
-                free(long(i), long(j - first)) = gram[first + i][j];
+                free[i][j - first] = gram[first + i][j];
             } else {
-                rest(long(i)) -= gram[first + i][j] * b[j];
+                rest[i] -= gram[first + i][j] * b[j];
             }
         }
     }
-    const SmallVector solution = free.ldlt().solve(rest);
-    for (std::size_t i = 0; i < count; ++i) b[first + i] = solution(long(i));
+    solve_symmetric(free, rest, count);
+    for (std::size_t i = 0; i < count; ++i) b[first + i] = rest[i];
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
