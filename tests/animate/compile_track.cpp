@@ -452,6 +452,73 @@ TEST_CASE("what is refused, and which key is to blame", "[animate][track][refuse
     CHECK(compile_track<double>(keys).status == Status::ok);
 }
 
+TEMPLATE_TEST_CASE("what is too large for the scalar is refused, with its key", "[animate][track][refused]",
+                   CAGEFORM_SCALARS) {
+    using T = TestType;
+    constexpr double largest = std::numeric_limits<T>::max();
+    const auto refused = [](const std::vector<Key>& keys, std::size_t culprit,
+                            Status why = Status::value_not_finite) {
+        const auto compiled = compile_track<T>(keys);
+        CAPTURE(keys[0].time, keys[0].value, keys[1].time, keys[1].value, int(keys[0].kind));
+        CHECK(compiled.status == why);
+        CHECK(compiled.culprit == culprit);
+        CHECK(compiled.track.curve.empty());
+    };
+    constexpr bool is_float = std::is_same_v<T, float>;
+    // Between the largest floats differences are numbers in double, though none to be met to 1/1920.
+    constexpr auto differs = is_float ? Status::tolerance_not_met : Status::value_not_finite;
+    for (const auto kind : {KeyKind::linear, KeyKind::automatic, KeyKind::tcb, KeyKind::hermite})
+        refused({key(0, 0.9 * largest, kind), key(1, 1, kind), key(2, 0.9 * largest, kind)}, 0, differs);
+    refused({key(0, 0, KeyKind::linear), key(1, 1, KeyKind::linear), key(1 + 1e-6, 0.9 * largest)}, 1,
+            differs);
+    refused({key(-0.9 * largest, 0), key(0, 0), key(0.9 * largest, 0)}, 2); // the track's length
+    // A value that stays is as it is.
+    for (const double value : {largest, -largest}) {
+        const std::array keys{key(0, value, KeyKind::hold), key(1, 0, KeyKind::hold)};
+        const auto compiled = compile_track<T>(keys);
+        REQUIRE(compiled.status == Status::ok);
+        CHECK(compiled.track(T(0.5)) == T(value));
+    }
+    if (is_float) {
+        for (const auto kind : {KeyKind::hold, KeyKind::linear}) {
+            refused({key(0, 0, kind), key(1, 1e308, kind), key(2, 0, kind)}, 1);
+            refused({key(0, 0, kind), key(1e308, 0, kind)}, 1);
+        }
+        refused({key(0, 0), key(1e-30, 1), key(1, 2)}, 0); // its cubic coefficient
+    }
+}
+
+TEMPLATE_TEST_CASE("a value that the scalar can say stays finite between any keys, or is refused",
+                   "[animate][track][property]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(100));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 101);
+    auto keys = random_keys(random, kinds);
+    const double scale = std::exp2(random.uniform(-1, 1) * std::numeric_limits<T>::max_exponent);
+    const double pace = std::exp2(random.uniform(-0.4, 0.4) * std::numeric_limits<T>::max_exponent);
+    for (Key& k : keys) {
+        for (double* x : {&k.value, &k.in_handle[1], &k.out_handle[1]}) *x *= scale;
+        for (double* x : {&k.time, &k.in_handle[0], &k.out_handle[0]}) *x *= pace;
+        for (double* x : {&k.in_slope, &k.out_slope}) *x *= scale / pace;
+    }
+    TrackOptions options;
+    options.tolerance = 1e-3 * scale;
+    const auto compiled = compile_track<T>(keys, options);
+    if (compiled.status != Status::ok) {
+        CHECK(compiled.status == Status::value_not_finite);
+        CHECK(std::fabs(std::log2(scale)) + 3 * std::fabs(std::log2(pace)) >
+              0.9 * std::numeric_limits<T>::max_exponent);
+        return;
+    }
+    const auto& curve = compiled.track.curve;
+    for (int n = 0; n <= 200; ++n) {
+        const T x = T(keys.front().time + (keys.back().time - keys.front().time) * n / 200);
+        CHECK(std::isfinite(curve(x)));
+        CHECK(std::isfinite(curve.derivative(x)));
+    }
+}
+
 TEST_CASE("times that are the same in the scalar are refused", "[animate][track][refused]") {
     const std::array keys{key(1e6, 0), key(1e6 + 1e-3, 1), key(1e6 + 2, 3)};
     CHECK(compile_track<double>(keys).status == Status::ok);

@@ -77,6 +77,17 @@ TEST_CASE("constants and zero have a largest value", "[animate][detail]") {
     Bernstein constant{14, {}};
     constant.c.fill(-2);
     CHECK(largest_absolute(constant).value == 2);
+    // Constants but for rounding end too.
+    Random random(5);
+    for (int n = 0; n < 1000; ++n) {
+        constant = {9, {}};
+        for (double& c : constant.c) c = 1 + double(random.below(3)) * 0x1p-52;
+        CHECK(largest_absolute(constant).value == Approx(1).epsilon(1e-13));
+    }
+    for (const double bad : {std::numeric_limits<double>::infinity(), std::nan("")}) {
+        constant.c[4] = bad;
+        CHECK(largest_absolute(constant).value == std::numeric_limits<double>::infinity());
+    }
 }
 
 } // namespace detail_tests

@@ -162,6 +162,25 @@ TEST_CASE("fits are those of the reference cases", "[animate][fit][oracle]") {
     }
 }
 
+TEST_CASE("values in another unit: the same fit, to the bit", "[animate][fit][property]") {
+    const auto seed = GENERATE(seeds(100));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 907);
+    const auto some = random_fit(random, random_curve(random));
+    const double unit = std::ldexp(1.0, int(random.below(1801)) - 900);
+    CAPTURE(unit);
+    BezierCurve curve = some.curve;
+    for (auto& p : curve.points) p[1] *= unit;
+    const auto fit = fit_pieces(curve, some.parameters, some.options);
+    REQUIRE(fit.status == Status::ok);
+    for (std::size_t i = 0; i < fit.bernstein.size(); ++i)
+        CHECK(fit.bernstein[i] == unit * some.fit.bernstein[i]);
+    CHECK(fit.l2_error == unit * some.fit.l2_error);
+    CHECK(fit.slope_error == unit * some.fit.slope_error);
+    CHECK(fit.sup_error == unit * some.fit.sup_error);
+    CHECK(fit.sup_at == some.fit.sup_at);
+}
+
 TEST_CASE("errors are those of brute quadrature", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);

@@ -109,9 +109,11 @@ private:
             const double guess = begin + (end - begin) * length_factor(error), top = std::min(high, 1.0);
             end = guess > low && guess < top ? guess : fits && high > 1 ? 1.0 : 0.5 * (low + top);
         }
-        // Samples may have missed the largest error.
-        while (good.solved && fitter_.largest_error(good) > tolerance_)
+        // Samples may have missed the largest error. Below what doubles resolve no length helps.
+        for (int round = 0; good.solved && fitter_.largest_error(good) > tolerance_; ++round) {
+            if (round == 100) return {Status::tolerance_not_met, {}};
             good = fitter_.fit_piece(begin, begin + 0.95 * (good.end - begin));
+        }
         // Without a piece the tolerance is below what doubles resolve.
         return {good.solved ? Status::ok : Status::tolerance_not_met, good};
     }

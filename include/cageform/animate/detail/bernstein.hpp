@@ -1,11 +1,11 @@
 // Polynomials on [0, 1] in Bernstein form: stable products, splits and extremes.
 #pragma once
 
-#include <cageform/config.hpp>
+#include <cageform/core/vec.hpp>
 
 #include <array>
 #include <cmath>
-#include <cstddef>
+#include <limits>
 #include <utility>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -86,11 +86,15 @@ inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
 }
 
 /// The largest |p| on [0, 1] and where it is. Exact to rounding: derivatives are split until their
-/// coefficients change sign once at most, which is where a single extreme lies.
+/// coefficients change sign once at most, which is where a single extreme lies. Infinite where a
+/// coefficient is not finite.
 struct LargestValue {
     double value = 0, at = 0;
 };
 inline LargestValue largest_absolute(const Bernstein& p) {
+    for (std::size_t i = 0; i <= p.degree; ++i) {
+        if (!is_finite(p.c[i])) return {std::numeric_limits<double>::infinity(), 0};
+    }
     LargestValue best{std::fabs(p.c[0]), 0};
     const auto meet = [&](double value, double at) {
         if (std::fabs(value) > best.value) best = {std::fabs(value), at};
@@ -103,7 +107,8 @@ inline LargestValue largest_absolute(const Bernstein& p) {
     std::array<Part, 64> stack; // a part is replaced by two of half its length
     std::size_t count = 0;
     stack[count++] = {p, 0, 1};
-    const double rounding = 1e-16 * p.largest_coefficient();
+    // Of splitting again and again; with less a constant that is rounded is split without end.
+    const double rounding = 64 * epsilon<double> * p.largest_coefficient();
     while (count > 0) {
         const Part part = stack[--count];
         if (part.p.largest_coefficient() <= best.value + rounding) continue;
