@@ -10,6 +10,8 @@
 
 #include <cageform/animate/fit.hpp>
 
+#include <Eigen/LU>
+
 #include <chrono>
 #include <cstdio>
 #include <string>
