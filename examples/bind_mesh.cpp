@@ -1,12 +1,16 @@
 // Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file
 // (support/figure_file.hpp): points and normals as blobs, triangles, and a motion of the cage.
 //
-//     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --largest 16 --format int16
+//     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
+//
+// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all weights put
+// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth of the cage.
 //
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
 
 #include "atomic_file.hpp"
+#include "bind_report.hpp"
 #include "clip_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
@@ -17,7 +21,9 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/tangents.hpp>
 
+#include <iomanip>
 #include <iostream>
+#include <sstream>
 
 namespace {
 
@@ -29,8 +35,9 @@ struct Arguments {
     std::string figure, cage, clip, out;
     std::vector<std::string> poses;
     double seconds = 1;
-    WeightFormat format = WeightFormat::scalar;
+    std::optional<WeightFormat> format;
     std::size_t largest = 0;
+    double distance = 0; // share of the figure's size; 0: no promise
     bool report = false;
     CoordinatesChoice choice;
 };
@@ -38,6 +45,16 @@ struct Arguments {
 int fail(const std::string& message) {
     std::cerr << "bind_mesh: " << message << '\n';
     return 1;
+}
+
+const char* name_of(WeightFormat format) {
+    switch (format) {
+    case WeightFormat::scalar: return "float";
+    case WeightFormat::half: return "half";
+    case WeightFormat::int16: return "int16";
+    case WeightFormat::int8: return "int8";
+    }
+    return "";
 }
 
 /// The mean of the normals of the faces around every vertex, by area.
@@ -72,10 +89,34 @@ SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip
     return curves;
 }
 
+/// What packing may lose of points, and ten times as much of the unit vectors that carry normals: a point that is off
+/// by d beside others that are not turns a surface whose features are a tenth of the figure by ten times d.
+constexpr double of_vectors = 10;
+
+/// What a packing has lost. Warns where that is much.
+std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
+                          const SampledPoses& poses, bool is_vector) {
+    StoredLoss loss;
+    loss.largest = report.distance.value;
+    loss.mean = report.mean_distance;
+    loss.vertex = report.distance.point;
+    loss.size = is_vector ? 1 : report.size;
+    if (is_vector) loss.size_of = "the length of vectors that carry normals";
+    loss.poses = report.poses;
+    loss.reach = report.reach;
+    if (report.distance_pose < poses.times.size()) loss.time = poses.times[report.distance_pose];
+    const std::string text = describe(loss);
+    if (loss.share() > StoredLoss::worth_a_warning * (is_vector ? of_vectors : 1))
+        std::cerr << "bind_mesh: warning: " << figure.name << ": what is packed is off by " << text
+                  << "; --max-distance bounds it\n";
+    return text;
+}
+
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage) {
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps("bind_mesh", cage.name, coordinates->cage_report);
     std::vector<cageform::PiecewiseCubic<float>> curves;
+    SampledPoses poses;
     if (!given.clip.empty() || !given.poses.empty()) {
         const auto clip = given.clip.empty() ? clip_through_poses(cage, given.poses, given.seconds)
                                              : load_pose_clip(given.clip, cage.vertices.size());
@@ -83,6 +124,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         auto made = curves_of(*clip);
         if (!made) return fail(to_string(made.error()));
         curves = std::move(*made);
+        poses = sample_poses(*clip);
     }
     cageform::BindOptions bind_options;
     bind_options.outside = cageform::OutsidePoints::keep_in_place;
@@ -106,16 +148,29 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::PackOptions options;
     options.format = given.format;
     options.largest = given.largest;
+    options.poses = poses.numbers;
+    const auto bounds = cageform::bounds_of(std::span<const Point3>(figure.vertices));
     cageform::PackedBinding<float, 3> points; // whose order vectors take over
     for (const auto* binding : {&bound.binding, &turned.bindings[0], &turned.bindings[1]}) {
+        const bool is_vector = binding != &bound.binding;
+        const double unit = is_vector ? of_vectors : bounds.diagonal();
+        options.tolerance = given.distance * unit;
         auto [packed, report] = cageform::pack(*binding, options);
+        if (report.status == Status::format_too_coarse) {
+            std::ostringstream least;
+            least << std::setprecision(3) << report.distance.value / unit;
+            return fail(figure.name + ": " + cageform::to_string(report.status) + ", " + least.str() +
+                        " is within reach: a larger --max-distance, or another --format");
+        }
         if (report.status != Status::ok) return fail(cageform::to_string(report.status));
         write(packed.bytes());
+        const std::string loss = describe_loss(figure, report, poses, is_vector);
         if (given.report) {
-            std::cout << (binding == &bound.binding ? "points: " : "tangents: ") << report.bytes << " of "
-                      << report.dense_bytes << " bytes, " << report.weights_per_point
-                      << " weights a point; sum of changes of a point's weights at most "
-                      << report.error.value << ", mean " << report.mean_error << '\n';
+            std::cout << (is_vector ? "tangents: " : "points: ") << report.bytes << " of "
+                      << report.dense_bytes << " bytes, " << name_of(report.format) << ", "
+                      << report.weights_per_point << " weights a point\n  off by " << loss
+                      << "\n  sum of changes of a point's weights at most " << report.error.value << ", mean "
+                      << report.mean_error << '\n';
         }
         if (binding == &bound.binding) points = std::move(packed);
         if (points.view().order != nullptr) options.order = {points.view().order, figure.vertices.size()};
@@ -128,7 +183,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
 int run_program(int argc, char** argv) {
     CommandLine line("Binds an OBJ figure to a cage and packs what a game needs of it into one file.");
     Arguments given;
-    std::string format = "float";
+    std::string format;
     line.add("figure", given.figure, "the OBJ file to bind").required();
     line.add("--cage", given.cage,
              "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
@@ -142,18 +197,24 @@ int run_program(int argc, char** argv) {
     line.add("--largest", given.largest,
              "weights of its place that a vertex keeps at least, 4 or more; 0: all")
         .show_default();
+    line.add("--max-distance", given.distance,
+             "no vertex farther from where all weights put it, as a share of the figure's size, in the "
+             "poses of the motion, or in all that bend by up to a tenth of the cage; unit vectors that "
+             "carry normals may change by ten times as much. 0: no bound")
+        .range(0.0, 1.0)
+        .show_default();
     line.add("--format", format, "of weights: float, half, int16 or int8")
         .one_of({"float", "half", "int16", "int8"})
-        .show_default();
+        .show_default("float; with --max-distance, the one of the fewest bytes");
     line.add_flag("--report", given.report, "print sizes and errors");
     line.set_footer(obj_format + std::string("\n") + pose_clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value or harmonic alone");
-    given.format = format == "half"    ? WeightFormat::half
-                   : format == "int16" ? WeightFormat::int16
-                   : format == "int8"  ? WeightFormat::int8
-                                       : WeightFormat::scalar;
+    for (const WeightFormat known :
+         {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
+        if (format == name_of(known)) given.format = known;
+    }
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));

@@ -4,7 +4,9 @@
 //     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
 //
 // --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most.
-// Affine poses stay exact, bends lose what the left out weights did; normals do not turn, as no joint does.
+// Affine poses stay exact, bends lose what the left out weights did; normals do not turn, as no joint does. What is lost
+// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as a share of the
+// figure's size.
 //
 // --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones depend linearly on
 // the pose, and so do the curves between poses, so positions are those of the clone at all times.
@@ -40,6 +42,7 @@ struct Arguments {
     OutsideChoice outside{.can_extend = false};
     std::size_t influences = 0; // 0: morph targets
     double threshold = 0, seconds = 1;
+    double distance = 0; // share of the figure's size; 0: no promise
     bool morph = false, report = false;
     CoordinatesChoice choice;
 };
@@ -56,25 +59,57 @@ struct Scene {
     PoseClip clip; // without keys: no motion
 };
 
-/// The largest distance between two figures over the motion: at the keys and halfway between.
-double largest_difference(const PoseClip& clip, const Binding<double, 3>& a, const Binding<double, 3>& b) {
-    const auto motion = make_clip<double>(clip);
-    auto cursor = motion.make_cursor();
-    std::vector<Point3> pose(motion.vertex_count()), of_a(a.point_count()), of_b(b.point_count());
-    double most = 0;
-    for (std::size_t k = 0; k < clip.keys.size(); ++k) {
-        const double begin = clip.keys[k].time;
-        const double end = k + 1 < clip.keys.size() ? clip.keys[k + 1].time : clip.length;
-        for (const double time : {begin, 0.5 * (begin + end)}) {
-            motion.sample(time, cursor, pose);
-            if (clone(a, pose, of_a) != Status::ok || clone(b, pose, of_b) != Status::ok) continue;
-            for (std::size_t i = 0; i < of_a.size(); ++i) {
-                const Point3 d = of_a[i] - of_b[i];
-                most = std::max(most, std::hypot(d[0], d[1], d[2]));
+/// A skin as the file stores it.
+SkinWeights stored(const SkinWeights& skin, const std::string& weights) {
+    SkinWeights result = skin;
+    const auto take = [&](const auto& integers) {
+        using Integer = typename std::decay_t<decltype(integers)>::value_type;
+        for (std::size_t n = 0; n < integers.size(); ++n)
+            result.weights[n] = float(integers[n]) / float(std::numeric_limits<Integer>::max());
+    };
+    if (weights == "unorm8") take(cageform::to_normalised<std::uint8_t>(skin));
+    if (weights == "unorm16") take(cageform::to_normalised<std::uint16_t>(skin));
+    return result;
+}
+
+/// The distance between the figure as bound and as it is played from a skin, over the motion. Without a motion, over
+/// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
+StoredLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
+    StoredLoss loss;
+    loss.size = cageform::bounds_of(std::span<const Point3>(scene.figure.vertices)).diagonal();
+    std::vector<double> distances(bound.point_count(), 0.0);
+    const auto raise = [&](std::size_t i, double distance, std::optional<double> time) {
+        distances[i] = std::max(distances[i], distance);
+        if (distance <= loss.largest) return;
+        loss.largest = distance;
+        loss.vertex = i;
+        loss.time = time;
+    };
+    if (scene.clip.keys.empty()) {
+        loss.reach = 0.1 * cageform::bounds_of(std::span<const Point3>(scene.cage.vertices)).diagonal();
+        for (std::size_t i = 0; i < distances.size(); ++i) {
+            double error = 0;
+            for (std::size_t h = 0; h < bound.handle_count(); ++h)
+                error += std::fabs(played.weight(i, h) - bound.weight(i, h));
+            raise(i, loss.reach * error, {});
+        }
+    } else {
+        const SampledPoses poses = sample_poses(scene.clip);
+        std::vector<Point3> a(bound.point_count()), b(a);
+        loss.poses = poses.times.size();
+        for (std::size_t p = 0; p < loss.poses; ++p) {
+            const std::size_t numbers = 3 * bound.handle_count();
+            const cageform::StridedPoints<const double, 3> pose(poses.numbers.data() + p * numbers,
+                                                                bound.handle_count());
+            if (clone(bound, pose, a) != Status::ok || clone(played, pose, b) != Status::ok) continue;
+            for (std::size_t i = 0; i < a.size(); ++i) {
+                const Point3 d = a[i] - b[i];
+                raise(i, std::hypot(d[0], d[1], d[2]), poses.times[p]);
             }
         }
     }
-    return most;
+    for (const double distance : distances) loss.mean += distance / double(distances.size());
+    return loss;
 }
 
 std::string stem(const std::string& path) {
@@ -249,6 +284,27 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
     return add_animation(document, scene.clip, std::span(&channel, 1));
 }
 
+/// The skin that was asked for, or the one of the fewest sets of four joints that keeps the distance; what it loses.
+cageform::SkinWeightsResult make_skin(const Arguments& given, const Scene& scene,
+                                      const Binding<double, 3>& bound, StoredLoss& loss) {
+    constexpr std::size_t set = 4, most = 16; // joints
+    const bool search = given.influences == 0;
+    for (std::size_t influences = search ? set : given.influences;; influences += set) {
+        cageform::SkinWeightsResult made;
+        {
+            ProgressBar bar("weights");
+            made = cageform::skin_weights(bound, {.influences = influences, .threshold = given.threshold},
+                                          {.progress = bar.callback()});
+        }
+        Binding<double, 3> played;
+        if (made.report.status == Status::ok)
+            made.report.status = skin_to_binding(bound, stored(made.skin, given.weights), played);
+        if (made.report.status != Status::ok) return made;
+        loss = loss_of(scene, bound, played);
+        if (!search || influences == most || loss.share() <= given.distance) return made;
+    }
+}
+
 /// Binds the figure and writes what was asked for.
 int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
@@ -274,35 +330,34 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (given.morph) {
         why = add_targets(document, scene, given, bound.binding);
     } else {
-        cageform::SkinWeightsResult made;
-        {
-            ProgressBar bar("weights");
-            made = cageform::skin_weights(bound.binding,
-                                          {.influences = given.influences, .threshold = given.threshold},
-                                          {.progress = bar.callback()});
-        }
+        StoredLoss loss;
+        const cageform::SkinWeightsResult made = make_skin(given, scene, bound.binding, loss);
         const auto& skin = made.report;
         if (skin.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(skin.status));
+        if (given.distance > 0 && loss.share() > given.distance) {
+            return fail(figure.name + ": a skin of " + std::to_string(made.skin.influences) +
+                        " joints a vertex is off by " + describe(loss) + ": a larger --max-distance" +
+                        (given.influences == 0 ? "" : ", a larger --skin,") + " or --morph");
+        }
+        if (loss.share() > StoredLoss::worth_a_warning) {
+            std::cerr << "export_gltf: warning: " << figure.name << ": a skin of " << made.skin.influences
+                      << " joints a vertex is off by " << describe(loss) << "; --max-distance bounds it\n";
+        }
         if (!skin.not_reproduced.empty()) {
-            std::cerr << "export_gltf: warning: " << given.influences << " weights are too few for "
+            std::cerr << "export_gltf: warning: " << made.skin.influences << " weights are too few for "
                       << skin.not_reproduced.size() << " vertices of " << figure.name
                       << ", which affine poses will move otherwise, by up to "
                       << skin.reproduction_error.value << ", first "
                       << name_points(figure.vertices, skin.not_reproduced) << '\n';
         }
         if (given.report) {
-            std::cout << "skin: " << given.influences << " weights at most, " << skin.mean_influences
+            std::cout << "skin: " << made.skin.influences << " weights at most, " << skin.mean_influences
                       << " in the mean\n"
                       << "largest sum |w - w0|: " << skin.weight_error.value << " at point "
                       << skin.weight_error.point << ", mean " << skin.mean_weight_error << '\n'
                       << "not reproduced: " << skin.not_reproduced.size()
-                      << "; largest |sum w c - p|: " << skin.reproduction_error.value
-                      << "\ntime: " << skin.seconds << " s\n";
-            Binding<double, 3> played;
-            if (!scene.clip.keys.empty() && skin_to_binding(bound.binding, made.skin, played) == Status::ok) {
-                std::cout << "largest distance to the clone, during the motion: "
-                          << largest_difference(scene.clip, bound.binding, played) << '\n';
-            }
+                      << "; largest |sum w c - p|: " << skin.reproduction_error.value << "\noff by "
+                      << describe(loss) << "\ntime: " << skin.seconds << " s\n";
         }
         why = add_skin(document, scene, given, made.skin, !skin.without_weights.empty());
     }
@@ -334,7 +389,14 @@ int run_program(int argc, char** argv) {
     line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
     const CommandOption skin =
         line.add("--skin", given.influences, "a skin of at most so many joints a vertex").range(1, 16);
-    line.add_flag("--morph", given.morph, "morph targets, one a pose").excludes(skin);
+    const CommandOption distance =
+        line.add("--max-distance", given.distance,
+                 "of a skin: no vertex farther from where all weights put it, as a share of the figure's "
+                 "size, in the poses of the motion, or in all that bend by up to a tenth of the cage; "
+                 "without --skin, 4, 8, 12 or 16 joints, as few as do. 0: no bound")
+            .range(0.0, 1.0)
+            .show_default();
+    line.add_flag("--morph", given.morph, "morph targets, one a pose").excludes(skin).excludes(distance);
     line.add("--weights", given.weights, "of a skin: float, unorm8 or unorm16 (normalised integers)")
         .one_of({"float", "unorm8", "unorm16"})
         .show_default();
@@ -353,7 +415,8 @@ int run_program(int argc, char** argv) {
                     "texture coordinates is there once more, behind all others.\n\n") +
         pose_clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (!given.morph && given.influences == 0) return fail("either --skin or --morph says what to write");
+    if (!given.morph && given.influences == 0 && given.distance == 0)
+        return fail("--skin, --max-distance or --morph says what to write");
     if (given.morph && given.clip.empty() && given.poses.empty())
         return fail("morph targets are made of poses: --clip or --pose");
 

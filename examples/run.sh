@@ -94,8 +94,8 @@ done
 step "a character for a game"
 # What a game takes: a packed binding with the dance, and glTF files as a skin and as morph targets.
 "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
-  --coordinates harmonic --largest 16 --format int16 -o out/character.figure --report >>$report
-"$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --skin 8 \
+  --coordinates harmonic --max-distance 0.001 -o out/character.figure --report >>$report
+"$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --max-distance 0.01 \
   --coordinates harmonic -o out/character_skin.glb --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \
   --coordinates harmonic -o out/character_morph.glb >>$report

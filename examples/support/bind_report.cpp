@@ -112,4 +112,19 @@ std::string describe(const cageform::BindReport& report) {
     return text.str();
 }
 
+std::string describe(const StoredLoss& loss) {
+    std::ostringstream text;
+    text.precision(3);
+    text << "at most " << loss.largest << " (" << 100 * loss.share() << " % of " << loss.size_of
+         << "), at vertex " << loss.vertex + 1;
+    if (loss.time) text << " after " << *loss.time << " s";
+    text << ", " << loss.mean << " in the mean, in ";
+    if (loss.poses > 0) {
+        text << loss.poses << " poses of the motion";
+    } else {
+        text << "poses that bend by no more than " << loss.reach << ", a tenth of the cage";
+    }
+    return text.str();
+}
+
 } // namespace cageform_examples

@@ -164,4 +164,11 @@ cageform::CageClip<T, 3> make_clip(const PoseClip& clip) {
     return cageform::CageClip<T, 3>(curves, cycle, cycle);
 }
 
+/// Poses of a motion: those of the keys, and three between each and the next.
+struct SampledPoses {
+    std::vector<double> times;   // in seconds
+    std::vector<double> numbers; // #times · #vertices · 3, as PackOptions::poses has them
+};
+SampledPoses sample_poses(const PoseClip& clip);
+
 } // namespace cageform_examples

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 namespace cageform_examples {
@@ -26,7 +28,9 @@ CommandOption& CommandOption::range(int least, int most) {
 }
 CommandOption& CommandOption::range(double least, double most) {
     option_->check(CLI::Range(least, most));
-    return *this;
+    return check([](const std::string& text) { // which CLI::Range takes to lie within
+        return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is not a number" : std::string();
+    });
 }
 CommandOption& CommandOption::one_of(const std::vector<std::string>& words) {
     option_->check(CLI::IsMember(words));

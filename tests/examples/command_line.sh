@@ -225,6 +225,19 @@ works "a packed character" "$bind" character.obj --cage character_cage.obj --cli
   --largest 8 --format int16 -o character.figure --report
 grep -q '^points: ' log && [ "$(grep -c '^tangents: ' log)" = 2 ] && ok=yes || ok=no
 report $ok "the report tells the sizes"
+grep -q 'warning: character.obj: what is packed is off by at most .* poses of the motion' log && ok=yes || ok=no
+report $ok "more than a hundredth of the size is warned of"
+works "a distance that is kept" "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --max-distance 0.002 -o near.figure --report
+! grep -q warning log && [ "$(grep -c '^  off by at most .* % of .* 8 poses of the motion' log)" = 3 ] && ok=yes || ok=no
+report $ok "the distances are told"
+[ "$(wc -c <near.figure)" -lt "$(wc -c <character.figure)" ] && ok=yes || ok=no
+report $ok "a distance takes less than eight weights a point"
+works "a distance without a motion" "$bind" character.obj --cage character_cage.obj --max-distance 0.05 -o still.figure --report
+grep -q '^  off by at most .* a tenth of the cage' log && ok=yes || ok=no
+report $ok "what the distance is over is told"
+refuses 'weights of this format cannot keep the tolerance' "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --max-distance 0.00001 --format int8 -o out.figure
+refuses '--max-distance' "$bind" character.obj --cage character_cage.obj --max-distance 1.5 -o out.figure
+refuses '--max-distance' "$bind" character.obj --cage character_cage.obj --max-distance nan -o out.figure
 refuses 'nowhere.obj' "$bind" nowhere.obj --cage character_cage.obj -o out.figure
 refuses 'nowhere.csv' "$bind" character.obj --cage character_cage.obj --clip nowhere.csv -o out.figure
 refuses 'linear precision' "$bind" character.obj --cage character_cage.obj --largest 3 -o out.figure

@@ -72,7 +72,16 @@ sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
   works "harmonic, no motion" "$export" character.obj $cage --skin 5 --resolution 32 -o still.glb
   works "a threshold, and a report" "$export" character.obj $cage $clip --skin 12 --threshold 0.05 --report -o threshold.glb
   says 'not reproduced: 0'
-  says 'largest distance to the clone, during the motion: '
+  says 'off by at most '
+  says 'poses of the motion'
+  works "as many joints as a distance takes" "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.02 --report -o near.glb
+  says 'skin: 8 weights at most'
+  refuses 'a skin of 16 joints a vertex is off by at most' "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.0001 -o out.glb
+  refuses 'a larger --skin' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
+  refuses '--morph' "$export" character.obj $cage $clip --morph --max-distance 0.1 -o out.glb
+  refuses '--max-distance' "$export" character.obj $cage $clip --max-distance 2 -o out.glb
+  works "few joints without a distance" "$export" character.obj $cage $clip --coordinates mean-value --skin 4 -o few.glb
+  says 'warning: character.obj: a skin of 4 joints a vertex is off by at most'
   works "through a pose" "$export" character.obj $cage --pose character_pose.obj --skin 4 --seconds 0.5 -o pose.glb
   works "a target a pose" "$export" character.obj $cage --pose character_pose.obj character_pose.obj --morph -o poses.gltf
   grep -q '"character_pose"' poses.gltf && report yes name || report no "a target has the name of its pose"
