@@ -397,4 +397,41 @@ TEST_CASE("packed vectors move as the vectors do", "[clone][normals][packed]") {
     for (std::size_t i = 0; i < 300; ++i) CHECK(distance(normals[i], expected[i]) <= 1e-5);
 }
 
+TEST_CASE("bindings that do not belong together are refused, and outputs are left alone",
+          "[clone][normals][packed][status]") {
+    const auto binding = [](std::size_t points, std::size_t handles, std::size_t largest) {
+        return cageform::pack(random_binding<float, 3>(points, handles, points + handles),
+                              {.largest = largest})
+            .binding;
+    };
+    const auto first = binding(70, 12, 4);
+    std::vector<std::uint32_t> order(first.view().order, first.view().order + 70);
+    auto view = first.view();
+    const auto pose = random_points<float, 3>(12, 1, 3);
+    Points3<float> normals(70), tangents(70);
+    std::vector<float> matrices(9 * 70);
+    const auto untouched = normals;
+    const auto refused = [&](const cageform::PackedBindingView<float, 3>& second) {
+        CHECK(clone_normals(std::array{view, second}, pose, normals) == Status::bindings_differ);
+        CHECK(clone_tangent_frames(std::array{view, second}, pose, normals, tangents) ==
+              Status::bindings_differ);
+        CHECK(normals == untouched);
+        CHECK(tangents == untouched);
+    };
+    const cageform::StridedMatrices<float, 3> jacobians(matrices.data(), 70);
+    const auto fewer = binding(69, 12, 4), another_cage = binding(70, 11, 4), in_order = binding(70, 12, 0);
+    for (const auto* other : {&fewer, &another_cage, &in_order}) refused(other->view());
+    CHECK(clone_jacobians(std::array{view, fewer.view(), view}, pose, jacobians) == Status::bindings_differ);
+    CHECK(clone_jacobians(std::array{view, another_cage.view(), view}, pose, jacobians) ==
+          Status::pose_size_differs);
+    CHECK(matrices == std::vector<float>(9 * 70));
+    // The same numbers elsewhere in memory are the same order.
+    auto second = view;
+    second.order = order.data();
+    CHECK(clone_normals(std::array{view, second}, pose, normals) == Status::ok);
+    std::swap(order[3], order[60]);
+    normals = untouched;
+    refused(second);
+}
+
 } // namespace normals_tests

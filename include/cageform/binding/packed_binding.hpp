@@ -13,6 +13,7 @@
 #include <cageform/binding/binding.hpp>
 
 #include <cstdint>
+#include <cstring>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -85,5 +86,15 @@ struct PackedBindingView {
         return row_handle != nullptr ? row_handle[row] : row - first_row(block);
     }
 };
+
+/// Whether two bindings are of as many handles, and of as many points in the same order: whether
+/// what one makes of a block belongs to what the other makes of it.
+template <Scalar T, std::size_t D>
+bool bindings_match(const PackedBindingView<T, D>& a, const PackedBindingView<T, D>& b) noexcept {
+    if (a.points != b.points || a.handles != b.handles) return false;
+    if (a.order == b.order || a.points == 0) return true;
+    return a.order != nullptr && b.order != nullptr &&
+           std::memcmp(a.order, b.order, a.points * sizeof(*a.order)) == 0;
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -54,6 +54,16 @@ Status check_clone(const View& binding, const Pose& pose, const Out& out,
     return check_pose(binding, pose);
 }
 
+/// For bindings of which each is worked on block by block beside the first.
+template <class View, std::size_t K, class Pose, class Out>
+Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out& out) noexcept {
+    using Packed = PackedBindingView<typename View::scalar, View::dimension>;
+    for (std::size_t k = 1; k < K; ++k) {
+        if (!bindings_match(Packed(views[0]), Packed(views[k]))) return Status::bindings_differ;
+    }
+    return check_clone(views[0], pose, out);
+}
+
 } // namespace detail
 
 /// Moves the points of a binding with a pose of its handles: p' = p + Σ w_i (C'_i − C_i).

@@ -46,7 +46,7 @@ private:
 ///
 ///   columns    bindings of the D axes (`bind_jacobians`)
 ///   jacobians  out, at least #points matrices: column k is where axis k goes
-///   returns    as `clone`; `jacobians` is then untouched
+///   returns    bindings_differ, or as `clone`; `jacobians` is then untouched
 ///   cost       that of D clones; no allocation. The unmoved pose gives the identity, to the bit
 template <AnyBinding B, std::size_t D, PointRangeIn<D> Pose, class S, class Parallel = SerialFor>
     requires(B::dimension == D)
@@ -54,8 +54,11 @@ Status clone_jacobians(const std::array<B, D>& columns, const Pose& pose,
                        const StridedMatrices<S, D>& jacobians, const Parallel& parallel_for = {})
 noexcept {
     const auto views = detail::views_of(columns);
-    const Status status = detail::check_clone(views[0], pose, jacobians.column(0));
-    if (status != Status::ok) return status;
+    for (const auto& view : views) {
+        if (view.point_count() != views[0].point_count()) return Status::bindings_differ;
+        const Status status = detail::check_clone(view, pose, jacobians.column(0));
+        if (status != Status::ok) return status;
+    }
     const std::size_t blocks = block_count<typename B::scalar>(views[0].point_count());
     parallel_for(blocks, detail::clone_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = 0; k < D; ++k) {

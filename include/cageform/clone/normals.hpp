@@ -18,8 +18,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   parallel_for  as for `clone`
 ///   degenerate    where the tangents are moved onto one line or to nothing (to some roundings of
 ///                 what they were), the normal at rest; where they are so at rest, zero
-///   returns       as `clone`; `normals` is then untouched
-///   cost          that of a clone by each binding, and a square root a point; no allocation
+///   returns       bindings_differ, or as `clone`; `normals` is then untouched
+///   cost          that of a clone by each binding, a square root a point, and a comparison of the
+///                 orders; no allocation
 ///
 /// A pose that mirrors turns normals as it turns the winding of triangles: they stay cross(t', b').
 template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
@@ -29,8 +30,7 @@ Status clone_normals(const std::array<B, K>& tangents, const Pose& pose, Out&& n
                      const Parallel& parallel_for = {})
 noexcept {
     const auto views = detail::views_of(tangents);
-    CAGEFORM_ASSERT(detail::same_order(views[0], views[K - 1]), "tangents and bitangents in one order");
-    const Status status = detail::check_clone(views[0], pose, normals);
+    const Status status = detail::check_clone(views, pose, normals);
     if (status != Status::ok) return status;
     detail::for_moved_frames(views, pose, parallel_for, [&](std::size_t i, const auto& frame) {
         store_point(normals, i, frame.normal);
@@ -52,9 +52,8 @@ Status clone_tangent_frames(const std::array<B, 2>& tangents, const Pose& pose, 
                             TangentsOut&& unit_tangents, const Parallel& parallel_for = {})
 noexcept {
     const auto views = detail::views_of(tangents);
-    CAGEFORM_ASSERT(detail::same_order(views[0], views[1]), "tangents and bitangents in one order");
     if (std::size(unit_tangents) < views[0].point_count()) return Status::output_too_small;
-    const Status status = detail::check_clone(views[0], pose, normals);
+    const Status status = detail::check_clone(views, pose, normals);
     if (status != Status::ok) return status;
     detail::for_moved_frames(views, pose, parallel_for, [&](std::size_t i, const auto& frame) {
         store_point(normals, i, frame.normal);

@@ -79,6 +79,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(blob_of_another_cage, "the packed binding was made for another cage")                       \
     X(blob_of_another_figure, "the packed binding was made for another figure")                   \
     /* clone/ */                                                                                  \
+    X(bindings_differ, "the bindings are of different points or handles, or in different orders") \
     X(pose_size_differs, "the pose has another number of points than the cage")                   \
     X(pose_not_finite, "the pose holds a number that is not finite")                              \
     X(output_too_small, "the output has fewer places than there are points")                      \

@@ -53,29 +53,11 @@ private:
     Lanes<T> moved_[D][blocks];
 };
 
-/// The views of bindings of the same points to the same handles.
 template <class B, std::size_t K>
 auto views_of(const std::array<B, K>& bindings) noexcept {
     std::array<decltype(view_of(bindings[0])), K> views;
-    for (std::size_t k = 0; k < K; ++k) {
-        views[k] = view_of(bindings[k]);
-        CAGEFORM_ASSERT(views[k].point_count() == views[0].point_count() &&
-                            views[k].handle_count() == views[0].handle_count(),
-                        "bindings of the same points");
-    }
+    for (std::size_t k = 0; k < K; ++k) views[k] = view_of(bindings[k]);
     return views;
-}
-
-/// Whether the points of two views lie at the same places.
-template <class View>
-bool same_order(const View& a, const View& b) noexcept {
-    const PackedBindingView<typename View::scalar, View::dimension> of_a(a), of_b(b);
-    if (of_a.order == of_b.order) return true;
-    if (of_a.order == nullptr || of_b.order == nullptr) return false;
-    for (std::size_t i = 0; i < of_a.points; ++i) {
-        if (of_a.order[i] != of_b.order[i]) return false;
-    }
-    return true;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
