@@ -48,5 +48,5 @@ int main() {
 }
 
 //> 49280 bytes instead of 169664, 11.0 weights a point
-//> the checksum of the packed binding differs
+//> the checksum of the packed data differs
 //> an affine pose is met to rounding

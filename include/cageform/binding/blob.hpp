@@ -174,6 +174,13 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noe
     return Status::ok;
 }
 
+/// As a machine of the other byte order has it.
+constexpr std::uint64_t byte_swapped(std::uint64_t x) noexcept {
+    std::uint64_t turned = 0;
+    for (int byte = 0; byte < 8; ++byte, x >>= 8) turned = (turned << 8) | (x & 0xFFu);
+    return turned;
+}
+
 /// Counts that 32 bits hold keep the products of `for_each_blob_part` below 2^64; rows of dense
 /// blobs are checked by division.
 template <Scalar T, std::size_t D>
@@ -240,12 +247,7 @@ OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectatio
     if (data.size() < 16 || reinterpret_cast<std::uintptr_t>(data.data()) % 64 != 0)
         return refused(Status::not_a_blob);
     std::memcpy(&header, data.data(), data.size() < sizeof(header) ? data.size() : sizeof(header));
-    const auto swapped = [](std::uint64_t x) {
-        std::uint64_t turned = 0;
-        for (int byte = 0; byte < 8; ++byte, x >>= 8) turned = (turned << 8) | (x & 0xFFu);
-        return turned;
-    };
-    if (header.magic == swapped(BlobHeader::magic_number)) return refused(Status::blob_version_differs);
+    if (header.magic == detail::byte_swapped(BlobHeader::magic_number)) return refused(Status::blob_version_differs);
     if (header.magic != BlobHeader::magic_number) return refused(Status::not_a_blob);
     if (header.version == 0 || header.version > BlobHeader::current_version ||
         header.endian != BlobHeader::endian_tag)

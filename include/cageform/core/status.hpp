@@ -69,16 +69,22 @@ namespace cageform::inline CAGEFORM_ABI {
     X(format_too_coarse, "weights of this format cannot keep the tolerance")                      \
     X(weight_not_finite, "a weight of the binding is not a finite number")                        \
     X(binding_empty, "the binding has no points to go by")                                        \
+    X(vectors_do_not_match, "there is not one normal or tangent for every point")                 \
+    X(labels_do_not_match, "there is not one label for every handle")                             \
+    X(tag_taken, "two parts of a figure have one tag, or one has a tag of the library's own")     \
+    X(too_many_parts, "a figure has more parts than its table can hold")                          \
     /* binding/blob.hpp */                                                                        \
     X(not_a_blob, "the memory holds no packed binding, or is not aligned to 64 bytes")            \
-    X(blob_version_differs, "the packed binding is of another version or byte order")             \
-    X(blob_kind_differs, "the packed binding is of another scalar or dimension")                  \
-    X(blob_truncated, "the packed binding is cut off")                                            \
-    X(blob_malformed, "the packed binding contradicts itself")                                    \
-    X(blob_corrupt, "the checksum of the packed binding differs")                                 \
-    X(blob_of_another_cage, "the packed binding was made for another cage")                       \
-    X(blob_of_another_figure, "the packed binding was made for another figure")                   \
+    X(not_a_figure, "the memory holds no packed figure, or is not aligned to 64 bytes")           \
+    X(blob_version_differs, "the packed data is of another version or byte order")                \
+    X(blob_kind_differs, "the packed data is of another scalar or dimension")                     \
+    X(blob_truncated, "the packed data is cut off")                                               \
+    X(blob_malformed, "the packed data contradicts itself")                                       \
+    X(blob_corrupt, "the checksum of the packed data differs")                                    \
+    X(blob_of_another_cage, "the packed data was made for another cage")                          \
+    X(blob_of_another_figure, "the packed data was made for another figure")                      \
     /* clone/ */                                                                                  \
+    X(vectors_missing, "the figure was bound without normals, or without tangents")               \
     X(bindings_differ, "the bindings are of different points or handles, or in different orders") \
     X(pose_size_differs, "the pose has another number of points than the cage")                   \
     X(pose_not_finite, "the pose holds a number that is not finite")                              \

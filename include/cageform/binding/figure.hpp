@@ -1,0 +1,350 @@
+// A whole figure in memory: bindings of its points and of what gives normals and tangents, labels
+// of its handles, and whatever else a game wants beside them. Written to one file, mapped, and
+// cloned from where it lies (clone/clone_figure.hpp).
+//
+// Little or big endian as the machine that made it, told by a tag; every part begins at a multiple
+// of 64 bytes from the beginning.
+//
+//     FigureHeader
+//     table    #parts × FigurePart, by ascending offset
+//     PNTS     a blob (binding/blob.hpp): the points
+//     TAN1     a blob: unit tangents; only where there are normals
+//     TAN2     a blob: unit bitangents, the normal is cross(TAN1, TAN2); only in space, with TAN1
+//     HAND     #points × int8: 1 or −1, the handedness of the texture; only where the tangents are
+//              the figure's own, not just any that make its normals
+//     LABL     (#handles + 1) × uint32, ascending: where the label of a handle begins in the
+//              characters that follow, and where the last one ends; only where there are labels
+//     …        the user's, under tags of their own
+//
+// The blobs are of the same points in the same order, and of the same handles.
+#pragma once
+
+#include <cageform/binding/blob.hpp>
+
+#include <array>
+#include <string_view>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Stands for vectors that a figure has none of, or that nobody wants.
+struct NoVectors {};
+
+namespace detail {
+
+template <class Range>
+inline constexpr bool is_wanted = !std::is_same_v<std::remove_cvref_t<Range>, NoVectors>;
+
+} // namespace detail
+
+/// What a part of a figure is found by: four characters.
+struct FigureTag {
+    std::uint32_t number = 0;
+
+    FigureTag() = default;
+    constexpr FigureTag(const char (&text)[5]) noexcept { // NOLINT(google-explicit-constructor): "TRIS"
+        for (std::size_t n = 4; n-- > 0;) number = number << 8 | static_cast<unsigned char>(text[n]);
+    }
+    std::array<char, 5> text() const noexcept {
+        std::array<char, 5> text{};
+        for (std::size_t n = 0; n < 4; ++n) text[n] = static_cast<char>(number >> (8 * n) & 0xFFu);
+        return text;
+    }
+    friend constexpr bool operator==(const FigureTag&, const FigureTag&) = default;
+};
+
+/// The tags of the library's own parts.
+struct FigureTags {
+    static constexpr FigureTag points = "PNTS", tangents = "TAN1", bitangents = "TAN2", handedness = "HAND",
+                               labels = "LABL";
+
+    static constexpr bool has(FigureTag tag) noexcept {
+        return tag == points || tag == tangents || tag == bitangents || tag == handedness || tag == labels;
+    }
+};
+
+/// The first 64 bytes of a packed figure.
+struct FigureHeader {
+    static constexpr std::uint64_t magic_number = 0x6572756769666763u; // "cgfigure" in little endian
+    static constexpr std::uint32_t current_version = 1, endian_tag = BlobHeader::endian_tag, most_parts = 256;
+
+    std::uint64_t magic = magic_number;
+    std::uint32_t version = current_version;
+    std::uint32_t endian = endian_tag;
+    std::uint64_t bytes = 0;    ///< of the whole figure, a multiple of 64
+    std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
+    std::uint32_t scalar_bytes = 0, dimension = 0, parts = 0, reserved[5] = {};
+};
+static_assert(sizeof(FigureHeader) == 64);
+
+/// A line of the table.
+struct FigurePart {
+    FigureTag tag;
+    std::uint32_t reserved = 0;
+    std::uint64_t offset = 0; ///< from the beginning of the figure, a multiple of 64
+    std::uint64_t bytes = 0;  ///< without what fills the last 64
+};
+static_assert(sizeof(FigurePart) == 24);
+
+/// A part to be packed.
+struct FigurePartData {
+    FigureTag tag;
+    std::span<const std::byte> bytes;
+};
+
+/// The labels of handles; owns nothing.
+struct HandleLabels {
+    const std::uint32_t* begin = nullptr; ///< #handles + 1; null where there are none
+    const char* text = nullptr;
+
+    std::string_view operator[](std::size_t handle) const noexcept {
+        return begin == nullptr ? std::string_view{}
+                                : std::string_view(text + begin[handle], begin[handle + 1] - begin[handle]);
+    }
+};
+
+/// What `clone` reads of a figure, dense or packed; owns nothing.
+template <Scalar T, std::size_t D>
+struct PackedFigureView {
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    PackedBindingView<T, D> points;
+    /// In space tangents and bitangents, whose cross product is the normal; in the plane the
+    /// tangent, the normal turned clockwise. Of no weights where there are no normals.
+    std::array<PackedBindingView<T, D>, D - 1> tangents;
+    const std::int8_t* handedness = nullptr; ///< #points, as bound; null without tangents of its own
+    HandleLabels labels;
+    std::span<const FigurePart> table; ///< of a packed figure
+    const std::byte* data = nullptr;   ///< where that begins
+
+    std::size_t handle_count() const noexcept { return points.handle_count(); }
+    std::size_t point_count() const noexcept { return points.point_count(); }
+    HandleView<T, D> handle_view() const noexcept { return points.handle_view(); }
+    bool has_normals() const noexcept { return tangents[0].rest_handles != nullptr; }
+    bool has_tangents() const noexcept { return handedness != nullptr; }
+
+    /// The label of a handle; empty where it has none.
+    std::string_view label(std::size_t handle) const noexcept { return labels[handle]; }
+    /// The first handle of that label; #handles where there is none. O(#handles).
+    std::size_t find_handle(std::string_view label) const noexcept {
+        std::size_t handle = 0;
+        while (handle < handle_count() && labels[handle] != label) ++handle;
+        return handle;
+    }
+
+    /// The bytes of a part, at a multiple of 64; none where there is no such part.
+    std::span<const std::byte> part(FigureTag tag) const noexcept {
+        for (const FigurePart& line : table) {
+            if (line.tag == tag) return {data + line.offset, static_cast<std::size_t>(line.bytes)};
+        }
+        return {};
+    }
+    /// The same as an array: of #bytes / sizeof(X), whatever is in it.
+    template <class X>
+        requires std::is_trivially_copyable_v<X> std::span<const X> part_as(FigureTag tag)
+    const noexcept {
+        const auto bytes = part(tag);
+        return {reinterpret_cast<const X*>(bytes.data()), bytes.size() / sizeof(X)};
+    }
+};
+
+/// `figure` points into the memory given; it is empty unless `status` is ok.
+template <Scalar T, std::size_t D>
+struct OpenedFigure {
+    Status status = Status::ok;
+    FigureTag culprit; ///< the part that the status is about; 0: the figure as a whole
+    PackedFigureView<T, D> figure;
+    std::uint64_t cage_hash = 0, figure_hash = 0; ///< of the points' blob
+    std::size_t bytes = 0;                        ///< of the figure; what follows may begin there
+};
+
+namespace detail {
+
+/// Whether a table that is known to be within the figure names parts that are, one after the other.
+inline bool is_sound(std::span<const FigurePart> table, std::uint64_t bytes) noexcept {
+    std::uint64_t end = sizeof(FigureHeader) + table.size_bytes();
+    for (std::size_t n = 0; n < table.size(); ++n) {
+        const FigurePart& part = table[n];
+        if (part.offset % 64 != 0 || part.offset < end || part.offset > bytes ||
+            part.bytes > bytes - part.offset)
+            return false;
+        end = part.offset + part.bytes;
+        for (const FigurePart& other : table.first(n)) {
+            if (other.tag == part.tag) return false;
+        }
+    }
+    return true;
+}
+
+/// Whether the handles at rest are the same, to the bit.
+template <Scalar T, std::size_t D>
+bool same_handles(const HandleView<T, D>& a, const HandleView<T, D>& b) noexcept {
+    const auto same = []<class X>(const X* p, const X* q, std::size_t count) {
+        return p == q || (p != nullptr && q != nullptr && std::memcmp(p, q, count * sizeof(X)) == 0);
+    };
+    return a.count == b.count && same(a.rest, b.rest, a.count) && same(a.kinds, b.kinds, a.count) &&
+           same(a.faces, b.faces, a.vector_count());
+}
+
+/// Opens the bindings of a figure whose table is sound.
+template <Scalar T, std::size_t D>
+Status open_bindings(OpenedFigure<T, D>& opened, const BlobExpectation& expected) noexcept {
+    const auto open = [&opened](FigureTag tag, const BlobExpectation& wanted) {
+        opened.culprit = tag;
+        return open_blob<T, D>(opened.figure.part(tag), wanted);
+    };
+    const auto points =
+        open(FigureTags::points, {expected.cage_hash, expected.figure_hash, BlobCheck::structure});
+    if (points.status != Status::ok) return points.status;
+    opened.figure.points = points.binding;
+    opened.cage_hash = points.cage_hash;
+    opened.figure_hash = points.figure_hash;
+    const std::array<FigureTag, 2> tags{FigureTags::tangents, FigureTags::bitangents};
+    const bool wanted = opened.figure.part(tags[0]).data() != nullptr;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const bool there = opened.figure.part(tags[k]).data() != nullptr;
+        opened.culprit = tags[k];
+        if (there != (wanted && k + 1 < D)) return Status::blob_malformed;
+        if (!there) continue;
+        const auto vectors = open(tags[k], {0, 0, BlobCheck::structure});
+        if (vectors.status != Status::ok) return vectors.status;
+        if (vectors.cage_hash != points.cage_hash || !bindings_match(points.binding, vectors.binding) ||
+            !same_handles(points.binding.handle_view(), vectors.binding.handle_view()))
+            return Status::bindings_differ;
+        opened.figure.tangents[k] = vectors.binding;
+    }
+    return Status::ok;
+}
+
+/// The parts of a figure that are no bindings.
+template <Scalar T, std::size_t D>
+Status open_tables(OpenedFigure<T, D>& opened) noexcept {
+    auto& figure = opened.figure;
+    opened.culprit = FigureTags::handedness;
+    if (const auto signs = figure.template part_as<std::int8_t>(opened.culprit); signs.data() != nullptr) {
+        if (signs.size() != figure.point_count() || !figure.has_normals()) return Status::blob_malformed;
+        for (const std::int8_t sign : signs) {
+            if (sign != 1 && sign != -1) return Status::blob_malformed;
+        }
+        figure.handedness = signs.data();
+    }
+    opened.culprit = FigureTags::labels;
+    const auto begin = figure.template part_as<std::uint32_t>(opened.culprit);
+    if (begin.data() == nullptr) return Status::ok;
+    const std::size_t handles = figure.handle_count();
+    if (begin.size() <= handles || begin[0] != 0) return Status::blob_malformed;
+    const auto bytes = figure.part(opened.culprit);
+    for (std::size_t i = 0; i < handles; ++i) {
+        if (begin[i] > begin[i + 1]) return Status::blob_malformed;
+    }
+    const std::size_t text = (handles + 1) * sizeof(std::uint32_t);
+    if (begin[handles] > bytes.size() - text) return Status::blob_malformed;
+    figure.labels = {begin.data(), reinterpret_cast<const char*>(bytes.data() + text)};
+    return Status::ok;
+}
+
+/// What `open_figure` says of the header.
+template <Scalar T, std::size_t D>
+Status check_figure_header(std::span<const std::byte> data, const FigureHeader& header,
+                           BlobCheck check) noexcept {
+    if (header.magic == byte_swapped(FigureHeader::magic_number)) return Status::blob_version_differs;
+    if (header.magic != FigureHeader::magic_number) return Status::not_a_figure;
+    if (header.version != FigureHeader::current_version || header.endian != FigureHeader::endian_tag)
+        return Status::blob_version_differs;
+    if (data.size() < sizeof(header) || header.bytes > data.size()) return Status::blob_truncated;
+    if (header.bytes < sizeof(header) || header.bytes % 64 != 0) return Status::blob_malformed;
+    constexpr std::size_t checked_from = 32;
+    if (check == BlobCheck::all &&
+        hash_memory(data.subspan(checked_from, std::size_t(header.bytes) - checked_from)) != header.checksum)
+        return Status::blob_corrupt;
+    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return Status::blob_kind_differs;
+    if (header.parts > FigureHeader::most_parts ||
+        header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))
+        return Status::blob_malformed;
+    return Status::ok;
+}
+
+} // namespace detail
+
+/// Makes use of a figure where it lies, in a mapped file for instance; `data` must stay as it is
+/// while the figure is used.
+///
+///   data      at least the figure, aligned to 64 bytes; what follows it is left alone
+///   expected  as for `open_blob`; the hashes are those of the points' blob
+///   returns   not_a_figure; blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
+///             blob_malformed, blob_of_another_cage, blob_of_another_figure, of the figure or of
+///             the part `culprit`; bindings_differ, where a part is of other points or handles than
+///             the first, or in another order; or ok. A clone by what was opened never reads or
+///             writes out of bounds, whatever the bytes. What the parts of the user hold is not
+///             looked at
+///   cost      no allocation; with BlobCheck::all reads everything once
+template <Scalar T, std::size_t D>
+    requires(D == 2 || D == 3)
+OpenedFigure<T, D> open_figure(std::span<const std::byte> data, const BlobExpectation& expected = {})
+noexcept {
+    OpenedFigure<T, D> opened;
+    const auto refused = [&opened](Status status) {
+        OpenedFigure<T, D> result;
+        result.status = status;
+        result.culprit = opened.culprit;
+        return result;
+    };
+    FigureHeader header;
+    if (data.size() < 16 || reinterpret_cast<std::uintptr_t>(data.data()) % 64 != 0)
+        return refused(Status::not_a_figure);
+    std::memcpy(&header, data.data(), data.size() < sizeof(header) ? data.size() : sizeof(header));
+    Status status = detail::check_figure_header<T, D>(data, header, expected.check);
+    if (status != Status::ok) return refused(status);
+    opened.figure.data = data.data();
+    opened.figure.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
+    if (!detail::is_sound(opened.figure.table, header.bytes)) return refused(Status::blob_malformed);
+    status = detail::open_bindings(opened, expected);
+    if (status == Status::ok) status = detail::open_tables(opened);
+    if (status != Status::ok) return refused(status);
+    opened.culprit = {};
+    opened.bytes = static_cast<std::size_t>(header.bytes);
+    return opened;
+}
+
+/// The owner of a packed figure; made by `pack_figure`. Copies are whole figures.
+template <Scalar T, std::size_t D>
+class PackedFigure {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    PackedFigure() = default;
+    /// Puts parts together, in their order. std::bad_alloc where there is no memory.
+    explicit PackedFigure(std::span<const FigurePartData> parts) {
+        const auto whole = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
+        const std::size_t table = sizeof(FigureHeader) + parts.size() * sizeof(FigurePart);
+        FigureHeader header;
+        header.scalar_bytes = sizeof(T);
+        header.dimension = D;
+        header.parts = static_cast<std::uint32_t>(parts.size());
+        std::size_t end = whole(table);
+        for (const auto& part : parts) end += whole(part.bytes.size());
+        header.bytes = end;
+        memory_.resize(end / 64);
+        std::byte* const data = std::as_writable_bytes(std::span(memory_)).data();
+        std::memset(data, 0, end);
+        end = whole(table);
+        for (std::size_t n = 0; n < parts.size(); ++n) {
+            const FigurePart line{parts[n].tag, 0, end, parts[n].bytes.size()};
+            std::memcpy(data + sizeof(header) + n * sizeof(line), &line, sizeof(line));
+            if (line.bytes > 0) std::memcpy(data + end, parts[n].bytes.data(), parts[n].bytes.size());
+            end += whole(parts[n].bytes.size());
+        }
+        std::memcpy(data, &header, sizeof(header));
+        header.checksum = hash_memory(bytes().subspan(32));
+        std::memcpy(data, &header, sizeof(header));
+    }
+
+    /// What to write to a file, and what `open_figure` takes: aligned to 64 bytes.
+    std::span<const std::byte> bytes() const noexcept { return std::as_bytes(std::span(memory_)); }
+
+private:
+    std::vector<Lanes<double>> memory_; // of 64 bytes each
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
