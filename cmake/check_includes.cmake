@@ -1,16 +1,16 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each folder of include/cageform may include. Includes only ever point left in
 #   core -> cage -> grid -> coordinates -> binding -> clone        core -> animate
-set(allowed_core core config)
+set(allowed_core core config fwd)
 set(allowed_adapt core)
 set(allowed_cage core cage)
 set(allowed_grid core cage grid)
 set(allowed_coordinates core cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
-set(allowed_clone core binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp clone)
+set(allowed_clone core binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp binding/figure.hpp clone)
 set(allowed_animate core config animate)
 # The waist: what a game ships may not pull in how it was made.
-set(waist binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp)
+set(waist binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp binding/figure.hpp)
 foreach(header IN LISTS waist)
   set(allowed_${header} core ${waist})
 endforeach()

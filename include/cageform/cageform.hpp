@@ -1,6 +1,7 @@
 // Everything for cages but the adapters (cageform/adapt/) and the threads
 // (cageform/core/threads.hpp). Key-frame curves are in cageform/animate/, which stands alone.
-// A game that only plays bindings back includes cageform/clone/clone.hpp alone.
+// What ships figures is in cageform/binding/bind_figure.hpp. A game that only plays them back includes
+// cageform/runtime.hpp alone.
 #pragma once
 
 #include <cageform/binding/bind.hpp>

@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-enum class Status : std::uint8_t;
+enum class [[nodiscard]] Status : std::uint8_t;
 enum class PointState : std::uint8_t;
 template <class T, std::size_t D>
 struct Vec;

@@ -16,36 +16,6 @@ using cageform::open_blob;
 
 namespace {
 
-/// Memory aligned as blobs want it.
-class Aligned {
-public:
-    explicit Aligned(std::span<const std::byte> bytes)
-        : lines_((bytes.size() + 63) / 64)
-        , size_(bytes.size()) {
-        if (!bytes.empty()) std::memcpy(data(), bytes.data(), bytes.size());
-    }
-    std::byte* data() { return reinterpret_cast<std::byte*>(lines_.data()); }
-    std::span<std::byte> bytes() { return {data(), size_}; }
-    template <class X>
-    void set(std::size_t offset, X x) {
-        std::memcpy(data() + offset, &x, sizeof(x));
-    }
-    BlobHeader header() {
-        BlobHeader header;
-        std::memcpy(&header, data(), sizeof(header));
-        return header;
-    }
-    /// With the checksum that its bytes have.
-    void seal() {
-        set(offsetof(BlobHeader, checksum),
-            cageform::hash_memory(std::span<const std::byte>(bytes()).subspan(32)));
-    }
-
-private:
-    std::vector<cageform::Lanes<double>> lines_;
-    std::size_t size_;
-};
-
 cageform::PackedBinding<float, 3> small_blob(WeightFormat format = WeightFormat::int16,
                                              std::size_t largest = 4) {
     auto result = cageform::pack(random_binding<float, 3>(37, 9, 1), {.format = format, .largest = largest});

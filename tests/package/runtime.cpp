@@ -1,4 +1,4 @@
-#include <cageform/clone/clone.hpp>
+#include <cageform/runtime.hpp>
 
 int main() {
     return int(cageform::BindingView<double, 2>{}.point_count());

@@ -1,10 +1,7 @@
 // A hundred frames of an engine that allows no allocation once all is loaded: operator new ends the program then.
 #include "made_up.hpp"
 
-#include <cageform/clone/clone.hpp>
-#include <cageform/clone/glsl.hpp>
-#include <cageform/clone/jacobians.hpp>
-#include <cageform/clone/normals.hpp>
+#include <cageform/runtime.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -69,7 +66,8 @@ int play(std::size_t points, std::size_t handles) {
     auto cursor = clip.make_cursor();
     std::vector<Vector> pose(handles), figure(points), normals(points), tangents(points);
     std::vector<T> numbers(points * 9), mask(points, T(0.5));
-    std::vector<std::array<float, 4>> uniforms(handles + 4);
+    std::vector<std::array<float, 4>> uniforms(handles + 4), signed_tangents(points);
+    const auto whole = made_up::figure<T>(WeightFormat::int16, true, points, handles, 5);
     file_bytes = 0;
     for (const bool sparse : {false, true}) {
         for (const auto format :
@@ -86,6 +84,9 @@ int play(std::size_t points, std::size_t handles) {
         const std::array<cageform::BindingView<T, 3>, 3> axes{dense.view(), dense.view(), dense.view()};
         expect(clone_normals(std::array{axes[0], axes[1]}, pose, normals));
         expect(clone_jacobians(axes, pose, cageform::StridedMatrices<T, 3>(numbers.data(), points)));
+        const auto opened = cageform::open_figure<T, 3>(whole.bytes());
+        expect(opened.status);
+        expect(clone(opened.figure, pose, cageform::FigureOutput{figure, normals, signed_tangents}));
         std::size_t blobs = 0;
         for (std::size_t at = 0; at < file_bytes; ++blobs) {
             const auto blob =

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cageform/animate/clip.hpp>
-#include <cageform/binding/blob.hpp>
+#include <cageform/binding/figure.hpp>
 
 #include <utility>
 
@@ -127,6 +127,30 @@ cageform::PackedBinding<T, D> packed_binding(WeightFormat format, bool sparse, s
     }
     packed.seal();
     return packed;
+}
+
+/// A figure whose points and tangents are of one binding each, with labels A, B, … of the handles.
+template <class T>
+cageform::PackedFigure<T, 3> figure(WeightFormat format, bool sparse, std::size_t points, std::size_t handles,
+                                    std::uint32_t seed) {
+    using cageform::FigureTags;
+    const auto binding = packed_binding<T, 3>(format, sparse, points, handles, seed);
+    std::vector<std::int8_t> signs(points);
+    for (std::size_t i = 0; i < points; ++i) signs[i] = i % 3 == 0 ? -1 : 1;
+    std::vector<std::uint32_t> labels(handles + 1 + (handles + 3) / 4);
+    for (std::size_t h = 0; h < handles; ++h) {
+        const char letter = char('A' + h % 26);
+        labels[h + 1] = std::uint32_t(h + 1);
+        std::memcpy(reinterpret_cast<char*>(labels.data() + handles + 1) + h, &letter, 1);
+    }
+    const cageform::FigurePartData parts[] = {
+        {FigureTags::points, binding.bytes()},
+        {FigureTags::tangents, binding.bytes()},
+        {FigureTags::bitangents, binding.bytes()},
+        {FigureTags::handedness, std::as_bytes(std::span(signs))},
+        {FigureTags::labels, std::as_bytes(std::span(labels))},
+    };
+    return cageform::PackedFigure<T, 3>(parts);
 }
 
 /// A clip of some vertices, each of its curves with knots of its own.

@@ -2,12 +2,8 @@
 // The same program also runs under -ffast-math.
 #include "made_up.hpp"
 
-#include <cageform/clone/clone.hpp>
-#include <cageform/clone/glsl.hpp>
-#include <cageform/clone/jacobians.hpp>
-#include <cageform/clone/normals.hpp>
-#include <cageform/clone/pose_handles.hpp>
 #include <cageform/fwd.hpp>
+#include <cageform/runtime.hpp>
 
 #include <array>
 #include <bit>
@@ -129,6 +125,34 @@ void check_refusals() {
     const std::vector<double> mask(39);
     expect(cageform::clone(packed.view(), pose, out, {{mask.data(), 39}}) == Status::mask_too_small,
            "a mask that is too short");
+}
+
+/// A figure does in one call what its parts do in several.
+void check_figures() {
+    constexpr std::size_t points = 50, handles = 7;
+    const auto packed = made_up::figure<float>(WeightFormat::int16, true, points, handles, 12);
+    const auto opened = cageform::open_figure<float, 3>(packed.bytes());
+    expect(opened.status == Status::ok, "a figure opens");
+    const auto& figure = opened.figure;
+    expect(figure.label(2) == "C" && figure.find_handle("F") == 5, "labels of handles");
+    const auto pose = made_up::points<float, 3>(handles, 13);
+    std::vector<Vec<float, 3>> out(points), normals(points), tangents(points), alone(points), along(points);
+    std::vector<std::array<float, 4>> signed_tangents(points);
+    expect(clone(figure, pose, cageform::FigureOutput{out, normals, signed_tangents}, made_up::Backwards{}) ==
+               Status::ok,
+           "a figure is cloned");
+    expect(clone(figure.points, pose, alone) == Status::ok && alone == out, "points of a figure");
+    expect(clone_tangent_frames(figure.tangents, pose, alone, along) == Status::ok && alone == normals,
+           "normals of a figure");
+    for (std::size_t i = 0; i < points; ++i) {
+        const auto& [x, y, z, sign] = signed_tangents[i];
+        expect(Vec<float, 3>{x, y, z} == along[i] && sign == (i % 3 == 0 ? -1.0f : 1.0f),
+               "tangents of a figure");
+    }
+    expect(cageform::open_figure<float, 3>(packed.bytes().first(1000)).status == Status::blob_truncated,
+           "a figure cut off");
+    expect(cageform::open_figure<double, 3>(packed.bytes()).status == Status::blob_kind_differs,
+           "a figure of float");
 }
 
 /// A dense binding gives the same bits however its blocks are shared out.
@@ -259,6 +283,7 @@ int main() {
     check_ranges<double, 2>();
     check_ranges<float, 3>();
     check_normals();
+    check_figures();
     check_displacements();
     check_pose_handles();
     if (failures == 0) std::printf("ok\n");

@@ -1,10 +1,5 @@
 // What an engine calls every frame, and nothing else: cmake/check_symbols.cmake looks at what the compiler makes of it.
-#include <cageform/animate/clip.hpp>
-#include <cageform/binding/blob.hpp>
-#include <cageform/clone/clone.hpp>
-#include <cageform/clone/glsl.hpp>
-#include <cageform/clone/jacobians.hpp>
-#include <cageform/clone/normals.hpp>
+#include <cageform/runtime.hpp>
 
 namespace frame {
 
@@ -34,6 +29,13 @@ Status turn(const Binding<T, 3>& dense, const PackedBindingView<T, 3>& packed, P
     if (status == Status::ok) status = clone_jacobians(columns, pose, jacobians);
     return status;
 }
+template <class T>
+Status play(std::span<const std::byte> file, Points<T, 3> pose, Points<T, 3> out, Points<T, 3> normals,
+            std::span<std::array<T, 4>> tangents) noexcept {
+    const auto opened = open_figure<T, 3>(file);
+    if (opened.status != Status::ok || opened.figure.find_handle("hand") == 0) return opened.status;
+    return clone(opened.figure, pose, FigureOutput{out, normals, tangents});
+}
 
 #define CAGEFORM_TEST_MOVE(T, D)                                                                             \
     template Status move<T, D>(const Binding<T, D>&, std::span<const std::byte>, const CageClip<T, D>&,      \
@@ -43,6 +45,8 @@ CAGEFORM_TEST_MOVE(float, 2)
 CAGEFORM_TEST_MOVE(double, 3)
 template Status turn<float>(const Binding<float, 3>&, const PackedBindingView<float, 3>&, Points<float, 3>,
                             Points<float, 3>, Points<float, 3>, const StridedMatrices<float, 3>&) noexcept;
+template Status play<float>(std::span<const std::byte>, Points<float, 3>, Points<float, 3>, Points<float, 3>,
+                            std::span<std::array<float, 4>>) noexcept;
 
 Status upload(const PackedBindingView<float, 3>& binding, Points<float, 3> pose,
               std::span<std::array<float, 4>> out) {

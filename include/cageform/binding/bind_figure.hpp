@@ -102,7 +102,7 @@ struct FigureBindResult {
 
 struct FigurePackOptions {
     /// Of the weights. The order is that of the points; tangents take it over.
-    PackOptions weights;
+    PackOptions weights{};
     /// What else is to be in the figure, under tags of its own.
     std::span<const FigurePartData> parts{};
 };

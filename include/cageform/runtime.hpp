@@ -1,0 +1,14 @@
+// All that a game includes: figures and bindings as they are shipped, clones of them, and clips that
+// move a cage. No dependency, no exceptions, no RTTI, no allocation in a frame.
+#pragma once
+
+#include <cageform/animate/clip.hpp>
+#include <cageform/animate/quantised_cubic.hpp>
+#include <cageform/animate/track.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/clone_figure.hpp>
+#include <cageform/clone/glsl.hpp>
+#include <cageform/clone/jacobians.hpp>
+#include <cageform/clone/normals.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/version.hpp>
