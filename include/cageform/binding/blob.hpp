@@ -247,7 +247,8 @@ OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectatio
     if (data.size() < 16 || reinterpret_cast<std::uintptr_t>(data.data()) % 64 != 0)
         return refused(Status::not_a_blob);
     std::memcpy(&header, data.data(), data.size() < sizeof(header) ? data.size() : sizeof(header));
-    if (header.magic == detail::byte_swapped(BlobHeader::magic_number)) return refused(Status::blob_version_differs);
+    if (header.magic == detail::byte_swapped(BlobHeader::magic_number))
+        return refused(Status::blob_version_differs);
     if (header.magic != BlobHeader::magic_number) return refused(Status::not_a_blob);
     if (header.version == 0 || header.version > BlobHeader::current_version ||
         header.endian != BlobHeader::endian_tag)
