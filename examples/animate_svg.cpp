@@ -140,7 +140,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     detail::adapt_style_sheets(work, warnings);
     auto all = detail::drawn_shapes(work, warnings);
     if (!all) return fail(to_string(all.error()));
-    for (const std::string& warning : warnings) std::cerr << "animate_svg: warning: " << warning << '\n';
+    print_warnings("animate_svg", warnings);
     std::vector<MovedShape> shapes;
     std::vector<Point2> points;
     for (detail::DrawnShape& drawn : *all) {

@@ -72,7 +72,7 @@ void merge(cageform::BindReport& total, const cageform::BindReport& part, std::s
 
 template <class T, std::size_t D>
 int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
-    PointReader<D> reader(settings.points_path);
+    PointReader<D, T> reader(settings.points_path);
     if (!reader.error().empty()) return fail(reader.error());
     AtomicFile out(settings.out_path);
     if (const auto error = out.error()) return fail(*error);
@@ -165,10 +165,19 @@ int run(const Settings& settings) {
     if (settings.cage_path.ends_with(".obj")) {
         const auto file = load_mesh_cage(settings.cage_path);
         if (!file) return fail(to_string(file.error()));
+        if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
+            return fail(to_string(*fault));
         return run(settings, *make_coordinates<T>(settings.choice, *file));
     }
     const auto file = load_cage(settings.cage_path);
     if (!file) return fail(to_string(file.error()));
+    for (std::size_t i = 0; i < file->vertices.size() && sizeof(T) == 4; ++i) {
+        for (const double x : {file->vertices[i].x, file->vertices[i].y}) {
+            const std::string why = detail::single_precision_fault(x);
+            if (!why.empty() && std::isfinite(x))
+                return fail(settings.cage_path + ": vertex " + std::to_string(i) + ": " + why);
+        }
+    }
     return run(settings, *make_coordinates<T>(settings.choice, *file));
 }
 

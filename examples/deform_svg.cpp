@@ -127,7 +127,7 @@ int run_program(int argc, char** argv) {
     const auto deformed = deform(*document, deformer, options);
     if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
     if (!warning.empty()) std::cerr << "deform_svg: warning: " << warning << '\n';
-    for (const std::string& text : deformed->warnings) std::cerr << "deform_svg: warning: " << text << '\n';
+    print_warnings("deform_svg", deformed->warnings);
     if (deformed->cut_off > 0) {
         std::cerr << "deform_svg: warning: " << deformed->cut_off
                   << (deformed->cut_off == 1 ? " shape is" : " shapes are")

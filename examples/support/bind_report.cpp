@@ -1,11 +1,12 @@
 #include "bind_report.hpp"
 
 #include <algorithm>
+#include <iostream>
 #include <sstream>
 
 namespace cageform_examples {
 
-constexpr std::size_t most_faults = 10; // listed
+constexpr std::size_t most_listed = 10; // faults or warnings
 
 /// How many of its two numbers mean something to a kind of fault.
 int numbers_of(cageform::CageFaultKind kind) {
@@ -58,12 +59,12 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
     }
     std::size_t count = 0;
     for (const auto& fault : report.cage.faults) {
-        if (cageform::status_of(fault.kind) == cageform::Status::ok || ++count > most_faults) continue;
+        if (cageform::status_of(fault.kind) == cageform::Status::ok || ++count > most_listed) continue;
         text += "\n  " + describe_fault(fault);
         if (fault.kind == cageform::CageFaultKind::interior_cells_not_supported)
             text += ": --coordinates harmonic takes them";
     }
-    return count > most_faults ? text + "\n  and " + std::to_string(count - most_faults) + " more" : text;
+    return count > most_listed ? text + "\n  and " + std::to_string(count - most_listed) + " more" : text;
 }
 
 std::string describe(const cageform::BindReport& report) {
@@ -77,9 +78,9 @@ std::string describe(const cageform::BindReport& report) {
     };
     text << "status: " << cageform::to_string(report.status) << '\n';
     const auto& faults = report.cage.faults;
-    for (std::size_t i = 0; i < std::min(faults.size(), most_faults); ++i)
+    for (std::size_t i = 0; i < std::min(faults.size(), most_listed); ++i)
         text << "  cage: " << describe_fault(faults[i]) << '\n';
-    if (faults.size() > most_faults) text << "  cage: and " << faults.size() - most_faults << " more\n";
+    if (faults.size() > most_listed) text << "  cage: and " << faults.size() - most_listed << " more\n";
     text << "points: " << report.points << '\n';
     list("on the boundary", report.on_boundary);
     list("outside", report.outside);
@@ -125,6 +126,13 @@ std::string describe(const StoredLoss& loss) {
         text << "poses that bend by no more than " << loss.reach << ", a tenth of the cage";
     }
     return text.str();
+}
+
+void print_warnings(const char* program, std::span<const std::string> warnings) {
+    for (std::size_t i = 0; i < std::min(warnings.size(), most_listed); ++i)
+        std::cerr << program << ": warning: " << warnings[i] << '\n';
+    if (warnings.size() > most_listed)
+        std::cerr << program << ": warning: and " << warnings.size() - most_listed << " more of these\n";
 }
 
 } // namespace cageform_examples

@@ -5,6 +5,7 @@
 #include <cageform/binding/bind.hpp>
 
 #include <optional>
+#include <span>
 #include <string>
 
 namespace cageform_examples {
@@ -36,5 +37,8 @@ struct StoredLoss {
 /// "at most 0.0041 (0.099 % of the figure's size), at vertex 18 after 0.5 s, 0.0013 in the mean, in 52 poses of the
 /// motion".
 std::string describe(const StoredLoss& loss);
+
+/// Says warnings on stderr: the first ten, and how many more there are.
+void print_warnings(const char* program, std::span<const std::string> warnings);
 
 } // namespace cageform_examples

@@ -65,7 +65,7 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
                     why = detail::parse_number(fields[k].substr(colon + 1), weight);
                 if (why.empty() &&
                     (!(vertex >= 0 && vertex < double(vertex_count)) || vertex != std::floor(vertex)))
-                    why = "the cage has no vertex " + fields[k];
+                    why = "the cage has no vertex " + detail::quoted(fields[k]);
                 if (why.empty()) control.shares.push_back({std::size_t(vertex), weight});
             }
         } else if (word == "pivot") {
@@ -81,7 +81,7 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
             else if (kind == "linear")
                 row.kind = cageform::KeyKind::linear;
             else if (kind != "automatic" && why.empty())
-                why = "a key is hold, linear, automatic or ease, not \"" + kind + '"';
+                why = "a key is hold, linear, automatic or ease, not " + detail::quoted(kind);
             if (why.empty() && !control.rows.empty() && !(row.time > control.rows.back().time))
                 why = "a key is not later than the one before it";
             control.rows.push_back(row);
@@ -90,10 +90,12 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
     }
     if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
     for (const ClipControl& control : clip.controls) {
-        if (control.rows.size() < 2) return SvgError{path + ": " + control.name + ": fewer than two keys"};
+        if (control.rows.size() < 2)
+            return SvgError{path + ": " + detail::quoted(control.name) + ": fewer than two keys"};
         const double turns = clip.length / (control.rows.back().time - control.rows.front().time);
         if (std::fabs(turns - std::round(turns)) > 1e-9 || turns < 0.5)
-            return SvgError{path + ": " + control.name + ": its time is no part of the clip's"};
+            return SvgError{path + ": " + detail::quoted(control.name) +
+                            ": its time is no part of the clip's"};
     }
     return clip;
 }
@@ -132,7 +134,7 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
             else if (way == "ease")
                 key.way = PoseWay::ease;
             else if (way != "smooth" && !way.empty() && why.empty())
-                why = "a pose is smooth, linear or ease, not \"" + std::string(way) + '"';
+                why = "a pose is smooth, linear or ease, not " + detail::quoted(way);
             if (why.empty() && clip.keys.empty() && key.time != 0) why = "the first pose is at 0";
             if (why.empty() && !clip.keys.empty() && !(float(key.time) > float(clip.keys.back().time)))
                 why = "a pose is not later than the one before it";

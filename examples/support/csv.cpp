@@ -16,12 +16,17 @@ std::string_view trim(std::string_view text) {
     return text;
 }
 
+std::string quoted(std::string_view word) {
+    std::string text = "\"";
+    for (const char c : word.substr(0, 40)) text += c >= 0 && c < ' ' ? '?' : c;
+    return text + (word.size() > 40 ? "…\"" : "\"");
+}
+
 std::string parse_number(std::string_view field, double& number) {
     if (field.starts_with('+')) field.remove_prefix(1);
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), number);
-    if (error == std::errc::result_out_of_range) return "number out of range: \"" + std::string(field) + "\"";
-    if (error != std::errc{} || end != field.data() + field.size())
-        return "not a number: \"" + std::string(field) + "\"";
+    if (error == std::errc::result_out_of_range) return "number out of range: " + quoted(field);
+    if (error != std::errc{} || end != field.data() + field.size()) return "not a number: " + quoted(field);
     return {};
 }
 
@@ -84,7 +89,7 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const st
         } else if (text.front() == '#') {
             CageBlock block;
             if (!detail::parse_block_head(text, block, why)) continue;
-            if (open) why = "an empty line is missing before " + std::string(text);
+            if (open) why = "an empty line is missing before " + std::string(text.substr(0, 40));
             if (!why.empty()) return refuse(number, why);
             blocks.push_back(block);
             open = true;

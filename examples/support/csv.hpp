@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,9 @@ namespace cageform_examples {
 namespace detail {
 
 std::string_view trim(std::string_view text);
+
+/// A word of a file for a message: no control characters, and not too much of it.
+std::string quoted(std::string_view word);
 
 /// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success.
 std::string parse_number(std::string_view field, double& number);
@@ -51,7 +55,8 @@ bool is_header(std::string_view line);
 /// Reads the points of a file some at a time. Empty lines, lines that begin with '#' and a header are skipped.
 ///
 ///   D    2 or 3: the numbers of a line
-template <std::size_t D>
+///   T    what the points are for: a finite number that T does not hold is refused
+template <std::size_t D, class T = double>
 class PointReader {
 public:
     /// On failure `error()` says why.
@@ -70,7 +75,11 @@ public:
             const std::string_view text = detail::trim(line);
             if (text.empty() || text.front() == '#' || (line_ == 1 && detail::is_header(text))) continue;
             std::array<double, D> p{};
-            const std::string why = detail::parse_point(text, p);
+            std::string why = detail::parse_point(text, p);
+            for (const double x : p) {
+                if (why.empty() && std::isfinite(x) && !std::isfinite(T(x)))
+                    why = detail::single_precision_fault(x);
+            }
             if (why.empty())
                 points.push_back(p);
             else

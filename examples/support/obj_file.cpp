@@ -12,13 +12,6 @@ namespace cageform_examples {
 
 namespace detail {
 
-/// A word of a file for a message: no control characters, and not too much of it.
-std::string quoted(std::string_view word) {
-    std::string text = "\"";
-    for (const char c : word.substr(0, 40)) text += c >= 0 && c < ' ' ? '?' : c;
-    return text + (word.size() > 40 ? "…\"" : "\"");
-}
-
 std::string parse_index(std::string_view word, std::size_t so_far, std::size_t count, const char* what,
                         std::uint32_t& index) {
     const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
@@ -31,8 +24,9 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
     const bool found = value > 0 ? static_cast<unsigned long long>(value) <= count
                                  : value >= -static_cast<long long>(so_far);
     if (!fits || !found) {
-        return std::string(what) + " index " + std::string(word) + " is out of range: the file has " +
-               std::to_string(value < 0 ? so_far : count) + (value < 0 ? " before this line" : "");
+        return std::string(what) + " index " + std::string(word.substr(0, 40)) +
+               " is out of range: the file has " + std::to_string(value < 0 ? so_far : count) +
+               (value < 0 ? " before this line" : "");
     }
     index = static_cast<std::uint32_t>(value > 0 ? value - 1 : static_cast<long long>(so_far) + value);
     return {};

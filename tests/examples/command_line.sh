@@ -111,6 +111,24 @@ for scalar in float double; do
   done
 done
 printf '0,0\n4,0\n4,4\n0,4\n' >square.csv
+printf '1,1\nnan,1\n2,-1e39\n' >huge.csv
+works "points for double" "$weights" --cage square.csv --points huge.csv -o w.csv
+refuses 'huge.csv:3: -1e+39 is beyond single precision, which ends at 3.4e38' "$weights" --cage square.csv --points huge.csv --scalar float -o out.csv
+refuses 'huge.csv: vertex 2: -1e+39 is beyond single precision' "$weights" --cage huge.csv --points square.csv --scalar float -o out.csv
+awk 'BEGIN { for (i = 0; i < 300000; ++i) printf "7x" }' >long.csv
+refuses 'long.csv:1: ' "$weights" --cage square.csv --points long.csv -o out.csv
+[ "$(wc -c <log)" -lt 300 ] && ok=yes || ok=no
+report $ok "a message does not quote all of a long line"
+awk 'BEGIN { srand(3); for (i = 0; i < 400; ++i) print rand() "," rand() }' >tangle.csv
+refuses 'more' "$weights" --cage tangle.csv --points square.csv -o out.csv
+[ "$(wc -l <log)" -lt 20 ] && ok=yes || ok=no
+report $ok "faults are listed up to ten"
+{ echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="-30 -30 60 60">'
+  for line in $(seq 500); do echo "<text>$line</text>"; done
+  echo '<path d="M 1 1 L 2 1 L 2 2"/></svg>'; } >texts.svg
+works "an SVG of texts" "$deform" texts.svg --cage square.csv --pose square.csv -o texts_out.svg
+[ "$(wc -l <log)" -lt 20 ] && grep -q 'more of these' log && ok=yes || ok=no
+report $ok "warnings are listed up to ten"
 printf '2,2\n1,2\n' >middle.csv
 works "a report of a square" "$weights" --cage square.csv --points middle.csv --report -o w.csv
 grep -q 'least weight: 0.1' log && ok=yes || ok=no
