@@ -98,6 +98,49 @@ CAGEFORM_DETAIL_INLINE inline void add_sums(BlockSums<T, Blocks, D>& sum,
         [&](auto n) CAGEFORM_DETAIL_INLINE { sum[n / D][n % D] = sum[n / D][n % D] + other[n / D][n % D]; });
 }
 
+#if defined(__GNUC__) && !defined(__OPTIMIZE__)
+/// Adds w d of some rows beside each other to the sums of a block.
+template <WeightFormat Format, Scalar T, std::size_t D, std::size_t... R>
+void add_rows_plainly(const std::byte* rows, const Vec<T, D> (&d)[sizeof...(R)],
+                      typename Simd<T>::Register* sum, std::index_sequence<R...>) noexcept {
+    using Register = typename Simd<T>::Register;
+    constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
+    Register factor[D][sizeof...(R)];
+    for (std::size_t k = 0; k < D; ++k) ((factor[k][R] = d[R].v[k] - Register{}), ...);
+    for (std::size_t part = 0; part < Simd<T>::count; ++part, rows += row_bytes / Simd<T>::count) {
+        const Register w[] = {load_weights<Format, T>(rows + R * row_bytes)...};
+        for (const auto& f : factor) {
+            *sum = (*sum + ... + product(w[R], f[R]));
+            ++sum;
+        }
+    }
+}
+
+/// Σ w_r d_r of a block in builds without optimisation. There each lambda and each function of a row
+/// is a call: what `sum_rows` does below would take sixty times as long as with it, this takes ten.
+template <WeightFormat Format, Scalar T, std::size_t D, class Displacement>
+void sum_rows_plainly(const std::byte* weights, std::size_t rows, const Displacement& displacement,
+                      Lanes<T>* sums) noexcept {
+    using Register = typename Simd<T>::Register;
+    constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
+    Register sum[Simd<T>::count * D] = {};
+    std::size_t row = 0;
+    for (; row + 4 <= rows; row += 4) {
+        const Vec<T, D> d[] = {displacement(row), displacement(row + 1), displacement(row + 2),
+                               displacement(row + 3)};
+        add_rows_plainly<Format, T, D>(weights + row * row_bytes, d, sum, std::make_index_sequence<4>{});
+    }
+    for (; row < rows; ++row) {
+        const Vec<T, D> d[] = {displacement(row)};
+        add_rows_plainly<Format, T, D>(weights + row * row_bytes, d, sum, std::index_sequence<0>{});
+    }
+    for (std::size_t part = 0; part < Simd<T>::count; ++part) {
+        for (std::size_t k = 0; k < D; ++k)
+            store_bytes(sums[k].v + part * (lane_count<T> / Simd<T>::count), sum[part * D + k]);
+    }
+}
+#endif
+
 /// Σ w_r d_r of `Blocks` blocks beside each other, `stride` rows apart, and for each in `Chains`
 /// sums that need not wait for each other. `displacement(row)` is d of the rows [0, rows).
 template <std::size_t Blocks, std::size_t Chains, WeightFormat Format, Scalar T, std::size_t D,
@@ -105,6 +148,11 @@ template <std::size_t Blocks, std::size_t Chains, WeightFormat Format, Scalar T,
 void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
               const Displacement& displacement, Lanes<T> (*sums)[D]) noexcept {
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
+#if defined(__GNUC__) && !defined(__OPTIMIZE__)
+    for (std::size_t b = 0; b < Blocks; ++b)
+        sum_rows_plainly<Format, T, D>(weights + b * stride * row_bytes, rows, displacement, sums[b]);
+    return;
+#endif
     // A register's width of the block at a time; the rows stay in the first cache level meanwhile.
     for (std::size_t part = 0; part < Simd<T>::count; ++part) {
         const std::byte* const begin = weights + part * (row_bytes / Simd<T>::count);

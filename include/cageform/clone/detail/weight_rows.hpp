@@ -13,7 +13,7 @@ struct WholeOf {
     typedef Whole type __attribute__((vector_size(register_bytes / sizeof(T) * sizeof(Whole))));
 };
 template <class To, class From>
-To convert_lanes(From from) noexcept {
+CAGEFORM_DETAIL_INLINE inline To convert_lanes(From from) noexcept {
     return __builtin_convertvector(from, To);
 }
 #else
@@ -22,7 +22,7 @@ struct WholeOf {
     using type = Whole;
 };
 template <class To, class From>
-To convert_lanes(From from) noexcept {
+CAGEFORM_DETAIL_INLINE inline To convert_lanes(From from) noexcept {
     return static_cast<To>(from);
 }
 #endif
@@ -31,26 +31,21 @@ using Wholes = typename WholeOf<Whole, T>::type;
 
 /// One register of numbers from the bytes of a format.
 template <WeightFormat Format, Scalar T>
-typename Simd<T>::Register load_weights(const std::byte* bytes) noexcept {
+CAGEFORM_DETAIL_INLINE inline typename Simd<T>::Register load_weights(const std::byte* bytes) noexcept {
     using Register = typename Simd<T>::Register;
     if constexpr (Format == WeightFormat::scalar) {
-        Register r;
-        std::memcpy(&r, bytes, sizeof(r));
-        return r;
+        return load_bytes<Register>(bytes);
     } else if constexpr (Format == WeightFormat::int16) {
-        Wholes<std::int16_t, T> q;
-        std::memcpy(&q, bytes, sizeof(q));
+        const auto q = load_bytes<Wholes<std::int16_t, T>>(bytes);
         return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(q));
     } else if constexpr (Format == WeightFormat::int8) {
-        Wholes<std::int8_t, T> q;
-        std::memcpy(&q, bytes, sizeof(q));
+        const auto q = load_bytes<Wholes<std::int8_t, T>>(bytes);
         const auto wider =
             convert_lanes<Wholes<std::int16_t, T>>(q); // in two steps: GNU has instructions for those
         return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(wider));
     } else {
         // The exponent moves to its place in a float; what its bias differs by is multiplied in.
-        Wholes<std::uint16_t, T> h;
-        std::memcpy(&h, bytes, sizeof(h));
+        const auto h = load_bytes<Wholes<std::uint16_t, T>>(bytes);
         const auto wide = convert_lanes<Wholes<std::uint32_t, T>>(h);
         const Wholes<std::uint32_t, T> bits = ((wide & 0x7FFFu) << 13) | ((wide & 0x8000u) << 16);
         Wholes<float, T> f;

@@ -31,10 +31,33 @@ struct RegisterOf {
 };
 #endif
 
+/// A number or register from bytes that lie anywhere. Without optimisation a memcpy is two moves of
+/// half the size, and what reads the whole waits for both.
+template <class R>
+CAGEFORM_DETAIL_INLINE inline R load_bytes(const void* bytes) noexcept {
+#if CAGEFORM_REGISTER_BYTES != 0
+    typedef R Anywhere __attribute__((aligned(1), may_alias));
+    return *static_cast<const Anywhere*>(bytes);
+#else
+    R r;
+    std::memcpy(&r, bytes, sizeof(r));
+    return r;
+#endif
+}
+template <class R>
+CAGEFORM_DETAIL_INLINE inline void store_bytes(void* bytes, const R& r) noexcept {
+#if CAGEFORM_REGISTER_BYTES != 0
+    typedef R Anywhere __attribute__((aligned(1), may_alias));
+    *static_cast<Anywhere*>(bytes) = r;
+#else
+    std::memcpy(bytes, &r, sizeof(r));
+#endif
+}
+
 /// Leaves a number or register as it is, in a way that compilers cannot look through; takes no
 /// instruction. Where they must not merge what comes before with what comes after.
 template <class R>
-void conceal([[maybe_unused]] R& r) noexcept {
+CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
 #if defined(__GNUC__) && defined(__SSE2__)
     __asm__("" : "+v"(r));
 #elif defined(__GNUC__) && defined(__aarch64__)
@@ -46,17 +69,19 @@ void conceal([[maybe_unused]] R& r) noexcept {
 
 /// a · b of numbers or registers; under CAGEFORM_DETERMINISTIC rounded before it meets a sum.
 template <class R>
-R product(R a, R b) noexcept {
-    R ab = a * b;
+CAGEFORM_DETAIL_INLINE inline R product(const R& a, const R& b) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
+    R ab = a * b;
     conceal(ab); // or it would become one instruction with the sum, by each compiler's own rules
-#endif
     return ab;
+#else
+    return a * b;
+#endif
 }
 
 /// a · b + c of numbers or registers, rounded as `multiply_add` of registers says.
 template <class R>
-R multiply_add(R a, R b, R c) noexcept {
+CAGEFORM_DETAIL_INLINE inline R multiply_add(R a, R b, R c) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
     return product(a, b) + c;
 #elif defined(__clang__) && (defined(__FMA__) || defined(__aarch64__))
@@ -96,12 +121,11 @@ struct Simd {
     static Simd load(const Lanes<T>& lanes) noexcept {
         Simd p; // register by register: as a whole GNU would copy in pieces of another width
         for (std::size_t k = 0; k < count; ++k)
-            std::memcpy(&p.r[k], lanes.v + k * (64 / sizeof(T) / count), sizeof(Register));
+            p.r[k] = load_bytes<Register>(lanes.v + k * (64 / sizeof(T) / count));
         return p;
     }
     void store(Lanes<T>& lanes) const noexcept {
-        for (std::size_t k = 0; k < count; ++k)
-            std::memcpy(lanes.v + k * (64 / sizeof(T) / count), &r[k], sizeof(Register));
+        for (std::size_t k = 0; k < count; ++k) store_bytes(lanes.v + k * (64 / sizeof(T) / count), r[k]);
     }
 
     friend Simd operator+(Simd a, const Simd& b) noexcept {
