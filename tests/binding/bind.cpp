@@ -1,5 +1,6 @@
 // From a coordinate type and points to a binding, and whether the report tells the truth.
 #include "catch.hpp"
+#include "support/thin_cages.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/adapt/eigen.hpp>
@@ -519,6 +520,35 @@ TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can 
     CHECK(restored.report.residual_restored.value ==
           Approx(left.report.reproduction_error.value).epsilon(1e-3));
     CHECK(largest > 0);
+}
+
+TEMPLATE_TEST_CASE("restoring never makes linear precision worse", "[binding][linear_precision]",
+                   CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(40));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const double width = std::pow(10.0, random.uniform(sizeof(T) == 4 ? -5.5 : -14, -1));
+    const auto corners = thin_simplex<T, 2>(random, width);
+    const Mean<T> coordinates(corners);
+    if (coordinates.cage_report().status != Status::ok) return; // too thin
+    const auto points = points_about(coordinates.cage(), 0, 50, std::uint64_t(seed));
+    const auto left = cageform::bind(coordinates, points, {.linear_precision = LinearPrecision::leave});
+    const auto restored = cageform::bind(coordinates, points);
+    REQUIRE(restored.report.status == Status::ok);
+    check_restored(left, restored, coordinates.handles());
+}
+
+TEST_CASE("what cannot be restored is reported", "[binding][linear_precision]") {
+    const Mean<double> thin(Points2<double>{{0.75, 5}, {2, 4e-9}, {1, 4}});
+    const auto points = points_about(thin.cage(), 0, 100, 1);
+    const auto left = cageform::bind(thin, points, {.linear_precision = LinearPrecision::leave});
+    const auto restored = cageform::bind(thin, points);
+    CHECK(restored.report.not_restored.size() > 50);
+    CHECK(restored.report.partition_error.value <= 2 * left.report.partition_error.value);
+    CHECK(restored.report.reproduction_error.value < left.report.reproduction_error.value);
+    const Mean<double> wide(square<double>);
+    CHECK(cageform::bind(wide, mixed_points<double>()).report.not_restored.empty());
 }
 
 TEST_CASE("restoring leaves alone what is exact", "[binding][linear_precision]") {

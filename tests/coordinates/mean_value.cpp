@@ -186,6 +186,22 @@ TEMPLATE_TEST_CASE("mean value weights sum to 1 and reproduce the point",
     }
 }
 
+TEST_CASE("float weights of thousands of vertices sum to 1", "[coordinates][mean_value]") {
+    const auto seed = GENERATE(seeds(4));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const double least = random.uniform(0.5, 1); // teeth
+    Points2<float> cage(3000), points(300);
+    for (std::size_t i = 0; i < cage.size(); ++i) {
+        const double angle = 2 * std::numbers::pi * double(i) / double(cage.size());
+        const double radius = i % 2 == 0 ? 1 : least;
+        cage[i] = {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
+    }
+    for (auto& p : points) p = {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2))};
+    for (const auto& row : evaluate_all(Mean<float>(cage), points).rows)
+        CHECK(std::fabs(double(sum_of(row) - 1)) <= 12 * double(epsilon<float>) * absolute_sum(row));
+}
+
 TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordinates][mean_value][far]", float,
                    double) {
     using T = TestType;

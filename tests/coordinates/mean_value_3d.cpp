@@ -3,6 +3,7 @@
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
+#include "../support/thin_cages.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
@@ -120,6 +121,38 @@ TEST_CASE("mean value binds in space move with affine poses", "[coordinates][mea
         cageform::bind(Mean<double>(data.mesh<double>()), points_about(data, 200, 5));
     CHECK(report.status == Status::ok);
     CHECK(report.weight_change.value <= 1e-11);
+}
+
+TEMPLATE_TEST_CASE("restoring never makes linear precision worse in space",
+                   "[coordinates][meanvalue][space][binding]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const auto corners =
+        thin_simplex<T, 3>(random, std::pow(10.0, random.uniform(sizeof(T) == 4 ? -5 : -13, -1)));
+    const Mean<T> coordinates(corners, Faces{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
+    if (coordinates.cage_report().status != Status::ok) return; // too thin
+    Points3<T> points;
+    for (int i = 0; i < 40; ++i)
+        points.push_back({T(random.uniform(-2, 2)), T(random.uniform(-2, 2)), T(random.uniform(-2, 2))});
+    using cageform::LinearPrecision;
+    const auto left = cageform::bind(coordinates, points, {.linear_precision = LinearPrecision::leave});
+    const auto restored = cageform::bind(coordinates, points);
+    REQUIRE(restored.report.status == Status::ok);
+    check_restored(left, restored, coordinates.handles());
+}
+
+TEST_CASE("float weights of a thousand vertices in space sum to 1", "[coordinates][meanvalue][space]") {
+    Random random(1);
+    auto data = sphere(4);
+    for (auto& v : data.vertices) v = random.uniform(0.9, 1.1) * v;
+    Points3<float> points;
+    for (int i = 0; i < 200; ++i)
+        points.push_back({float(random.uniform(-1.5, 1.5)), float(random.uniform(-1.5, 1.5)),
+                          float(random.uniform(-1.5, 1.5))});
+    for (const auto& row : evaluate_all(Mean<float>(data.mesh<float>()), points).rows)
+        CHECK(std::fabs(double(sum_of(row) - 1)) <= 6 * double(epsilon<float>) * absolute_sum(row));
 }
 
 TEST_CASE("meshes that are no cages are refused by mean value coordinates",

@@ -16,7 +16,8 @@ enum class OutsidePoints : std::uint8_t {
 
 /// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least
 /// change, in the sense of least squares over the handles, that restores both. Affine poses are
-/// then exact; a weight near zero may turn negative, by about BindReport::weight_change.
+/// then exact; a weight near zero may turn negative, by about BindReport::weight_change. No change
+/// is made where it would not lower what is missed (BindReport::not_restored).
 enum class LinearPrecision : std::uint8_t { restore, leave };
 
 struct BindOptions {
@@ -49,7 +50,10 @@ struct BindReport {
     std::vector<std::size_t> outside;    ///< treated as BindOptions::outside says
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
     std::vector<std::size_t> unreached;  ///< weights cannot be had or represented; kept in place
-    Extreme partition_error;             ///< largest |Σw − 1| of the finished weights
+    std::vector<std::size_t>
+        not_restored;           ///< LinearPrecision::restore has left more than rounding: the weights
+                                ///< are so large (thin cages) that changes would not lower it
+    Extreme partition_error;    ///< largest |Σw − 1| of the finished weights
     Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, in the units of the cage; p is
                                 ///< the boundary point for OutsidePoints::nearest_boundary
     Extreme weight_change;      ///< largest change of a weight by a round of LinearPrecision::restore
@@ -105,6 +109,7 @@ protected:
         , restorer_(handles_)
         , count_(input.points.size)
         , states_(count_, PointState::unreached)
+        , missed_(count_)
         , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
 
     /// Makes the bindings in the memory of those given; fill() sets weights, rest and states.
@@ -163,6 +168,7 @@ protected:
             const std::size_t i = block * lanes + lane;
             if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) {
                 piece.note(outcome, lane, i);
+                if (outcome.missed[lane] != T(0)) missed_[i] = 1;
             } else {
                 states_[i] = PointState::unreached;
                 unreached = true;
@@ -195,6 +201,7 @@ protected:
             case PointState::not_finite: report.not_finite.push_back(i); break;
             case PointState::unreached: report.unreached.push_back(i); break;
             }
+            if (missed_[i] != 0 && states_[i] != PointState::unreached) report.not_restored.push_back(i);
         }
         return Status::ok;
     }
@@ -207,6 +214,7 @@ protected:
     std::size_t count_;
     std::vector<BlockView<T>> weights_, rest_; // of each binding
     std::vector<PointState> states_;
+    std::vector<char> missed_; // more than rounding is left to restore
     std::vector<BindPiece> pieces_;
 };
 

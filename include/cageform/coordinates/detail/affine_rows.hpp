@@ -5,8 +5,6 @@
 #include <cageform/cage/polygon.hpp>
 #include <cageform/core/handles.hpp>
 
-#include <Eigen/Core>
-
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -55,8 +53,6 @@ AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
 template <Scalar T, std::size_t D>
 class AffineRows {
 public:
-    using Square = Eigen::Matrix<double, int(D) + 1, int(D) + 1>;
-
     template <Scalar S>
     AffineRows(const HandleView<S, D>& handles, const AffineFrame<T, D>& frame)
         : frame_(frame)
@@ -67,17 +63,6 @@ public:
     const AffineFrame<T, D>& frame() const noexcept { return frame_; }
     std::size_t size() const noexcept { return rows_.size(); }
     const Vec<T, D + 1>& operator[](std::size_t handle) const noexcept { return rows_[handle]; }
-
-    /// Σ a aᵀ over all handles.
-    Square sum_of_squares() const {
-        Square sum = Square::Zero();
-        for (const auto& a : rows_) {
-            for (std::size_t r = 0; r <= D; ++r) {
-                for (std::size_t c = 0; c <= D; ++c) sum(long(r), long(c)) += double(a[r]) * double(a[c]);
-            }
-        }
-        return sum;
-    }
 
 private:
     AffineFrame<T, D> frame_;

@@ -2,37 +2,37 @@
 #pragma once
 
 #include <cageform/coordinates/detail/affine_rows.hpp>
+#include <cageform/coordinates/detail/compensated_sum.hpp>
 #include <cageform/core/blocks.hpp>
 #include <cageform/core/detail/simd_sqrt.hpp>
-
-#include <Eigen/LU>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of a
 /// block; or, of weights that move a vector t, Σwκ = 0 and ΣwH = t.
 ///
-/// The columns of A are the affine rows of the handles, r is the residual of the row sums. The
-/// change is Aᵀ(AAᵀ)⁻¹ r. AAᵀ has D + 1 rows and is the same for all points.
+/// The rows of A are the affine rows of the handles, r is the residual of the row sums. With A = QR
+/// the change is Q R⁻ᵀ r, the same as A(AᵀA)⁻¹ r but without squaring the condition number, which
+/// is one over the width of a thin cage. Where weights are large, rounding them may be worse than
+/// the residual: a change is made only where it lowers it.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
     struct Result {
         Lanes<T> partition, reproduction, before, change, least;
+        Lanes<T> missed; ///< one where more than rounding is left to restore, zero in other lanes
     };
 
     explicit LinearRestorer(const HandleView<T, D>& handles)
-        : rows_(handles, frame_of(handles)) {
-        const auto inverse = inverse_of(rows_.sum_of_squares());
-        for (std::size_t r = 0; r <= D; ++r) {
-            for (std::size_t c = 0; c <= D; ++c) inverse_[r][c] = static_cast<T>(inverse(long(r), long(c)));
-        }
+        : rows_(handles, frame_of(handles))
+        , basis_(rows_.size()) {
+        orthonormalise();
     }
 
     /// `row` holds the weights of a block of points; `bound` is one in lanes to treat and zero in
     /// others. Measures alone unless `restore`.
     Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
-        Simd wanted[D + 1];
+        Row wanted;
         wanted[0] = Simd(T(1));
         for (std::size_t k = 0; k < D; ++k)
             wanted[k + 1] = (Simd::load(target[k]) - Simd(frame().centre[k])) * Simd(T(1) / frame().size);
@@ -41,79 +41,131 @@ public:
 
     /// The same for vectors. What is worth a change is relative to their length.
     Result run_vectors(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
-        Simd wanted[D + 1], longest(T(0));
+        Row wanted;
         wanted[0] = Simd(T(0));
-        for (std::size_t k = 0; k < D; ++k) {
-            wanted[k + 1] = Simd::load(target[k]) * Simd(T(1) / frame().size);
-            longest = max<T>(longest, abs<T>(wanted[k + 1]));
-        }
-        return run_to(wanted, longest, bound, row, restore);
+        for (std::size_t k = 0; k < D; ++k) wanted[k + 1] = Simd::load(target[k]) * Simd(T(1) / frame().size);
+        return run_to(wanted, largest(wanted), bound, row, restore);
     }
 
 private:
     using Simd = detail::Simd<T>;
-    using Square = typename AffineRows<T, D>::Square;
-
-    /// Eigen has formulas for up to four rows; above it compiles one algorithm for each size.
-    static Square inverse_of(const Square& m) {
-        if constexpr (D <= 3) {
-            return m.inverse();
-        } else {
-            return Eigen::MatrixXd(m).fullPivLu().inverse();
-        }
-    }
+    /// A number for κ and each axis.
+    using Row = std::array<Simd, D + 1>;
 
     const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
 
+    /// Gram & Schmidt, each column twice (Giraud, Langou, Rozložník, The loss of orthogonality in
+    /// the Gram–Schmidt orthogonalization process, Comput. Math. Appl. 50 (2005)). Directions
+    /// without extent are left out.
+    void orthonormalise() {
+        std::vector<Vec<double, D + 1>> q(rows_.size());
+        const auto inner = [&](std::size_t a, std::size_t b) {
+            double sum = 0;
+            for (const auto& row : q) sum += row[a] * row[b];
+            return sum;
+        };
+        for (std::size_t k = 0; k <= D; ++k) {
+            for (std::size_t i = 0; i < q.size(); ++i) q[i][k] = double(rows_[i][k]);
+            const double given = std::sqrt(inner(k, k));
+            double triangle[D + 1] = {}; // column k of R
+            for (const int pass : {0, 1}) {
+                (void)pass;
+                for (std::size_t j = 0; j < k; ++j) {
+                    const double part = inner(j, k);
+                    triangle[j] += part;
+                    for (auto& row : q) row[k] -= part * row[j];
+                }
+            }
+            const double rest = std::sqrt(inner(k, k));
+            const double inverse = rest > 2 * epsilon<double> * given ? 1 / rest : 0.0;
+            for (std::size_t j = 0; j < k; ++j) triangle_[k][j] = static_cast<T>(triangle[j]);
+            triangle_[k][k] = static_cast<T>(inverse);
+            for (std::size_t i = 0; i < q.size(); ++i) {
+                q[i][k] *= inverse;
+                basis_[i][k] = static_cast<T>(q[i][k]);
+            }
+        }
+    }
+
     /// `wanted`: Σ w a. Residuals are rounding when they are below some epsilon times `unit`.
-    Result run_to(const Simd* wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
+    Result run_to(const Row& wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
         // Below 4 epsilon nothing is changed: exact zeros on edges would be lost.
-        const Simd enough = Simd(4 * epsilon<T>) * unit;
-        const Simd treat = Simd::load(bound);
-        Simd missing[D + 1], change(T(0));
+        const Simd enough = Simd(4 * epsilon<T>) * unit, zero(T(0));
+        Simd treat = restore ? Simd::load(bound) : zero;
         Result result;
-        Simd least = measure(row, wanted, missing);
+        auto [missing, least] = measure(wanted, [&](std::size_t i) { return Simd::load(row[i]); });
+        Simd worst = largest(missing), change = zero;
         distance(missing).store(result.before);
-        for (int round = 0; restore && round < 3; ++round) {
-            Simd worst = abs<T>(missing[0]);
-            for (std::size_t k = 1; k <= D; ++k) worst = max<T>(worst, abs<T>(missing[k]));
-            const Simd apply = select<T>(enough < worst, treat, Simd(T(0)));
-            if (!any(apply)) break;
-            Simd y[D + 1];
-            for (std::size_t r = 0; r <= D; ++r) {
-                y[r] = Simd(inverse_[r][0]) * missing[0];
-                for (std::size_t c = 1; c <= D; ++c) y[r] = y[r] + Simd(inverse_[r][c]) * missing[c];
-                y[r] = y[r] * apply;
-            }
+        for (int round = 0; round < 3; ++round) {
+            treat = select<T>(enough < worst, treat, zero);
+            if (!any(zero < treat)) break;
+            Row step = change_to(missing);
+            const auto tried =
+                measure(wanted, [&](std::size_t i) { return Simd::load(row[i]) + change_of(step, i); });
+            const Simd left = largest(tried.missing);
+            treat = select<T>(left < worst, treat, zero);
+            const auto taken = zero < treat;
+            for (Simd& s : step) s = select<T>(taken, s, zero);
             for (std::size_t i = 0; i < rows_.size(); ++i) {
-                Simd delta = y[0] * Simd(rows_[i][0]);
-                for (std::size_t r = 1; r <= D; ++r) delta = delta + y[r] * Simd(rows_[i][r]);
+                const Simd delta = change_of(step, i);
                 change = max<T>(change, abs<T>(delta));
                 (Simd::load(row[i]) + delta).store(row[i]);
             }
-            least = measure(row, wanted, missing);
+            for (std::size_t k = 0; k <= D; ++k) missing[k] = select<T>(taken, tried.missing[k], missing[k]);
+            least = select<T>(taken, tried.least, least);
+            worst = select<T>(taken, left, worst);
         }
         abs<T>(missing[0]).store(result.partition);
         distance(missing).store(result.reproduction);
         change.store(result.change);
         least.store(result.least);
+        // The sums over weights that grow with the distance round by more.
+        const Simd rounding = Simd(128 * epsilon<T>) * max<T>(unit, largest(wanted));
+        select<T>(rounding < worst, restore ? Simd::load(bound) : zero, zero).store(result.missed);
         return result;
     }
 
-    /// What is missing to what is wanted; returns the least weight.
-    Simd measure(const Lanes<T>* row, const Simd* wanted, Simd* missing) const {
-        for (std::size_t k = 0; k <= D; ++k) missing[k] = wanted[k];
-        Simd least = Simd::load(row[0]);
-        for (std::size_t i = 0; i < rows_.size(); ++i) {
-            const Simd w = Simd::load(row[i]);
-            least = min<T>(least, w);
-            for (std::size_t r = 0; r <= D; ++r) missing[r] = missing[r] - w * Simd(rows_[i][r]);
+    /// R⁻ᵀ r.
+    Row change_to(const Row& missing) const {
+        Row step;
+        for (std::size_t k = 0; k <= D; ++k) {
+            Simd rest = missing[k];
+            for (std::size_t j = 0; j < k; ++j) rest = rest - Simd(triangle_[k][j]) * step[j];
+            step[k] = rest * Simd(triangle_[k][k]);
         }
-        return least;
+        return step;
+    }
+    /// The change of a handle's weight.
+    Simd change_of(const Row& step, std::size_t handle) const {
+        Simd delta = step[0] * Simd(basis_[handle][0]);
+        for (std::size_t r = 1; r <= D; ++r) delta = delta + step[r] * Simd(basis_[handle][r]);
+        return delta;
     }
 
-    Simd distance(const Simd* missing) const {
+    struct Measures {
+        Row missing; ///< to what is wanted
+        Simd least;
+    };
+    /// weight(i): of a handle.
+    template <class Weight>
+    Measures measure(const Row& wanted, const Weight& weight) const {
+        Measures m{wanted, weight(0)};
+        m.missing = compensated_sum(wanted, rows_.size(), [&](std::size_t i, Row& sum) {
+            const Simd w = weight(i);
+            m.least = min<T>(m.least, w);
+            for (std::size_t r = 0; r <= D; ++r) sum[r] = sum[r] - w * Simd(rows_[i][r]);
+        });
+        return m;
+    }
+
+    static Simd largest(const Row& row) {
+        Simd most = abs<T>(row[0]);
+        for (std::size_t k = 1; k <= D; ++k) most = max<T>(most, abs<T>(row[k]));
+        return most;
+    }
+
+    Simd distance(const Row& missing) const {
         // Squared in units of the cage: in the caller's the square of a small error may vanish.
         Simd sum(T(0));
         for (std::size_t k = 0; k < D; ++k) {
@@ -123,16 +175,9 @@ private:
         return Simd(frame().size) * sqrt(sum);
     }
 
-    static bool any(const Simd& flags) {
-        Lanes<T> lanes;
-        flags.store(lanes);
-        T sum = 0;
-        for (const T x : lanes.v) sum += x;
-        return sum != T(0);
-    }
-
     AffineRows<T, D> rows_;
-    T inverse_[D + 1][D + 1];
+    std::vector<Vec<T, D + 1>> basis_; ///< the rows of Q
+    T triangle_[D + 1][D + 1] = {};    ///< Rᵀ; on the diagonal one over it
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

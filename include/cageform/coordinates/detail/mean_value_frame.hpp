@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/cage/primitives.hpp>
+#include <cageform/coordinates/detail/compensated_sum.hpp>
 #include <cageform/coordinates/detail/dual.hpp>
 
 #include <array>
@@ -50,6 +51,11 @@ struct WeightRows {
     explicit WeightRows(const MeanValueTopology<D>& topology, std::size_t handles)
         : weights(handles)
         , edges(topology.edge_count()) {}
+
+    N sum() const noexcept {
+        return compensated_sum(std::array{N(ValueOf<N>(0))}, weights.size(),
+                               [&](std::size_t i, std::array<N, 1>& total) { total[0] += weights[i]; })[0];
+    }
 };
 
 /// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1

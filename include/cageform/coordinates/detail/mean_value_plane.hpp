@@ -85,11 +85,6 @@ WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& l
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), on_vertex(limits.near * limits.near), far(limits.far * limits.far);
     X special = zero;
-    N sum = zero;
-    const auto set = [&](std::size_t i, const N& w) {
-        rows.weights[i] = w;
-        sum = sum + w;
-    };
     for (const auto& loop : cage.loops) {
         const Spoke<N> first(cage.corners[loop.begin].position, p);
         special = select(far < first.rr, one, special);
@@ -113,15 +108,15 @@ WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& l
             if (i == loop.begin) {
                 t_first = t;
             } else {
-                set(i, (t_before + t) * inverse_r);
+                rows.weights[i] = (t_before + t) * inverse_r;
             }
             t_before = t;
             inverse_r = denominator * inverse;
             from = to;
         }
-        set(loop.begin, (t_before + t_first) * inverse_r);
+        rows.weights[loop.begin] = (t_before + t_first) * inverse_r;
     }
-    return {sum, special};
+    return {rows.sum(), special};
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -302,9 +302,7 @@ WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& l
         const auto w = face_weights<N, S>(face, g, limits, p, special);
         for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
     }
-    N sum = zero;
-    for (const N& w : rows.weights) sum += w;
-    return {sum, special};
+    return {rows.sum(), special};
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
