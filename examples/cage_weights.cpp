@@ -56,6 +56,7 @@ void merge(cageform::BindReport& total, const cageform::BindReport& part, std::s
     append(total.outside, part.outside);
     append(total.not_finite, part.not_finite);
     append(total.unreached, part.unreached);
+    append(total.not_restored, part.not_restored);
     const auto shifted = [first](cageform::Extreme extreme) {
         if (extreme.point != extreme.none) extreme.point += first;
         return extreme;

@@ -98,6 +98,8 @@ std::string describe(const cageform::BindReport& report) {
     extreme("least weight", report.least_weight);
     text << "linear precision restored from: " << report.residual_restored.value
          << " (largest change of a weight " << report.weight_change.value << ")\n";
+    if (!report.not_restored.empty())
+        list("linear precision not fully restored, weights are too large (thin cage)", report.not_restored);
     if (report.solver.cycles > 0) {
         text << "solver: " << report.solver.cells << " unknowns, " << report.solver.solves << " functions, "
              << report.solver.cycles << " cycles, error " << report.solver.error_estimate << " (never above "

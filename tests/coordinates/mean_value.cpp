@@ -2,6 +2,7 @@
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/oracle.hpp"
+#include "support/thin_cages.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/coordinates/mean_value.hpp>
@@ -284,6 +285,49 @@ TEMPLATE_TEST_CASE("mean value weights pass continuously into their limits on ed
             // as much, and for the 8 roundings next to the boundary that count as on it.
             CHECK(difference(weights.rows[i], limit) <=
                   16 * (away + rounding) / room + 8 * double(epsilon<T>));
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("points outside thin cages are outside", "[coordinates][mean_value][state][thin]",
+                   CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(60));
+    Random random{std::uint64_t(seed)};
+    const double width = std::pow(10.0, random.uniform(sizeof(T) == 4 ? -6.5 : -15, -1));
+    const double turn = seed % 2 == 0 ? 0 : random.uniform(0, 6.3);
+    CAPTURE(seed, width, turn);
+    const auto at = [&](double x, double y) {
+        return Vec<T, 2>{T(x * std::cos(turn) - y * std::sin(turn)),
+                         T(x * std::sin(turn) + y * std::cos(turn))};
+    };
+    const double w = width, v = 1 - width;
+    check_thin_states(Mean<T>(Points2<T>{at(0, 0), at(1, 0), at(1, w), at(0, w)}), random);
+    check_thin_states(Mean<T>(Points2<T>{at(0, 0), at(1, 0), at(1, 1), at(v, 1), at(v, w), at(0, w)}),
+                      random);
+    const Points2<T> ring{at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(w, w), at(v, w), at(v, v), at(w, v)};
+    const std::vector<std::size_t> loops{4, 4};
+    const Mean<T> hollow(Polygon<T>(ring, loops));
+    check_thin_states(hollow, random);
+    check_thin_states(Mean<T>(thin_simplex<T, 2>(random, width)), random);
+    if (hollow.cage_report().status != Status::ok) return;
+    const auto states = evaluate_all(hollow, Points2<T>{at(0.5, 0.5), at(0.3, 0.6)}).states;
+    CHECK(states == std::vector<PointState>{PointState::outside, PointState::outside});
+}
+
+TEMPLATE_TEST_CASE("a point in the middle of a thin cage is inside", "[coordinates][mean_value][state][thin]",
+                   CAGEFORM_SCALARS) {
+    using T = TestType;
+    for (const double width : {1e-2, 1e-4, sizeof(T) == 4 ? 1e-5 : 1e-9, sizeof(T) == 4 ? 1e-5 : 1e-13}) {
+        CAPTURE(width);
+        const T w = T(width);
+        const Mean<T> bar(Points2<T>{{0, 0}, {1, 0}, {1, w}, {0, w}});
+        Points2<T> points;
+        for (int i = 1; i < 20; ++i) points.push_back({T(0.05) * T(i), w / 2});
+        const auto weights = evaluate_all(bar, points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CHECK(weights.states[i] == PointState::inside);
+            CHECK(affine_residual(weights.rows[i], bar.handles(), points[i]) <= 16 * double(epsilon<T>));
         }
     }
 }

@@ -143,6 +143,26 @@ TEMPLATE_TEST_CASE("restoring never makes linear precision worse in space",
     check_restored(left, restored, coordinates.handles());
 }
 
+TEMPLATE_TEST_CASE("points outside thin cages in space are outside", "[coordinates][meanvalue][space][thin]",
+                   CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(40));
+    Random random{std::uint64_t(seed)};
+    const double width = std::pow(10.0, random.uniform(sizeof(T) == 4 ? -6.5 : -9, -1));
+    CAPTURE(seed, width);
+    const Faces box{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    for (const double depth : {1.0, width}) { // a plate and a rod
+        Points3<T> corners;
+        for (int i = 0; i < 8; ++i)
+            corners.push_back({T(i & 1), T(depth * (i >> 1 & 1)), T(width * (i >> 2 & 1))});
+        check_thin_states(Mean<T>(corners, box), random);
+    }
+    check_thin_states(
+        Mean<T>(thin_simplex<T, 3>(random, width), Faces{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}),
+        random);
+}
+
 TEST_CASE("float weights of a thousand vertices in space sum to 1", "[coordinates][meanvalue][space]") {
     Random random(1);
     auto data = sphere(4);

@@ -46,6 +46,49 @@ std::vector<Vec<T, D>> thin_simplex(Random& random, double width) {
     return corners;
 }
 
+/// A point in a random direction, 0.1 to 1000 diagonals from the middle of the handles and outside their bounds.
+template <class T, std::size_t D>
+Vec<T, D> random_outside(std::span<const Vec<T, D>> handles, Random& random) {
+    const auto bounds = cageform::bounds_of(handles);
+    const double size = double(bounds.diagonal());
+    for (;;) {
+        Vec<double, D> direction{};
+        double square = 0;
+        for (std::size_t k = 0; k < D; ++k) {
+            direction[k] = random.uniform(-1, 1);
+            square += direction[k] * direction[k];
+        }
+        const double far = size * std::pow(10.0, random.uniform(-1, 3)) / std::sqrt(square);
+        const auto p = cageform::vec_cast<T>(
+            cageform::vec_cast<double>(T(0.5) * (bounds.lower + bounds.upper)) + far * direction);
+        for (std::size_t k = 0; k < D; ++k) {
+            if (double(p[k]) < double(bounds.lower[k]) - 0.01 * size ||
+                double(p[k]) > double(bounds.upper[k]) + 0.01 * size)
+                return p;
+        }
+    }
+}
+
+/// Points outside a thin cage are known to be: outside, or unreached where the widest scalar does not tell
+/// their weights. Nothing where the cage is too thin to be one.
+template <class Coordinates>
+void check_thin_states(const Coordinates& coordinates, Random& random) {
+    using T = typename Coordinates::scalar;
+    constexpr std::size_t D = Coordinates::dimension;
+    if (coordinates.cage_report().status != Status::ok) return;
+    const auto handles = coordinates.handles();
+    std::vector<Vec<T, D>> points;
+    for (int i = 0; i < 200; ++i) points.push_back(random_outside(handles, random));
+    const auto states = evaluate_all(coordinates, points).states;
+    std::size_t outside = 0;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        CAPTURE(i, double(points[i][0]), double(points[i][1]), int(states[i]));
+        CHECK((states[i] == PointState::outside || states[i] == PointState::unreached));
+        outside += states[i] == PointState::outside;
+    }
+    CHECK(outside >= states.size() / 2);
+}
+
 /// Restored weights have linear precision no worse than those left alone, and where more than rounding is
 /// missed, the report says so.
 template <class T, std::size_t D, class Result>

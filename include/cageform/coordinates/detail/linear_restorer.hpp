@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/detail/affine_rows.hpp>
 #include <cageform/coordinates/detail/compensated_sum.hpp>
+#include <cageform/coordinates/detail/orthonormal_rows.hpp>
 #include <cageform/core/blocks.hpp>
 #include <cageform/core/detail/simd_sqrt.hpp>
 
@@ -24,9 +25,12 @@ public:
     };
 
     explicit LinearRestorer(const HandleView<T, D>& handles)
-        : rows_(handles, frame_of(handles))
-        , basis_(rows_.size()) {
-        orthonormalise();
+        : rows_(handles, frame_of(handles)) {
+        std::vector<Vec<double, D + 1>> rows;
+        for (std::size_t i = 0; i < rows_.size(); ++i) rows.push_back(vec_cast<double>(rows_[i]));
+        const OrthonormalRows<D + 1> orthonormal(std::move(rows));
+        for (std::size_t i = 0; i < rows_.size(); ++i) basis_.push_back(vec_cast<T>(orthonormal[i]));
+        for (std::size_t k = 0; k <= D; ++k) triangle_[k] = vec_cast<T>(orthonormal.triangle()[k]);
     }
 
     /// `row` holds the weights of a block of points; `bound` is one in lanes to treat and zero in
@@ -54,39 +58,6 @@ private:
 
     const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
 
-    /// Gram & Schmidt, each column twice (Giraud, Langou, Rozložník, The loss of orthogonality in
-    /// the Gram–Schmidt orthogonalization process, Comput. Math. Appl. 50 (2005)). Directions
-    /// without extent are left out.
-    void orthonormalise() {
-        std::vector<Vec<double, D + 1>> q(rows_.size());
-        const auto inner = [&](std::size_t a, std::size_t b) {
-            double sum = 0;
-            for (const auto& row : q) sum += row[a] * row[b];
-            return sum;
-        };
-        for (std::size_t k = 0; k <= D; ++k) {
-            for (std::size_t i = 0; i < q.size(); ++i) q[i][k] = double(rows_[i][k]);
-            const double given = std::sqrt(inner(k, k));
-            double triangle[D + 1] = {}; // column k of R
-            for (const int pass : {0, 1}) {
-                (void)pass;
-                for (std::size_t j = 0; j < k; ++j) {
-                    const double part = inner(j, k);
-                    triangle[j] += part;
-                    for (auto& row : q) row[k] -= part * row[j];
-                }
-            }
-            const double rest = std::sqrt(inner(k, k));
-            const double inverse = rest > 2 * epsilon<double> * given ? 1 / rest : 0.0;
-            for (std::size_t j = 0; j < k; ++j) triangle_[k][j] = static_cast<T>(triangle[j]);
-            triangle_[k][k] = static_cast<T>(inverse);
-            for (std::size_t i = 0; i < q.size(); ++i) {
-                q[i][k] *= inverse;
-                basis_[i][k] = static_cast<T>(q[i][k]);
-            }
-        }
-    }
-
     /// `wanted`: Σ w a. Residuals are rounding when they are below some epsilon times `unit`.
     Result run_to(const Row& wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
@@ -100,7 +71,7 @@ private:
         for (int round = 0; round < 3; ++round) {
             treat = select<T>(enough < worst, treat, zero);
             if (!any(zero < treat)) break;
-            Row step = change_to(missing);
+            Row step = in_basis(triangle_, missing);
             const auto tried =
                 measure(wanted, [&](std::size_t i) { return Simd::load(row[i]) + change_of(step, i); });
             const Simd left = largest(tried.missing);
@@ -126,16 +97,6 @@ private:
         return result;
     }
 
-    /// R⁻ᵀ r.
-    Row change_to(const Row& missing) const {
-        Row step;
-        for (std::size_t k = 0; k <= D; ++k) {
-            Simd rest = missing[k];
-            for (std::size_t j = 0; j < k; ++j) rest = rest - Simd(triangle_[k][j]) * step[j];
-            step[k] = rest * Simd(triangle_[k][k]);
-        }
-        return step;
-    }
     /// The change of a handle's weight.
     Simd change_of(const Row& step, std::size_t handle) const {
         Simd delta = step[0] * Simd(basis_[handle][0]);
@@ -151,11 +112,12 @@ private:
     template <class Weight>
     Measures measure(const Row& wanted, const Weight& weight) const {
         Measures m{wanted, weight(0)};
-        m.missing = compensated_sum(wanted, rows_.size(), [&](std::size_t i, Row& sum) {
+        const Row sums = compensated_sums<Simd, D + 1>(rows_.size(), [&](std::size_t i, Row& sum) {
             const Simd w = weight(i);
             m.least = min<T>(m.least, w);
-            for (std::size_t r = 0; r <= D; ++r) sum[r] = sum[r] - w * Simd(rows_[i][r]);
+            for (std::size_t r = 0; r <= D; ++r) sum[r] = sum[r] + w * Simd(rows_[i][r]);
         });
+        for (std::size_t r = 0; r <= D; ++r) m.missing[r] = m.missing[r] - sums[r];
         return m;
     }
 
@@ -177,7 +139,7 @@ private:
 
     AffineRows<T, D> rows_;
     std::vector<Vec<T, D + 1>> basis_; ///< the rows of Q
-    T triangle_[D + 1][D + 1] = {};    ///< Rᵀ; on the diagonal one over it
+    Vec<Vec<T, D + 1>, D + 1> triangle_{};
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -4,6 +4,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/mean_value_frame.hpp>
+#include <cageform/coordinates/detail/moment_test.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -58,8 +59,11 @@ protected:
         scale_ = double(unit_scale(bounds)); // products of three lengths stay in range
         if constexpr (D == 3) origin_ = cage_[0];
         topology_ = MeanValueTopology<D>(cage_);
-        frame_ = frame_about<T>(vec_cast<double>(origin_), scale_);
-        gradient_frame_ = frame_about<double>(vec_cast<double>(origin_), scale_);
+        const auto at = seen_from(vec_cast<double>(origin_), scale_);
+        frame_ = {topology_, at};
+        gradient_frame_ = {topology_, at};
+        test_ = MomentTest<T, D>(at);
+        gradient_test_ = MomentTest<double, D>(at);
     }
 
     Cage cage_;
@@ -70,13 +74,13 @@ private:
     static constexpr std::size_t D = dimension;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
 
-    /// The cage seen from `origin`, in lengths of 1/scale.
-    template <class S>
-    MeanValueFrame<S, D> frame_about(const Vec<Precise<S>, D>& origin, Precise<S> scale) const {
-        std::vector<Vec<Precise<S>, D>> at;
+    /// The vertices seen from `origin`, in lengths of 1/scale.
+    template <class Number>
+    std::vector<Vec<Number, D>> seen_from(const Vec<Number, D>& origin, Number scale) const {
+        std::vector<Vec<Number, D>> at;
         at.reserve(cage_.size());
-        for (const auto& v : cage_.vertices()) at.push_back(scale * (vec_cast<Precise<S>>(v) - origin));
-        return {topology_, at};
+        for (const auto& v : cage_.vertices()) at.push_back(scale * (vec_cast<Number>(v) - origin));
+        return at;
     }
 
     /// In diagonals or half diagonals, for registers. Far away the weights grow like the distance
@@ -118,12 +122,19 @@ private:
             p[k] = X(S(scale_)) * (load<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
         const WeightSum<N> result = weigh_registers(frame<N>(), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
-        for_results(memory.weights, inverse, S(scale_),
-                    [&](std::size_t row, const X& x) { store(x, rows[row], first); });
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            for_parts(memory.weights[i] * inverse, i, S(scale_),
+                      [&](std::size_t row, const X& x) { store(x, rows[row], first); });
+        }
+
+        // Inside, the sum is 2π or 4π over the diagonal and more (Hormann & Floater 2006, sec. 4.1).
+        X special = result.special;
+        if (any(value_of(result.sum) < X(S(1))))
+            special += test<N>().failed(p, memory.weights, value_of(result.sum));
 
         Lanes<S> sums, specials;
         value_of(result.sum).store(sums);
-        result.special.store(specials);
+        special.store(specials);
         for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
             const std::size_t i = b * lane_count<T> + first + lane;
             if (i >= batch.points.points || batch.states[i] == PointState::not_finite) continue;
@@ -144,18 +155,22 @@ private:
             return frame_;
     }
 
-    /// set(row, value) for the weights, or for their gradients times `scale`, normalised.
+    template <class N>
+    const auto& test() const noexcept {
+        if constexpr (has_gradient<N>)
+            return gradient_test_;
+        else
+            return test_;
+    }
+
+    /// set(row, value) for the weight of handle `i`, or for its derivatives times `scale`.
     template <class N, class S, class Set>
-    static void for_results(const std::vector<N>& weights, const N& inverse_sum, [[maybe_unused]] S scale,
-                            const Set& set) {
-        for (std::size_t i = 0; i < weights.size(); ++i) {
-            const N weight = weights[i] * inverse_sum;
-            if constexpr (has_gradient<N>) {
-                for (std::size_t k = 0; k < D; ++k)
-                    set(k * weights.size() + i, ValueOf<N>(scale) * weight.gradient[k]);
-            } else {
-                set(i, weight);
-            }
+    void for_parts(const N& weight, std::size_t i, [[maybe_unused]] S scale, const Set& set) const {
+        if constexpr (has_gradient<N>) {
+            for (std::size_t k = 0; k < D; ++k)
+                set(k * cage_.size() + i, ValueOf<N>(scale) * weight.gradient[k]);
+        } else {
+            set(i, weight);
         }
     }
 
@@ -202,15 +217,16 @@ private:
                                   : weigh_about(vec_cast<Wide>(p), unit, memory);
         if (value_of(sum) == 0) return PointState::unreached;
         bool finite = true;
-        for_results(memory.weights, Wide(1) / sum, 1 / unit, [&](std::size_t row, Wide x) {
-            rows[row][lane] = static_cast<T>(x);
-            finite = finite && is_finite(rows[row][lane]);
-        });
+        const N inverse = Wide(1) / sum;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            for_parts(memory.weights[i] * inverse, i, 1 / unit, [&](std::size_t row, Wide x) {
+                rows[row][lane] = static_cast<T>(x);
+                finite = finite && is_finite(rows[row][lane]);
+            });
+        }
         if (!finite) return PointState::unreached;
-        if (on_boundary) return PointState::on_boundary;
-        // Farther than the diagonal is outside, though rounding may turn the sum's sign (from 1e15
-        // diagonals on).
-        return value_of(sum) > 0 && distance < 1 ? PointState::inside : PointState::outside;
+        // The sum's sign may be turned by rounding, about thin cages and far away.
+        return on_boundary ? PointState::on_boundary : locate(cage_, p, T(0));
     }
 
     /// Where derivatives are taken for places on the boundary: so far inside, in diagonals.
@@ -222,7 +238,9 @@ private:
         // Of the limits only the last is of use here. In these units a place beside a face is 1 or
         // more from it.
         const MeanValueLimits<Wide> limits{0, std::numeric_limits<float>::max(), Wide(0.1)};
-        return weigh(frame_about<Wide>(p, 1 / unit), limits, Vec<Wide, D>{}, memory).sum;
+        return weigh(MeanValueFrame<Wide, D>(topology_, seen_from(p, 1 / unit)), limits, Vec<Wide, D>{},
+                     memory)
+            .sum;
     }
 
     /// The same at a place `step` inside from p on the boundary: against the mean normal of the
@@ -253,6 +271,8 @@ private:
     MeanValueTopology<D> topology_;
     MeanValueFrame<T, D> frame_;
     MeanValueFrame<double, D> gradient_frame_;
+    MomentTest<T, D> test_;
+    MomentTest<double, D> gradient_test_;
     double tolerance_ = 0, scale_ = 1;
     Vec<T, D> origin_{};
 };

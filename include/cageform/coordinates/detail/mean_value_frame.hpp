@@ -53,8 +53,8 @@ struct WeightRows {
         , edges(topology.edge_count()) {}
 
     N sum() const noexcept {
-        return compensated_sum(std::array{N(ValueOf<N>(0))}, weights.size(),
-                               [&](std::size_t i, std::array<N, 1>& total) { total[0] += weights[i]; })[0];
+        return compensated_sums<N, 1>(weights.size(),
+                                      [&](std::size_t i, auto& total) { total[0] += weights[i]; })[0];
     }
 };
 
