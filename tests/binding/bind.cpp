@@ -546,7 +546,7 @@ TEST_CASE("what cannot be restored is reported", "[binding][linear_precision]") 
     const auto restored = cageform::bind(thin, points);
     CHECK(restored.report.not_restored.size() > 50);
     CHECK(restored.report.partition_error.value <= 2 * left.report.partition_error.value);
-    CHECK(restored.report.reproduction_error.value < left.report.reproduction_error.value);
+    CHECK(restored.report.reproduction_error.value <= 1.01 * left.report.reproduction_error.value);
     const Mean<double> wide(square<double>);
     CHECK(cageform::bind(wide, mixed_points<double>()).report.not_restored.empty());
 }
