@@ -12,6 +12,7 @@
 #include "clip_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
+#include "csv.hpp"
 #include "guard.hpp"
 #include "svg_document.hpp"
 
@@ -131,6 +132,18 @@ struct Settings {
 
 int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
             const ClipFile& file) {
+    const double frame_count = std::max(1.0, std::round(file.length * settings.rate));
+    constexpr double most_frames = 1e5;
+    if (!(frame_count <= most_frames))
+        return fail(settings.clip + ": its length takes " + detail::short_number(frame_count) +
+                    " frames; 100000 at most, a smaller --rate takes fewer");
+    const double passed = file.ground ? file.ground->speed * file.length : 0;
+    const auto view = view_box(document);
+    if (file.ground && !view) return fail(to_string(view.error()));
+    if (passed != 0 && !(std::fabs(passed) >= 1e-3 * view->width && std::fabs(passed) <= 1e3 * view->width))
+        return fail(settings.clip + ": in the clip's length the ground passes by " +
+                    detail::short_number(passed) +
+                    " units; from a thousandth to a thousand times the picture's width is drawn");
     const auto clip = make_clip(file, cage.vertices);
     if (!clip) return fail(to_string(clip.error()));
 
@@ -179,7 +192,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     if (!outside.warning.empty()) std::cerr << "animate_svg: warning: " << outside.warning << '\n';
 
     // All frames. A late layer has a player of its own, so that every player goes forth a frame at a time.
-    const auto count = std::size_t(std::max(1.0, std::round(file.length * settings.rate)));
+    const auto count = std::size_t(frame_count);
     Frames frames(count, std::vector<Point2>(points.size()));
     std::vector<cageform::Vec<double, 2>> pose(cage.vertices.size());
     std::vector<Point2> moved(points.size());
@@ -255,11 +268,9 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     }
 
     pugi::xml_node ground;
-    double passed = 0;
-    if (file.ground) {
-        passed = file.ground->speed * file.length;
-        ground = draw_ground(work, file.ground->y, std::fabs(passed) > 0 ? std::fabs(passed) : 100);
-    }
+    if (file.ground)
+        ground =
+            draw_ground(work, file.ground->y, std::fabs(passed) > 0 ? std::fabs(passed) : view->width / 8);
     OutputFiles outputs;
     // Stills first, by their places; then what moves.
     for (std::size_t n = 0; n < stills; ++n) {

@@ -9,13 +9,13 @@
 #include "command_line.hpp"
 #include "coordinates.hpp"
 #include "guard.hpp"
+#include "plot.hpp"
 #include "render.hpp"
 
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/multigrid.hpp>
 #include <cageform/grid/simplex_boundary.hpp>
 
-#include <cstdio>
 #include <iostream>
 
 extern template class cageform::grid::Multigrid<2>; // compiled in coordinates_2d.cpp
@@ -36,12 +36,6 @@ struct Curve {
 
 constexpr std::array<const char*, 6> colours{"#1b6ca8", "#c8553d", "#2e8b57",
                                              "#8d5fa8", "#b8860b", "#4a4a4a"};
-
-std::string with_digits(const char* format, double x) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), format, x);
-    return text.data();
-}
 
 /// The largest error estimate of all functions after each cycle, at `resolution` cells.
 Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resolution) {
@@ -138,40 +132,38 @@ std::string diagram(double left, const std::string& title, const std::string& x_
             y1 = std::max(y1, std::ceil(y));
         }
     }
-    const auto at_x = [&](double x) { return left + (x - x0) / (x1 - x0) * width; };
-    const auto at_y = [&](double y) { return top + (y1 - y) / (y1 - y0) * height; };
-    const auto number = [](double x) { return with_digits("%.1f", x); };
+    const Axis x_axis{x0, x1, left, left + width}, y_axis{y0, y1, top + height, top};
+    const auto place = [](double x) { return text_of("%.1f", x); };
     const auto text = [&](double x, double y, const char* anchor, const std::string& words, int size) {
-        return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor +
+        return "<text x=\"" + place(x) + "\" y=\"" + place(y) + "\" text-anchor=\"" + anchor +
                "\" font-size=\"" + std::to_string(size) + "\">" + words + "</text>\n";
     };
     std::string svg = text(left + width / 2, top - 22, "middle", title, 17);
     const auto grid_line = [&](double xa, double ya, double xb, double yb) {
-        svg += "<path d=\"M" + number(xa) + "," + number(ya) + " L" + number(xb) + "," + number(yb) +
+        svg += "<path d=\"M" + place(xa) + "," + place(ya) + " L" + place(xb) + "," + place(yb) +
                "\" stroke=\"#d8d8d8\"/>\n";
     };
-    for (double y = y0; y <= y1; y += 1) {
-        grid_line(left, at_y(y), left + width, at_y(y));
-        if (int(y - y0) % 2 == 0) svg += text(left - 8, at_y(y) + 4, "end", with_digits("1e%.0f", y), 13);
-    }
-    for (double x = x0; x <= x1; x += 1) {
-        grid_line(at_x(x), top, at_x(x), top + height);
-        svg += text(at_x(x), top + height + 18, "middle",
-                    with_digits("%.0f", powers_of_two ? std::exp2(x) : x), 13);
+    for (double y = y0; y <= y1; y += 1) grid_line(left, y_axis.at(y), left + width, y_axis.at(y));
+    for (const auto& [y, number] : marks_of(y_axis, 9, 1))
+        svg += text(left - 8, y_axis.at(y) + 4, "end", "1e" + number, 13);
+    for (const auto& [x, number] : marks_of(x_axis, 10, 1)) {
+        grid_line(x_axis.at(x), top, x_axis.at(x), top + height);
+        svg += text(x_axis.at(x), top + height + 18, "middle",
+                    powers_of_two ? number_on_axis(std::exp2(x), 1) : number, 13);
     }
     svg += text(left + width / 2, top + height + 40, "middle", x_title, 14);
     double row = top + height + 64;
     for (const Curve& curve : curves) {
         std::string line;
         for (const auto& [x, y] : curve.points) {
-            line += (line.empty() ? "M" : " L") + number(at_x(x)) + "," + number(at_y(y));
-            svg += "<circle cx=\"" + number(at_x(x)) + "\" cy=\"" + number(at_y(y)) + "\" r=\"3\" fill=\"" +
-                   curve.colour + "\"/>\n";
+            line += (line.empty() ? "M" : " L") + place(x_axis.at(x)) + "," + place(y_axis.at(y));
+            svg += "<circle cx=\"" + place(x_axis.at(x)) + "\" cy=\"" + place(y_axis.at(y)) +
+                   "\" r=\"3\" fill=\"" + curve.colour + "\"/>\n";
         }
         const std::string style = "fill=\"none\" stroke=\"" + curve.colour +
                                   "\" stroke-width=\"2\" stroke-dasharray=\"" + curve.dashes + "\"/>\n";
         svg += "<path d=\"" + line + "\" " + style;
-        svg += "<path d=\"M" + number(left) + "," + number(row - 4) + " h34\" " + style;
+        svg += "<path d=\"M" + place(left) + "," + place(row - 4) + " h34\" " + style;
         svg += text(left + 42, row, "start", curve.name, 13);
         row += 19;
     }
@@ -210,7 +202,7 @@ int run_program(int argc, char** argv) {
         cycles.colour = colours[n];
         cycles.dashes = "none";
         std::cout << name << ": error falls by "
-                  << with_digits("%.3f", std::pow(10.0, (cycles.points[6][1] - cycles.points[1][1]) / 5))
+                  << text_of("%.3f", std::pow(10.0, (cycles.points[6][1] - cycles.points[1][1]) / 5))
                   << " a cycle\n";
         by_cycle.push_back(std::move(cycles));
 
@@ -234,8 +226,8 @@ int run_program(int argc, char** argv) {
             curve.dashes = way.dashes;
             std::cout << curve.name << ":";
             for (const auto& [cells, error] : curve.points)
-                std::cout << "  " << with_digits("%.0f", std::exp2(cells)) << " cells "
-                          << with_digits("%.1e", std::pow(10.0, error));
+                std::cout << "  " << text_of("%.0f", std::exp2(cells)) << " cells "
+                          << text_of("%.1e", std::pow(10.0, error));
             std::cout << '\n';
             by_cells.push_back(std::move(curve));
         }
@@ -243,8 +235,8 @@ int run_program(int argc, char** argv) {
     const double height = 480 + 19 * double(by_cells.size());
     OutputFiles outputs;
     AtomicFile& file = outputs.add(out_path);
-    file.write("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1100 " + with_digits("%.0f", height) +
-               "\" width=\"1100\" height=\"" + with_digits("%.0f", height) +
+    file.write("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1100 " + text_of("%.0f", height) +
+               "\" width=\"1100\" height=\"" + text_of("%.0f", height) +
                "\" font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" "
                "fill=\"white\"/>\n");
     file.write(diagram(80,

@@ -1,7 +1,9 @@
 // Replaces a Bézier curve between two keys by a few polynomials in time; draws both and how they differ.
 //
-//     fit_curve --css 0.8,-0.3,0.2,1.3 --pieces 4 --plot curve.svg --png
+//     fit_curve --css ease-in-out --pieces 4 --plot curve.svg --png
 //     fit_curve --bezier 24,0,31,12,39,9,48,10 --tolerance 0.01 --degree 4 --json fit.json
+//     fit_curve --lottie ball.json                  lists what is animated
+//     fit_curve --lottie ball.json --curve layers/0/ks/r/k/0:0 --tolerance 0.1
 //     fit_curve --cases cases.json --json results.json
 //
 // JSON files are of the format bezier-sobolev-cases/1: objects with control points, degree, weights,
@@ -13,9 +15,13 @@
 #include "csv.hpp"
 #include "guard.hpp"
 #include "input_file.hpp"
+#include "lottie_file.hpp"
+#include "plot.hpp"
+#include "progress_bar.hpp"
 #include "render.hpp"
 
 #include <cageform/animate/fit.hpp>
+#include <cageform/animate/import/css.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -88,12 +94,6 @@ std::vector<double> numbers(const std::string& option, const std::string& text, 
     return result;
 }
 
-std::string text_of(const char* format, double x) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), format, x);
-    return text.data();
-}
-
 /// A curve, what is asked for, and what came of it.
 struct Case {
     std::string id, note;
@@ -128,6 +128,29 @@ std::vector<double> parameters_at(const BezierCurve& curve, const std::vector<do
 
 constexpr std::size_t most_pieces = 1000, most_candidates = 1000;
 
+/// What nlohmann's exceptions say, less their number in brackets.
+std::string plain(const Json::exception& error) {
+    const std::string text = error.what();
+    return text.substr(std::min(text.find("] ") + 2, text.size()));
+}
+
+Json read_json(const std::string& path) {
+    const auto text = read_file(path);
+    if (!text) throw Refused(to_string(text.error()));
+    if (text->empty()) throw Refused(path + ": is empty");
+    try {
+        return Json::parse(*text);
+    } catch (const Json::exception& error) {
+        throw Refused(path + ": " + plain(error));
+    }
+}
+
+double number_of(const Json& json, const char* name) {
+    if (!json.is_number())
+        throw Refused(std::string(name) + ": " + json.dump() + " where a number should be");
+    return json.get<double>();
+}
+
 std::size_t count_of(const Json& json, const char* name, std::size_t most) {
     const auto& value = json.at(name);
     if (!value.is_number_integer() || value.get<long long>() < 1 ||
@@ -142,13 +165,13 @@ void read_case(const Json& json, Case& one) {
     for (std::size_t k = 0; k < 4; ++k) {
         if (points.at(k).size() != 2) throw Refused("a control point has two numbers");
         for (std::size_t axis = 0; axis < 2; ++axis)
-            one.curve.points[k][axis] = points.at(k).at(axis).get<double>();
+            one.curve.points[k][axis] = number_of(points.at(k).at(axis), "control_points");
     }
     one.options.scale_free = false;
     one.options.degree = count_of(json, "degree", 100);
     if (json.at("weights").size() != 2) throw Refused("weights has to have two numbers");
-    one.options.value_weight = json.at("weights").at(0).get<double>();
-    one.options.slope_weight = json.at("weights").at(1).get<double>();
+    one.options.value_weight = number_of(json.at("weights").at(0), "weights");
+    one.options.slope_weight = number_of(json.at("weights").at(1), "weights");
     one.options.conditions = FitCondition::none;
     for (const auto& name : json.at("conditions"))
         one.options.conditions = one.options.conditions | condition_of(name.get<std::string>());
@@ -169,9 +192,10 @@ void solve_case(Case& one) {
         parameters = parameters_at(one.curve, one.knots.at("x").get<std::vector<double>>(), "knots.x");
         if (parameters.size() != pieces + 1) throw Refused("knots.x has to have pieces + 1 times");
     } else if (mode == "search_t") {
+        ProgressBar bar("knots of " + one.id);
         const auto search = cageform::search_knots(
             one.curve, cageform::uniform_in_parameter(count_of(one.knots, "K", most_candidates)), pieces,
-            {one.options});
+            {one.options}, {.progress = bar.callback()});
         require(search.status, "knots");
         parameters = search.parameters;
         one.search_index = search.indices;
@@ -238,15 +262,7 @@ Json to_json(const Case& one) {
 }
 
 std::vector<Case> run_cases(const std::string& path) {
-    const auto text = read_file(path);
-    if (!text) throw Refused(to_string(text.error()));
-    if (text->empty()) throw Refused(path + ": is empty");
-    Json json;
-    try {
-        json = Json::parse(*text);
-    } catch (const Json::exception& error) {
-        throw Refused(path + ": " + error.what());
-    }
+    Json json = read_json(path);
     if (!json.is_object() || json.value("format", Json()) != "bezier-sobolev-cases/1" ||
         !json.value("cases", Json()).is_array())
         throw Refused(path + ": is not of the format bezier-sobolev-cases/1");
@@ -261,7 +277,7 @@ std::vector<Case> run_cases(const std::string& path) {
         } catch (const Refused& error) {
             throw Refused(path + ": case " + one.id + ": " + error.what());
         } catch (const Json::exception& error) {
-            throw Refused(path + ": case " + one.id + ": " + error.what());
+            throw Refused(path + ": case " + one.id + ": " + plain(error));
         }
     }
     return cases;
@@ -278,11 +294,11 @@ public:
         , top_(top)
         , width_(width)
         , height_(height)
-        , x_(x)
-        , y_(y) {}
+        , x_{x[0], x[1], left, left + width}
+        , y_{y[0], y[1], top + height, top} {}
 
-    double at_x(double x) const { return left_ + (x - x_[0]) / (x_[1] - x_[0]) * width_; }
-    double at_y(double y) const { return top_ + (y_[1] - y) / (y_[1] - y_[0]) * height_; }
+    double at_x(double x) const { return x_.at(x); }
+    double at_y(double y) const { return y_.at(y); }
 
     static std::string text(double x, double y, const char* anchor, const std::string& words, int size,
                             const char* more = "") {
@@ -297,14 +313,14 @@ public:
     /// Grid lines at round numbers and the numbers beside them.
     std::string axes(const std::string& y_title) const {
         std::string svg;
-        for (const double x : ticks(x_, 10)) {
+        for (const auto& [x, number] : marks_of(x_, 10)) {
             svg += line(at_x(x), top_, at_x(x), top_ + height_, "stroke=\"#e3e3e3\"");
-            svg += text(at_x(x), top_ + height_ + 17, "middle", number(x, x_), 12);
+            svg += text(at_x(x), top_ + height_ + 17, "middle", number, 12);
         }
-        for (const double y : ticks(y_, 6)) {
+        for (const auto& [y, number] : marks_of(y_, 6)) {
             svg += line(left_, at_y(y), left_ + width_, at_y(y),
                         y == 0 ? "stroke=\"#a8a8a8\"" : "stroke=\"#e3e3e3\"");
-            svg += text(left_ - 8, at_y(y) + 4, "end", number(y, y_), 12);
+            svg += text(left_ - 8, at_y(y) + 4, "end", number, 12);
         }
         svg += "<rect x=\"" + text_of("%.1f", left_) + "\" y=\"" + text_of("%.1f", top_) + "\" width=\"" +
                text_of("%.1f", width_) + "\" height=\"" + text_of("%.1f", height_) +
@@ -325,32 +341,8 @@ public:
     }
 
 private:
-    /// A round step that divides a range into `count` parts or a few less.
-    static double step_of(const std::array<double, 2>& range, int count) {
-        const double least = (range[1] - range[0]) / count,
-                     power = std::pow(10, std::floor(std::log10(least)));
-        return power * (least <= power ? 1 : least <= 2 * power ? 2 : least <= 5 * power ? 5 : 10);
-    }
-    static std::vector<double> ticks(const std::array<double, 2>& range, int count) {
-        const double step = step_of(range, count);
-        std::vector<double> all;
-        for (double n = std::ceil(range[0] / step - 1e-9); n * step <= range[1] + 1e-9 * step; n += 1)
-            all.push_back(n * step);
-        return all;
-    }
-    /// As many digits as tell neighbours on the axis apart.
-    static std::string number(double x, const std::array<double, 2>& range) {
-        const double step = step_of(range, 10);
-        if (std::fabs(x) < 1e-9 * step) return "0";
-        if (step >= 1e-3 && std::fabs(x) < 1e6)
-            return text_of(
-                ("%." + std::to_string(int(std::fmax(0, std::ceil(-std::log10(step) - 1e-9)))) + "f").c_str(),
-                x);
-        return text_of("%.10g", x);
-    }
-
     double left_, top_, width_, height_;
-    std::array<double, 2> x_, y_;
+    Axis x_, y_;
 };
 
 std::string escaped(const std::string& text) {
@@ -463,32 +455,86 @@ void print_table(const Case& one) {
 // ---- the command line ----------------------------------------------------------------------------
 
 struct Arguments {
-    std::string bezier, css, knots, conditions = "end_value,knot_value", norm = "w12";
+    std::string bezier, css, lottie, lottie_curve, knots, conditions = "end_value,knot_value", norm = "w12";
     std::string cases, json, plot;
     std::size_t pieces = 0, degree = 3;
     double tolerance = 0;
     bool has_tolerance = false, in_units = false, png = false;
 };
 
-BezierCurve curve_of(const Arguments& given) {
-    BezierCurve curve;
-    if (given.bezier.empty()) {
-        const auto n = numbers("--css", given.css, 4);
-        curve.points = {{{0, 0}, {n[0], n[1]}, {n[2], n[3]}, {1, 1}}};
-    } else {
-        const auto n = numbers("--bezier", given.bezier, 8);
-        for (std::size_t k = 0; k < 4; ++k) curve.points[k] = {n[2 * k], n[2 * k + 1]};
+BezierCurve css_curve(const std::string& text) {
+    const std::string_view words = detail::trim(text);
+    if (words.find_first_of("0123456789+-.") == 0) { // the bare handles
+        const auto n = numbers("--css", text, 4);
+        return {{{{0, 0}, {n[0], n[1]}, {n[2], n[3]}, {1, 1}}}};
     }
+    const auto easing = cageform::parse_css_easing(words);
+    if (easing.status == Status::ok) return easing.curve;
+    for (const std::string_view other : {"steps(", "step-start", "step-end", "linear("}) {
+        if (words.starts_with(other))
+            throw Refused(
+                "--css: " + std::string(words) +
+                ": holds and straight lines are no curve to fit; keys of kind hold and linear say them");
+    }
+    if (easing.status != Status::input_malformed)
+        throw Refused("--css: " + std::string(words) + ": " +
+                      (easing.status == Status::handle_not_allowed ? "x1 and x2 lie between 0 and 1"
+                                                                   : cageform::to_string(easing.status)));
+    throw Refused("--css: \"" + std::string(words) +
+                  "\" is no easing: linear, ease, ease-in, ease-out, ease-in-out, " +
+                  "cubic-bezier(x1, y1, x2, y2) or x1,y1,x2,y2" +
+                  (words.starts_with("cubic-bezier")
+                       ? "; character " + std::to_string(easing.error_at + 1) + " is not expected"
+                       : ""));
+}
+
+BezierCurve bezier_curve(const std::string& text) {
+    BezierCurve curve;
+    const auto n = numbers("--bezier", text, 8);
+    for (std::size_t k = 0; k < 4; ++k) curve.points[k] = {n[2 * k], n[2 * k + 1]};
     return curve;
 }
 
+std::vector<LottieCurve> read_lottie(const std::string& path) {
+    const Json file = read_json(path);
+    try {
+        auto curves = lottie_curves(file);
+        if (curves.empty()) throw Refused(path + ": no number in it is animated");
+        return curves;
+    } catch (const Json::exception& error) {
+        throw Refused(path + ": a keyframe is not as Lottie has it: " + plain(error));
+    }
+}
+
+BezierCurve lottie_curve(const Arguments& given) {
+    for (const LottieCurve& one : read_lottie(given.lottie)) {
+        if (one.path != given.lottie_curve) continue;
+        require(one.curve.status, given.lottie + ": " + one.path);
+        if (one.curve.kind == cageform::KeyKind::hold)
+            throw Refused(given.lottie + ": " + one.path + ": the value is held; there is no curve to fit");
+        return one.curve.curve;
+    }
+    throw Refused(given.lottie + ": no curve is \"" + given.lottie_curve +
+                  "\"; without --curve they are listed");
+}
+
 Case run_one(const Arguments& given) {
-    if (given.bezier.empty() == given.css.empty())
-        throw Refused("a curve is given by one of --bezier, --css and --cases");
     Case one;
-    one.id = given.bezier.empty() ? "cubic-bezier(" + given.css + ")" : "Bézier curve " + given.bezier;
-    one.curve = curve_of(given);
-    require(cageform::check(one.curve).status, given.bezier.empty() ? "--css" : "--bezier");
+    if (!given.bezier.empty()) {
+        one.id = "Bézier curve " + given.bezier;
+        one.curve = bezier_curve(given.bezier);
+    } else if (!given.css.empty()) {
+        one.curve = css_curve(given.css);
+        one.id = given.css.find_first_of("abcdefghijklmnopqrstuvwxyz") == std::string::npos
+                     ? "cubic-bezier(" + given.css + ")"
+                     : given.css;
+    } else {
+        one.curve = lottie_curve(given);
+        one.id = std::filesystem::path(given.lottie).filename().string() + ", " + given.lottie_curve;
+    }
+    require(cageform::check(one.curve).status, !given.bezier.empty() ? "--bezier"
+                                               : !given.css.empty()  ? "--css"
+                                                                     : "--curve");
     one.options.degree = given.degree;
     one.options.scale_free = !given.in_units;
     one.options.conditions = FitCondition::none;
@@ -513,7 +559,9 @@ Case run_one(const Arguments& given) {
     const auto knots = [&](std::size_t pieces) {
         if (given.knots == "uniform") return cageform::uniform_in_time(one.curve, pieces);
         if (given.knots == "arcs") return cageform::uniform_in_parameter(pieces);
-        const auto search = cageform::optimal_knots(one.curve, pieces, {one.options});
+        ProgressBar bar("knots of " + std::to_string(pieces) + " pieces");
+        const auto search =
+            cageform::optimal_knots(one.curve, pieces, {one.options}, {.progress = bar.callback()});
         require(search.status, "--knots optimal");
         return search.parameters;
     };
@@ -531,7 +579,9 @@ Case run_one(const Arguments& given) {
         one.knots = {{"mode", mode}, {"pieces", given.pieces}};
     } else {
         if (given.knots.empty()) {
-            one.fit = cageform::fit(one.curve, given.tolerance, one.options);
+            ProgressBar bar("pieces");
+            one.fit =
+                cageform::fit(one.curve, given.tolerance, one.options, 64, {.progress = bar.callback()});
         } else {
             for (std::size_t pieces = 1; pieces <= 64; ++pieces) {
                 one.fit = cageform::fit_pieces(one.curve, knots(pieces), one.options);
@@ -554,7 +604,11 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("--bezier", given.bezier,
              "x0,y0,x1,y1,x2,y2,x3,y3: keys and handles (--bezier=-1,… if negative)");
-    line.add("--css", given.css, "a,b,c,d: the handles of CSS's cubic-bezier(), from (0, 0) to (1, 1)");
+    line.add("--css", given.css,
+             "an easing of CSS, from (0, 0) to (1, 1): linear, ease, ease-in, ease-out, ease-in-out, "
+             "'cubic-bezier(x1, y1, x2, y2)', or the four numbers alone");
+    line.add("--lottie", given.lottie, "a Lottie file: lists what is animated, or takes one --curve of it");
+    line.add("--curve", given.lottie_curve, "which, by its name in the list");
     line.add("--cases", given.cases, "a JSON file of curves (bezier-sobolev-cases/1); needs --json");
     line.add("--pieces", given.pieces, "how many polynomials").range(1, int(most_pieces));
     const CommandOption tolerance = line.add(
@@ -577,10 +631,18 @@ int run_program(int argc, char** argv) {
     given.has_tolerance = tolerance.is_given();
     if (given.png && given.plot.empty()) throw Refused("--png needs --plot");
 
+    const int curves = int(!given.bezier.empty()) + int(!given.css.empty()) + int(!given.lottie.empty()) +
+                       int(!given.cases.empty());
+    if (curves != 1) throw Refused("a curve is given by one of --bezier, --css, --lottie and --cases");
+    if (!given.lottie_curve.empty() && given.lottie.empty()) throw Refused("--curve needs --lottie");
+    if (!given.lottie.empty() && given.lottie_curve.empty()) {
+        if (!given.json.empty() || !given.plot.empty()) throw Refused("--lottie needs --curve to fit one");
+        for (const LottieCurve& one : read_lottie(given.lottie)) std::cout << describe(one) << '\n';
+        return 0;
+    }
+
     std::string json, svg;
     if (!given.cases.empty()) {
-        if (!given.bezier.empty() || !given.css.empty())
-            throw Refused("a curve is given by one of --bezier, --css and --cases");
         if (given.json.empty() || !given.plot.empty())
             throw Refused("--cases needs --json and takes no --plot");
         Json all;

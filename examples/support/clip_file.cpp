@@ -90,12 +90,19 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
     }
     if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
     for (const ClipControl& control : clip.controls) {
-        if (control.rows.size() < 2)
-            return SvgError{path + ": " + detail::quoted(control.name) + ": fewer than two keys"};
-        const double turns = clip.length / (control.rows.back().time - control.rows.front().time);
-        if (std::fabs(turns - std::round(turns)) > 1e-9 || turns < 0.5)
-            return SvgError{path + ": " + detail::quoted(control.name) +
-                            ": its time is no part of the clip's"};
+        const std::string name = detail::quoted(control.name);
+        if (control.rows.size() < 2) return SvgError{path + ": " + name + ": fewer than two keys"};
+        const double begin = control.rows.front().time, period = control.rows.back().time - begin;
+        const double turns = clip.length / period, keys = turns * double(control.rows.size() - 1);
+        if (!(std::fabs(turns - std::round(turns)) <= 1e-9) || turns < 0.5)
+            return SvgError{path + ": " + name + ": its time is no part of the clip's"};
+        if (keys > 1e5)
+            return SvgError{path + ": " + name + ": repeated through the clip it has " +
+                            detail::short_number(keys) + " keys; 100000 at most"};
+        // Moved into the clip by whole periods, its times would lose their digits.
+        if (std::fabs(begin) > 1e6 * period)
+            return SvgError{path + ": " + name + ": its first key, at " + detail::short_number(begin) +
+                            ", is a million of its periods from the clip's begin"};
     }
     return clip;
 }

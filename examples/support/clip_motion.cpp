@@ -1,5 +1,6 @@
 // Of clip_file.hpp: make_clip() of a motion in the plane, which compiles key-frame tracks. One program's.
 #include "clip_file.hpp"
+#include "csv.hpp"
 
 #include <cageform/animate/compile_track.hpp>
 
@@ -75,10 +76,15 @@ SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::sp
     for (const ClipControl& control : file.controls) {
         auto& move = moves.emplace_back();
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto compiled = cageform::compile_track<double>(keys_of(control, axis, file.length));
-            if (compiled.status != cageform::Status::ok)
-                return SvgError{file.name + ": " + control.name + ": " +
+            const auto keys = keys_of(control, axis, file.length);
+            const auto compiled = cageform::compile_track<double>(keys);
+            if (compiled.status != cageform::Status::ok) {
+                // Of the keys that are repeated: a time in the file.
+                const std::size_t row = compiled.culprit % (control.rows.size() - 1);
+                return SvgError{file.name + ": " + detail::quoted(control.name) + ": the key at " +
+                                detail::short_number(control.rows[row].time) + ": " +
                                 cageform::to_string(compiled.status)};
+            }
             move[axis] = compiled.track.curve;
         }
     }

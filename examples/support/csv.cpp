@@ -30,6 +30,12 @@ std::string parse_number(std::string_view field, double& number) {
     return {};
 }
 
+std::string short_number(double number) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.6g", number);
+    return text.data();
+}
+
 std::string single_precision_fault(double number) {
     if (std::isfinite(float(number))) return {};
     if (!std::isfinite(number)) return "a number is not finite";

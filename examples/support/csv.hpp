@@ -25,6 +25,9 @@ std::string quoted(std::string_view word);
 /// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success.
 std::string parse_number(std::string_view field, double& number);
 
+/// For messages: six digits at most.
+std::string short_number(double number);
+
 /// Why a number is no finite one of single precision; empty where it is.
 std::string single_precision_fault(double number);
 

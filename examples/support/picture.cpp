@@ -6,6 +6,14 @@
 #include <span>
 #include <string>
 
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function" // of what it has beside print()
+#endif
+#include <stb/stb_easy_font.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #include <stb/stb_image_write.h>
@@ -25,10 +33,10 @@ Colour heat(double value) {
                                                  {0.99f, 0.6f, 0.25f},
                                                  {0.85f, 0.22f, 0.12f},
                                                  {0.42f, 0.02f, 0.1f}}};
+    // From the same white on; steeper, since coordinates are seldom much below zero.
     static constexpr std::array<Colour, 4> cold{
-        {{0.93f, 0.97f, 1}, {0.55f, 0.75f, 0.95f}, {0.2f, 0.42f, 0.8f}, {0.07f, 0.12f, 0.42f}}};
-    // A step at zero, so that the sign shows however small the value.
-    return value >= 0 ? ramp(warm, value) : ramp(cold, 0.2 - 2 * value);
+        {warm[0], {0.55f, 0.75f, 0.95f}, {0.2f, 0.42f, 0.8f}, {0.07f, 0.12f, 0.42f}}};
+    return value >= 0 ? ramp(warm, value) : ramp(cold, -2.5 * value);
 }
 
 Colour boundary_hue(double value) {
@@ -53,6 +61,45 @@ void Picture::line(const Point2& a, const Point2& b, double thickness, const Col
             Colour& pixel = at(x, y);
             pixel = mix(pixel, colour, float(cover));
         }
+    }
+}
+
+void Picture::text(const Point2& at, const std::string& words, double size, const Colour& colour) {
+    struct Corner {
+        float x, y, z;
+        unsigned char rgba[4];
+    };
+    std::vector<Corner> corners(words.size() * 80 + 4); // 20 quads a letter at most
+    std::string copy = words;                           // is not changed, but not const there
+    const int quads =
+        stb_easy_font_print(0, 0, copy.data(), nullptr, corners.data(), int(corners.size() * sizeof(Corner)));
+    for (std::size_t q = 0; q < std::size_t(quads); ++q) {
+        const Corner &low = corners[4 * q], &high = corners[4 * q + 2];
+        for (double y = low.y; y < high.y; y += 1 / size) {
+            for (double x = low.x; x < high.x; x += 1 / size) {
+                const double px = at.x + x * size, py = at.y + (y - 3.5) * size;
+                if (px >= 0 && py >= 0 && px < double(width_) && py < double(height_))
+                    this->at(std::size_t(px), std::size_t(py)) = colour;
+            }
+        }
+    }
+}
+
+void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisMark>& marks, double left,
+                     double width, double size) {
+    constexpr Colour ink{0.2f, 0.2f, 0.2f};
+    for (std::size_t y = std::size_t(axis.end); double(y) < axis.begin; ++y) {
+        const double value =
+            axis.from + (double(y) + 0.5 - axis.begin) / (axis.end - axis.begin) * (axis.to - axis.from);
+        for (std::size_t x = std::size_t(left); double(x) < left + width; ++x) picture.at(x, y) = heat(value);
+    }
+    const double right = left + width, line = size / 2;
+    for (const double x : {left, right}) picture.line({x, axis.begin}, {x, axis.end}, line, ink);
+    for (const double y : {axis.begin, axis.end}) picture.line({left, y}, {right, y}, line, ink);
+    for (const auto& [value, number] : marks) {
+        const double y = axis.at(value);
+        picture.line({right, y}, {right + 3 * size, y}, line, ink);
+        picture.text({right + 5 * size, y}, number, size, ink);
     }
 }
 

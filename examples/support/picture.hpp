@@ -3,9 +3,11 @@
 // A picture in memory: colour maps, lines, and PNG files (stb_image_write).
 
 #include "atomic_file.hpp"
+#include "plot.hpp"
 #include "svg_path.hpp"
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace cageform_examples {
@@ -18,7 +20,7 @@ inline Colour mix(const Colour& a, const Colour& b, float t) {
     return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
 }
 
-/// White over yellow and orange to dark red for 0 … 1; blues for negative values down to −1.
+/// White at 0; over yellow and orange to dark red at 1, over blues to dark blue at −0.4 and below.
 Colour heat(double value);
 
 /// Grey over green to dark green for 0 … 1: boundary values, told from the heat inside by their hue.
@@ -38,6 +40,9 @@ public:
     /// A line of the given thickness with round ends, in pixels; pixel (x, y) has its centre at (x + ½, y + ½).
     void line(const Point2& a, const Point2& b, double thickness, const Colour& colour);
 
+    /// Letters of ASCII, 7 · `size` pixels high, the left end of their middle line at a place.
+    void text(const Point2& at, const std::string& words, double size, const Colour& colour);
+
     /// Writes a PNG file; a failure is the file's.
     void write_png(AtomicFile& file) const;
 
@@ -46,5 +51,13 @@ private:
     std::size_t height_;
     std::vector<Colour> pixels_;
 };
+
+/// A bar of the colours of heat(), from `width` pixels of its left side on, with numbers on its right.
+///
+///   axis   values to rows of pixels
+///   marks  where the numbers are
+///   size   of the numbers, as of Picture::text()
+void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisMark>& marks, double left,
+                     double width, double size);
 
 } // namespace cageform_examples

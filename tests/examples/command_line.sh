@@ -431,6 +431,52 @@ report $ok "an infinite error is null"
 works "the cases" "$curve" --cases "$cases" --json results.json
 [ "$(grep -c '"result"' results.json)" = "$(grep -c '"expected"' "$cases")" ] && ok=yes || ok=no
 report $ok "a result for every case"
+for easing in linear ease ease-in ease-out ease-in-out 'cubic-bezier(0.8, -0.3, 0.2, 1.3)' ' EASE '; do
+  works "the easing $easing" "$curve" --css "$easing" --pieces 2
+done
+works "an easing by its name" "$curve" --css ease-in-out --pieces 3 --json named.json
+works "and by its numbers" "$curve" --css 0.42,0,0.58,1 --pieces 3 --json numbers.json
+[ "$(sed 1,2d named.json)" = "$(sed 1,2d numbers.json)" ] && ok=yes || ok=no
+report $ok "the name says the numbers"
+refuses '"ease-inout" is no easing: linear, ease,' "$curve" --css ease-inout --pieces 3 --json out.json
+refuses 'steps(4): holds and straight lines are no curve' "$curve" --css 'steps(4)' --pieces 3 --json out.json
+refuses 'x1 and x2 lie between 0 and 1' "$curve" --css 'cubic-bezier(0, 0, 1.2, 1)' --pieces 3 --json out.json
+refuses 'character 17 is not expected' "$curve" --css 'cubic-bezier(0, x, 1, 1)' --pieces 3 --json out.json
+refuses '--css: number out of range: "1e999"' "$curve" --css 0,1e999,1,1 --pieces 3 --json out.json
+refuses '--css: a given value is not a finite number, or too large' "$curve" --css 0,1e308,1,1 --pieces 3 --json out.json
+cat >ball.json <<'END'
+{"layers": [{"nm": "ball", "ks": {
+  "r": {"a": 1, "k": [{"t": 0, "s": [0], "o": {"x": [0.42], "y": [0]}, "i": {"x": [0.58], "y": [1]}},
+                      {"t": 30, "s": [90], "h": 1}, {"t": 40, "s": [10]}]},
+  "s": {"a": 1, "k": [{"t": 0, "s": [100, 100], "o": {"x": 0.3, "y": 0}, "i": {"x": [0.6, 0.6], "y": [1, 1.4]}},
+                      {"t": 20, "s": [120, 80]}]},
+  "p": {"a": 1, "k": [{"t": 0, "s": [0, 0], "to": [9, 0], "ti": [0, 0], "o": {"x": 0.3, "y": 0}, "i": {"x": 0.6, "y": 1}},
+                      {"t": 20, "s": [50, 80]}]},
+  "o": {"a": 0, "k": 100}}}]}
+END
+works "what a Lottie file has" "$curve" --lottie ball.json
+{
+  echo 'layers/0/ks/r/k/0:0  frames 0 to 30, 0 to 90  (ball)'
+  echo 'layers/0/ks/r/k/1:0  frames 30 to 40, held at 90  (ball)'
+  echo 'layers/0/ks/s/k/0:0  frames 0 to 20, 100 to 120  (ball)'
+  echo 'layers/0/ks/s/k/0:1  frames 0 to 20, 100 to 80  (ball)'
+  echo 'layers/0/ks/p/k/0:path  frames 0 to 20, 0 to 1  (ball)'
+} >expected
+cmp -s expected log && ok=yes || ok=no
+report $ok "the list of its curves"
+works "a curve of it" "$curve" --lottie ball.json --curve layers/0/ks/r/k/0:0 --pieces 3 --json lottie.json
+works "the same curve by its handles" "$curve" --bezier 0,0,12.6,0,17.4,90,30,90 --pieces 3 --json bezier.json
+[ "$(sed -n '/"knots_x"/,/\]/p' lottie.json)" = "$(sed -n '/"knots_x"/,/\]/p' bezier.json)" ] && ok=yes || ok=no
+report $ok "is fitted as that"
+refuses 'the value is held' "$curve" --lottie ball.json --curve layers/0/ks/r/k/1:0 --pieces 3 --json out.json
+refuses 'no curve is "layers"' "$curve" --lottie ball.json --curve layers --pieces 3 --json out.json
+refuses '--lottie needs --curve' "$curve" --lottie ball.json --pieces 3 --json out.json
+refuses '--curve needs --lottie' "$curve" --css ease --curve x --pieces 3 --json out.json
+refuses 'bad.json: no number in it is animated' sh -c "echo '{}' >bad.json; '$curve' --lottie bad.json"
+sed 's/"t": 30/"t": null/' ball.json >bad.json
+refuses 'bad.json: a keyframe is not as Lottie has it: type must be number, but is null' "$curve" --lottie bad.json
+sed 's/120/1e999/' ball.json >bad.json
+refuses "bad.json: number overflow parsing '1e999'" "$curve" --lottie bad.json
 refuses 'given by one of' "$curve" --pieces 3 --json out.json
 refuses 'given by one of' "$curve" --css 0,0,1,1 --bezier 0,0,0,0,1,1,1,1 --pieces 3 --json out.json
 refuses '--css: 3 numbers' "$curve" --css 0,0,1 --pieces 3 --json out.json
@@ -474,6 +520,7 @@ faulty_case() { # MESSAGE SED-COMMAND   the cases, changed
   refuses "$1" "$curve" --cases bad.json --json out.json
 }
 faulty_case 'case s01-inout-two-pieces: unknown condition "end_valu"' '0,/"end_value"/s//"end_valu"/'
+faulty_case 'case s01-inout-two-pieces: weights: null where a number should be' '27s/1/null/'
 faulty_case 'case s01-inout-two-pieces: unknown mode of knots "uniform"' '0,/"uniform_x"/s//"uniform"/'
 faulty_case 'case s01-inout-two-pieces: control_points: time turns back' '0,/0\.4,/s//4,/'
 faulty_case 'case s01-inout-two-pieces: pieces has to be a whole number' '0,/"pieces": 2/s//"pieces": 0/'
@@ -545,6 +592,24 @@ done
 refuses 'stray.svg lie outside the cage' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --outside refuse -o out.svg
 refuses 'not defined outside' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --coordinates harmonic --outside extend -o out.svg
 refuses 'the same file as ' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 -o out.01.svg --stills out. --still-count 1
+
+clip() { # LENGTH TIMES…   a control whose keys have these times
+  echo "length,$1"; shift
+  echo 'control,a'; echo 'vertices,0'
+  for time in "$@"; do echo "$time,0,0,0,linear"; done
+}
+clip 1e9 0 1 >many.csv
+refuses 'many.csv: "a": repeated through the clip it has 1e+09 keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1e300 0 1e-300 >many.csv
+refuses 'many.csv: "a": its time is no part of the clip' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1 1e9 1000000001 >many.csv
+refuses 'many.csv: "a": its first key, at 1e+09, is a million of its periods' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1e9 0 1e9 >many.csv
+refuses 'many.csv: its length takes 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1 0 1 | sed '1aground,1,1e-300' >many.csv
+refuses 'many.csv: in the clip'"'"'s length the ground passes by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1 0 0.25 0.5 1 | sed 's/^0.25,0/0.25,1e308/; s/linear/automatic/' >many.csv
+refuses 'many.csv: "a": the key at 0: a given value' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 
 # ---- outputs: all or none, none twice, nothing left behind ----
 cp figure.obj kept.obj

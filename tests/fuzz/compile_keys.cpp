@@ -1,0 +1,199 @@
+// Feeds numbers of any kind to compile_track, compile_clip and the fits of one interval, and plays what compiles: for
+// libFuzzer. No input may take ten seconds.
+//
+//     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
+//             -isystem /usr/include/eigen3 tests/fuzz/compile_keys.cpp -o fuzz_compile_keys
+//     ./fuzz_compile_keys -max_len=1024 -len_control=0
+#include <cageform/animate/compile_clip.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+using cageform::BezierCurve;
+using cageform::Extrapolation;
+using cageform::FitCondition;
+using cageform::FitOptions;
+using cageform::Key;
+using cageform::KeyKind;
+using cageform::Status;
+using cageform::TrackOptions;
+
+namespace {
+
+#define REQUIRE(condition)                                                                                   \
+    if (!(condition)) {                                                                                      \
+        std::fprintf(stderr, "line %d: %s\n", __LINE__, #condition);                                         \
+        std::abort();                                                                                        \
+    }
+
+/// Numbers from the input's bytes; zeros after its end.
+class Bytes {
+public:
+    Bytes(const std::uint8_t* data, std::size_t size)
+        : data_(data)
+        , size_(size) {}
+
+    bool ended() const { return size_ == 0; }
+    std::size_t below(std::size_t count) { return take<std::uint8_t>() % count; }
+
+    /// Mostly one of those that make trouble, or near to one; else small, or any bits.
+    double number() {
+        using Limits = std::numeric_limits<double>;
+        using Floats = std::numeric_limits<float>;
+        static constexpr std::array values{0.0,
+                                           1.0,
+                                           1e-3,
+                                           1e3,
+                                           1e9,
+                                           1e16,
+                                           1e-9,
+                                           1e38,
+                                           1e154,
+                                           1e300,
+                                           1e308,
+                                           1e-154,
+                                           1e-300,
+                                           1e-310,
+                                           double(Floats::max()),
+                                           double(Floats::min()),
+                                           double(Floats::denorm_min()),
+                                           Limits::max(),
+                                           Limits::min(),
+                                           Limits::denorm_min(),
+                                           Limits::infinity(),
+                                           Limits::quiet_NaN()};
+        const std::size_t way = below(8);
+        if (way < 4) return double(take<std::int8_t>()) / 16;
+        if (way == 4) return take<double>();
+        double value = values[below(values.size())];
+        if (way == 5) value = std::nextafter(value, below(2) == 0 ? 0 : Limits::infinity());
+        return below(2) == 0 ? value : -value;
+    }
+
+private:
+    template <class X>
+    X take() {
+        X x{};
+        const std::size_t count = std::min(sizeof(X), size_);
+        std::memcpy(&x, data_, count);
+        data_ += count;
+        size_ -= count;
+        return x;
+    }
+
+    const std::uint8_t* data_;
+    std::size_t size_;
+};
+
+FitOptions options_of(Bytes& bytes) {
+    FitOptions options;
+    if (bytes.below(32) != 0) return options;
+    options.degree = bytes.below(7);
+    options.conditions = FitCondition((bytes.below(2) << 8) + bytes.below(256));
+    options.norm = bytes.below(4) == 0 ? cageform::FitNorm::sup : cageform::FitNorm::sobolev;
+    options.scale_free = bytes.below(2) == 0;
+    if (bytes.below(2) == 0) options.value_weight = bytes.number();
+    if (bytes.below(2) == 0) options.slope_weight = bytes.number();
+    return options;
+}
+
+std::vector<Key> keys_of(Bytes& bytes) {
+    std::vector<Key> keys(bytes.below(6));
+    const bool ascending = bytes.below(8) != 0;
+    double time = bytes.number();
+    for (Key& key : keys) {
+        key.kind = KeyKind(bytes.below(6));
+        key.time = time;
+        key.value = bytes.number();
+        const double step = bytes.number();
+        time = ascending ? time + std::fabs(step) : step;
+        if (bytes.below(2) == 0) continue;
+        for (double* x : {&key.in_slope, &key.out_slope, &key.tension, &key.continuity, &key.bias})
+            *x = bytes.number();
+        key.in_handle = {key.time - std::fabs(bytes.number()), bytes.number()};
+        key.out_handle = {key.time + std::fabs(bytes.number()), bytes.number()};
+    }
+    return keys;
+}
+
+template <class T>
+void check_track(std::span<const Key> keys, const TrackOptions& options) {
+    const auto compiled = cageform::compile_track<T>(keys, options);
+    const auto& curve = compiled.track.curve;
+    if (compiled.status != Status::ok) {
+        REQUIRE(curve.empty());
+        REQUIRE(compiled.status == Status::keys_missing || compiled.culprit < keys.size());
+        return;
+    }
+    REQUIRE(curve.begin() == T(keys.front().time) && curve.end() == T(keys.back().time));
+    REQUIRE(std::isfinite(compiled.sup_error) && compiled.sup_error <= options.tolerance);
+    for (std::size_t i = 0; i < curve.pieces().size(); ++i) {
+        const T begin = curve.pieces()[i].begin;
+        const T end = i + 1 < curve.pieces().size() ? curve.pieces()[i + 1].begin : curve.end();
+        for (const T part : {T(0), T(0.25), T(0.5), T(0.75), T(1)}) {
+            const T x = begin + part * (end - begin);
+            REQUIRE(std::isfinite(curve(x)) && std::isfinite(curve.derivative(x)));
+        }
+    }
+    for (const Key& key : keys) REQUIRE(std::isfinite(curve(T(key.time))));
+    REQUIRE(curve(T(keys.back().time)) == T(keys.back().value));
+    for (const T x : {curve.begin() - 1, curve.end() + 1, std::numeric_limits<T>::max(),
+                      std::numeric_limits<T>::quiet_NaN(), -std::numeric_limits<T>::infinity()})
+        (void)compiled.track(x);
+}
+
+template <class T>
+void check_clip(const std::vector<Key>& first, const std::vector<Key>& second, const TrackOptions& options) {
+    const std::vector<std::vector<Key>> curves{first, second};
+    const auto compiled = cageform::compile_clip<T, 2>(curves, options);
+    if (compiled.status != Status::ok) return;
+    auto cursor = compiled.clip.make_cursor();
+    std::array<cageform::Vec<T, 2>, 1> pose{};
+    for (const T part : {T(-0.5), T(0), T(0.3), T(1), T(1.5)})
+        compiled.clip.sample(compiled.clip.begin() + part * (compiled.clip.end() - compiled.clip.begin()),
+                             cursor, pose);
+}
+
+void check_fit(const BezierCurve& curve, double tolerance, const FitOptions& options, std::size_t pieces) {
+    const auto fitted = cageform::fit(curve, tolerance, options, pieces);
+    if (fitted.status == Status::ok) {
+        REQUIRE(fitted.pieces() >= 1 && fitted.pieces() <= pieces);
+        REQUIRE(fitted.sup_error <= tolerance);
+        for (const double b : fitted.bernstein) REQUIRE(std::isfinite(b));
+        for (std::size_t i = 0; i < fitted.pieces(); ++i) REQUIRE(fitted.knots[i] <= fitted.knots[i + 1]);
+    }
+    const auto search = cageform::optimal_knots(curve, pieces, {.fit = options, .rounds = 3});
+    if (search.status != Status::ok) return;
+    REQUIRE(search.parameters.size() == pieces + 1);
+    (void)cageform::fit_pieces(curve, search.parameters, options);
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const auto start = std::chrono::steady_clock::now();
+    Bytes bytes(data, size);
+    TrackOptions options;
+    options.fit = options_of(bytes);
+    if (bytes.below(3) != 0) options.tolerance = std::fabs(bytes.number());
+    options.before = Extrapolation(bytes.below(5));
+    options.after = Extrapolation(bytes.below(5));
+    const auto first = keys_of(bytes), second = keys_of(bytes);
+    const bool single = bytes.below(2) == 0;
+    if (bytes.below(8) == 7)
+        single ? check_clip<float>(first, second, options) : check_clip<double>(first, second, options);
+    else
+        single ? check_track<float>(first, options) : check_track<double>(first, options);
+    if (first.size() >= 2 && bytes.below(32) == 31) {
+        check_fit(cageform::key_interval(first, 0), options.tolerance, options.fit, 1 + bytes.below(6));
+        BezierCurve curve;
+        for (auto& p : curve.points) p = {bytes.number(), bytes.number()};
+        check_fit(curve, options.tolerance, options.fit, 1 + bytes.below(6));
+    }
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    REQUIRE(seconds.count() < 10);
+    return 0;
+}
