@@ -16,6 +16,7 @@
 #include "progress_bar.hpp"
 #include "render.hpp"
 #include "svg_document.hpp"
+#include "svg_text.hpp"
 
 #include <cageform/clone/clone.hpp>
 
@@ -63,7 +64,7 @@ void draw_cage(SvgDocument& document, const CageFile& cage) {
 int run_program(int argc, char** argv) {
     CommandLine line("Deforms an SVG figure by a cage and a pose of it.");
     std::string figure_path, cage_path, pose_path, out_path;
-    bool png = false, show_cage = false, report = false;
+    bool png = false, show_cage = false, report = false, text_as_paths = false;
     int png_width = 900;
     CoordinatesChoice choice;
     OutsideChoice outside;
@@ -77,6 +78,9 @@ int run_program(int argc, char** argv) {
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
     outside.add_option(line);
+    line.add_flag(
+        "--text-as-paths", text_as_paths,
+        "deform the outlines of letters (as rsvg-convert draws them); else a text moves as a whole");
     line.add_flag("--fit", options.fit, "grow the viewBox and the size of the picture to what has moved");
     line.add("--flatness", options.tolerance,
              "how far curves may miss the deformed shape, in user units; 0: invisibly little")
@@ -95,6 +99,12 @@ int run_program(int argc, char** argv) {
     const auto pose = load_pose(pose_path, *cage);
     if (!pose) return fail(to_string(pose.error()));
 
+    if (text_as_paths) {
+        std::vector<std::string> warnings;
+        const auto count = text_to_paths(*document, warnings);
+        if (!count) return fail(to_string(count.error()));
+        for (const std::string& text : warnings) std::cerr << "deform_svg: warning: " << text << '\n';
+    }
     const auto coordinates = make_coordinates<double>(choice, *cage);
     cageform::BindReport last;
     if (!coordinates->closed_form) {

@@ -9,7 +9,6 @@ namespace cageform_examples {
 
 namespace detail {
 
-/// Writes a moved path, in its own user space, to as many decimals as the tolerance asks for.
 bool write_moved(const DrawnShape& shape, const Path& moved, double tolerance, int decimals) {
     const double scale = largest_scale(shape.to_root);
     int enough = 0;

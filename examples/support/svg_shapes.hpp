@@ -64,6 +64,11 @@ std::string write_transform(const Affine2& map, int digits = 10);
 /// the shape is not drawn because a size is zero.
 SvgResult<Path> shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport);
 
+/// Writes a path, given in root user space, to a shape's element, to a twentieth of the tolerance; false where its
+/// coordinates are out of range in the shape's own space.
+///   decimals   overrules the tolerance where it is not negative
+bool write_moved(const DrawnShape& shape, const Path& moved, double tolerance, int decimals);
+
 } // namespace detail
 
 } // namespace cageform_examples

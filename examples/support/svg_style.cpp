@@ -360,6 +360,11 @@ std::string replace_type_selectors(std::string_view css, const std::set<std::str
 void adapt_style_sheets(SvgDocument& document, std::vector<std::string>& warnings) {
     std::set<std::string> types = {"use"};
     for (const auto& [name, attributes] : shape_attributes()) types.insert(name);
+    adapt_style_sheets(document, types, warnings);
+}
+
+void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& types,
+                        std::vector<std::string>& warnings) {
     const pugi::xml_node root = root_element(document.xml);
     bool changes = false;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {

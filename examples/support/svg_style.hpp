@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -86,6 +87,11 @@ private:
     std::unordered_map<std::string, std::vector<std::size_t>>
         by_key_; // rules by what their last compound asks for
 };
+
+/// Replaces selectors of these types by classes, see the head of svg_document.hpp. Nothing changes where there is no
+/// element of them.
+void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& types,
+                        std::vector<std::string>& warnings);
 
 } // namespace detail
 

@@ -486,6 +486,7 @@ private:
                             ? (kind == "text" ? text_box(node, place) : image_box(node, place))
                             : Box();
         if (error_) return false;
+        if (box.empty() && kind == "text" && is_blank(node.text().get()) && !node.child("tspan")) return true;
         if (box.empty()) {
             warn(node, "cannot be deformed and stays as it is");
             return true;

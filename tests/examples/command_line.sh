@@ -80,6 +80,18 @@ report $ok "the picture grows"
 works "the picture at rest" "$deform" picture.svg --cage picture_cage.csv --pose picture_cage.csv -o rest_picture.svg
 cmp -s picture.svg rest_picture.svg && ok=yes || ok=no
 report $ok "what does not move stays byte by byte"
+# letters: as a whole, or as outlines, in the order drawn and in their own paint
+echo '<svg viewBox="0 0 10 10"><style>text { fill: red }</style><defs><text id="d">d</text></defs><g transform="scale(.5)"><text class="k" x="3" y="9" font-size="6">a<tspan stroke="blue" dy="2">&amp;</tspan></text><text> </text></g></svg>' >letters.svg
+works "a text" "$deform" letters.svg --cage picture_cage.csv --pose picture_pose.csv -o out.svg
+grep -q 'text (line 1): keeps its letters' log && grep -q '<text class="k" .* transform="matrix(1 0 0 1 10 0)"' out.svg && ok=yes || ok=no
+report $ok "a text moves as a whole"
+works "a text as paths" "$deform" letters.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg
+grep -q 'cageform-text { fill: red }.*<g class="k cageform-text" font-size="6"><path d="M[^"]*"/><g stroke="blue"><path d="M[^"]*"/></g></g><text' out.svg &&
+  grep -q '<text id="d"' out.svg && ! grep -q 'keeps its letters' log && ok=yes || ok=no
+report $ok "letters become paths"
+mkdir -p no_programs
+refuses 'letters.svg: texts cannot become paths: rsvg-convert (librsvg2-bin) is not installed' \
+  env PATH=no_programs "$deform" letters.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg
 refuses 'not defined outside' "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --coordinates harmonic --outside extend -o out.svg
 refuses 'simplex' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates barycentric -o out.svg
 refuses 'wachspress' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates wachspress -o out.svg
