@@ -209,6 +209,18 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
     CHECK(cageform::bind(solved, points).report.solver.solves == 8);
 }
 
+TEST_CASE("corners of several cages are told by the handles of all", "[coordinates][blended]") {
+    using Harmonic = HarmonicCoordinates<double, 2>;
+    const cageform::HarmonicOptions coarse{.resolution = 8}; // no corner has ten cells of room
+    const BlendedCoordinates<Harmonic> coordinates(
+        {Harmonic(rectangle<double>(0, 0, 2, 1), coarse), Harmonic(rectangle<double>(1, -1, 3, 2), coarse)});
+    const auto weights = evaluate_all(coordinates, Points2<double>{{1.5, 0.5}});
+    REQUIRE(weights.status() == Status::ok);
+    std::vector<std::size_t> told;
+    for (const auto& corner : weights.evaluation.solver.corners) told.push_back(corner.handles[0]);
+    CHECK(told == std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7});
+}
+
 TEST_CASE("the share of a cage falls to zero towards its boundary, however near", "[coordinates][blended]") {
     auto outer = sphere(0), inner = sphere(0);
     for (auto& v : inner.vertices) v = 0.5 * v;

@@ -228,7 +228,47 @@ TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][m
                     std::max(error, std::fabs(weights.rows[i][k] - json["coordinates"][i][k].get<double>()));
         }
         CHECK(error <= effort(1, 4) * c.allowed);
+        CHECK(error <= weights.evaluation.solver.worst_corner().error + 2e-6);
     }
+}
+
+TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
+          "[coordinates][harmonic][mesh][corners]") {
+    // A prism like a U, with a gap of two cells.
+    const std::vector<std::array<double, 2>> outline{{0, 0},      {1, 0},      {1, 1},    {0.54, 1},
+                                                     {0.54, 0.4}, {0.46, 0.4}, {0.46, 1}, {0, 1}};
+    MeshData data;
+    for (const double z : {0.0, 0.6}) {
+        for (const auto& [x, y] : outline) data.vertices.push_back({x, y, z});
+    }
+    for (const auto& [a, b, c] :
+         std::vector<std::array<int, 3>>{{0, 5, 6}, {0, 6, 7}, {0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}}) {
+        data.faces.push_back({a, c, b});
+        data.faces.push_back({a + 8, b + 8, c + 8});
+    }
+    for (int i = 0; i < 8; ++i) {
+        const int j = (i + 1) % 8;
+        data.faces.push_back({i, j, j + 8});
+        data.faces.push_back({i, j + 8, i + 8});
+    }
+    const auto mesh = data.mesh<double>();
+    Points3<double> points;
+    Random random(1);
+    while (points.size() < 300) { // about the gap's inner end and its mouth
+        const Vec<double, 3> p{random.uniform(0.4, 0.6), random.uniform(0.3, 1), random.uniform(0, 0.6)};
+        if (locate(mesh, p, 1e-9) == PointState::inside) points.push_back(p);
+    }
+    const auto fine = evaluate_all(HarmonicCoordinates(mesh, {.resolution = 75}), points);
+    const auto weights = evaluate_all(HarmonicCoordinates(mesh, {.resolution = 24}), points);
+    REQUIRE(weights.status() == Status::ok);
+    double error = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        error = std::max(error, difference(weights.rows[i], fine.rows[i]));
+    const auto worst = weights.evaluation.solver.worst_corner();
+    CHECK(error > cageform::CornerError::notable);
+    CHECK(error <= worst.error);
+    CHECK(worst.error <= 20 * error);
+    CHECK(worst.handles[0] != worst.handles[1]);
 }
 
 TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[grid][mesh][property]") {

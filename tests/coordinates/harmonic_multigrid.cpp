@@ -214,4 +214,106 @@ TEST_CASE("treating the corners is what makes points near them right", "[coordin
     }
 }
 
+namespace {
+
+/// Legs below a body, with gaps of 2 to 25 hundredths between them.
+Polygon<double> random_legs(std::uint64_t seed) {
+    Random random(seed);
+    const auto width = [&](double from, double to) {
+        return from * std::pow(to / from, random.uniform(0, 1));
+    };
+    Points2<double> outline;
+    const std::size_t legs = 2 + random.below(3);
+    double x = 0;
+    for (std::size_t leg = 0; leg < legs; ++leg) {
+        const double length = random.uniform(0.3, 0.8);
+        outline.push_back({x, -length});
+        x += width(0.02, 0.3);
+        outline.push_back({x, -length * random.uniform(0.9, 1)});
+        if (leg + 1 == legs) break;
+        outline.push_back({x, 0});
+        x += width(0.02, 0.25);
+        outline.push_back({x, random.uniform(-0.01, 0.01)});
+    }
+    outline.push_back({x, 0.3});
+    outline.push_back({0, 0.35});
+    const double turn = random.uniform(0, 2 * std::numbers::pi), c = std::cos(turn), s = std::sin(turn);
+    for (auto& p : outline) p = {c * p[0] - s * p[1], s * p[0] + c * p[1]};
+    return Polygon<double>(outline);
+}
+
+/// Points up to two cells from every vertex, and anywhere.
+Points2<double> points_about_corners(const Polygon<double>& cage, double cell, std::uint64_t seed) {
+    Random random(seed);
+    auto points = points_in(cage, 40, seed);
+    for (const auto& vertex : cage.vertices()) {
+        for (int n = 0; n < 16; ++n) {
+            const double turn = random.uniform(0, 2 * std::numbers::pi);
+            const double distance = cell * std::pow(10.0, random.uniform(-2, 0.3));
+            const auto p = vertex + distance * Vec<double, 2>{std::cos(turn), std::sin(turn)};
+            if (locate(cage, p, 1e-12) == PointState::inside) points.push_back(p);
+        }
+    }
+    return points;
+}
+
+} // namespace
+
+TEST_CASE("no error is above the largest that the report expects at a corner, nor far below it",
+          "[coordinates][harmonic][corners][property]") {
+    constexpr double with_room = 5e-4; // where all corners have ten cells
+    double decades = 0;
+    int notable = 0;
+    for (int seed = 0; seed < effort(5, 4); ++seed) {
+        const auto cage = seed % 4 == 3 ? Polygon<double>(random_star<double>(std::uint64_t(seed)))
+                                        : random_legs(std::uint64_t(seed));
+        const auto bounds = cageform::bounds_of(cage.vertices());
+        const auto points = points_about_corners(cage, bounds.diagonal() / 60, std::uint64_t(seed));
+        const auto fine = evaluate_all(Harmonic<double>(cage, {.resolution = 320}), points);
+        const auto error_at = [&](std::size_t resolution, cageform::CornerError& worst) {
+            const auto weights = evaluate_all(Harmonic<double>(cage, {.resolution = resolution}), points);
+            worst = weights.evaluation.solver.worst_corner();
+            double error = weights.status() == Status::ok ? 0 : 1;
+            for (std::size_t i = 0; i < points.size(); ++i)
+                error = std::max(error, difference(weights.rows[i], fine.rows[i]));
+            return error;
+        };
+        CAPTURE(seed);
+        REQUIRE(fine.status() == Status::ok);
+        cageform::CornerError worst, then;
+        const double error = error_at(40, worst);
+        CAPTURE(worst.handles[0], worst.resolution);
+        CHECK(error <= std::max(worst.error, with_room));
+        CHECK(worst.error <= 1);
+        if (error > 1e-3) {
+            decades += std::log10(worst.error / error);
+            ++notable;
+        }
+        CHECK((worst.resolution > 40) == (worst.error > cageform::CornerError::notable));
+        if (worst.resolution == 0 || worst.resolution > 200) continue;
+        CHECK(error_at(worst.resolution, then) <= cageform::CornerError::notable);
+        CHECK(then.error <= 2 * cageform::CornerError::notable);
+    }
+    REQUIRE(notable >= 2);
+    CHECK(decades / notable <= 1.3); // twenty times too large, in the geometric mean
+}
+
+TEST_CASE("corners that are not to be treated are expected to have the errors they have",
+          "[coordinates][harmonic][corners]") {
+    for (const char* name : {"l_shape", "star", "hole_square_square_hole", "cat"}) {
+        CAPTURE(name);
+        const auto oracle = read_oracle(std::string("harmonic2d_") + name);
+        const auto weights = evaluate_all(
+            cageform::HarmonicCoordinates(oracle.cage<double>(),
+                                          {.resolution = 128, .multigrid = {.corner_functions = false}}),
+            oracle.points);
+        double error = 0;
+        for (std::size_t i = 0; i < oracle.points.size(); ++i)
+            error = std::max(error, difference(weights.rows[i], oracle.coordinates[i]));
+        const double expected = weights.evaluation.solver.worst_corner().error;
+        CHECK(error <= expected);
+        CHECK(expected <= 20 * error);
+    }
+}
+
 } // namespace harmonic_multigrid_tests

@@ -79,8 +79,14 @@ public:
     /// Of parts that can: solves the functions of all and keeps them.
     Evaluation solve(const Running& running = {}) requires requires(C c) { c.solve(running); }
     {
-        return for_each_part(running,
-                             [&](std::size_t k, const Running& some) { return parts_[k].solve(some); });
+        Evaluation result;
+        const Status status = detail::guard_memory([&] {
+            result = for_each_part(running,
+                                   [&](std::size_t k, const Running& some) { return parts_[k].solve(some); });
+            return result.status;
+        });
+        result.status = status;
+        return result;
     }
 
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
@@ -146,9 +152,12 @@ private:
         total.status = report_.status;
         for (std::size_t k = 0; k < parts_.size() && total.status == Status::ok; ++k) {
             const auto count = double(parts_.size());
-            const Evaluation part = f(k, running.part(double(k) / count, double(k + 1) / count));
+            Evaluation part = f(k, running.part(double(k) / count, double(k + 1) / count));
             total.status = part.status;
             SolverReport& sum = total.solver;
+            for (CornerError& corner : part.solver.corners) {
+                for (std::size_t& handle : corner.handles) handle += first_[k];
+            }
             sum.add(part.solver);
             if (part.solver.unseen_handle != SolverReport::none) {
                 sum.unseen_handle = first_[k] + part.solver.unseen_handle;

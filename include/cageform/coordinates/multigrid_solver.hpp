@@ -6,6 +6,7 @@
 #include <cageform/coordinates/detail/cut_samples.hpp>
 #include <cageform/coordinates/detail/embedded_cage.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
+#include <cageform/grid/edge_errors.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -36,6 +37,7 @@ public:
         : grid_(std::move(grid))
         , options_(options)
         , corners_(corners_of(grid_, options))
+        , errors_(errors_of(grid_, corners_))
         , multigrid_(grid_.problem().nodes, grid_.problem().cuts, corners_.sources())
         , slots_(multigrid_.source_slots()) {
         corners_.set_slots(slots_);
@@ -64,13 +66,19 @@ public:
         grid_.add_data(first, count, slots_, std::span(source));
         block.at_corners = corners_.start(first, source);
         const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
-        return grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
+        const Status status = grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
             // The corners' coefficients follow the solution and the solution them.
             const auto fitted = corners_.fit(first, block, block.at_corners);
             const double change = corners_.difference(fitted, block.at_corners);
             grid::Multigrid<D>::disturb(block.cycled, corners_.replace(block.at_corners, fitted, source));
             return change;
         });
+        if (status == Status::ok) {
+            const std::array<std::size_t, 2> resolutions{grid_.resolution(),
+                                                         detail::EmbeddedCage<C>::most_resolution};
+            errors_.measure(first, count, block, resolutions, work.report.corners);
+        }
+        return status;
     }
 
     struct Functions {
@@ -131,9 +139,20 @@ private:
     static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<C>& grid,
                                             [[maybe_unused]] const MultigridOptions& options) {
         if constexpr (D == 2) {
-            if (options.corner_functions) return {grid.cage(), grid.lattice(), grid.problem()};
+            return {grid.cage(), grid.lattice(), grid.problem(), options.corner_functions};
+        } else {
+            return {};
         }
-        return {};
+    }
+    static grid::CornerErrors<D> errors_of(const detail::EmbeddedCage<C>& grid,
+                                           [[maybe_unused]] const grid::CornerFunctions& corners) {
+        if constexpr (D == 2) {
+            return corners.errors();
+        } else if constexpr (requires { boundary_of(grid.cage()).faces(); }) {
+            return cageform::grid::edge_errors(grid.cage(), grid.lattice(), grid.problem());
+        } else {
+            return {};
+        }
     }
     /// The first handle of a group, and how many it has.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
@@ -143,6 +162,7 @@ private:
     detail::EmbeddedCage<C> grid_;
     MultigridOptions options_;
     grid::CornerFunctions corners_;
+    grid::CornerErrors<D> errors_;
     grid::Multigrid<D> multigrid_;
     std::vector<std::uint32_t> slots_; ///< of each node in Block::source
 };

@@ -63,6 +63,7 @@ public:
         return theta < angle_ + rounding;
     }
     double along(const Vec<double, 2>& p) const noexcept { return dot(p - vertex_, x_); }
+    double exponent() const noexcept { return exponent_; } ///< π/ω
     double cosine() const noexcept { return std::cos(angle_); }
     double length_before() const noexcept { return length_before_; }
     double length_after() const noexcept { return length_after_; }

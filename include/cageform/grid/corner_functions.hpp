@@ -8,7 +8,7 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
-#include <cageform/grid/corner.hpp>
+#include <cageform/grid/corner_errors.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/multigrid.hpp>
 
@@ -28,23 +28,30 @@ public:
 
     CornerFunctions() = default;
 
-    /// Of a Polygon or a CellComplex. Corners without room for a fit are left as they are.
+    /// Of a Polygon or a CellComplex. Corners without room for a fit are left as they are, and all
+    /// are where they are not to be treated.
     template <class Cage>
-    CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem)
+    CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem,
+                    bool treat)
         : vertices_(lattice.in_cells(whole.vertices())) {
         const auto neighbours = neighbours_of_vertices(whole);
         for (std::size_t i = 0; i < vertices_.size(); ++i) {
             const auto& of_i = neighbours[i];
             if (of_i.empty()) continue;
             const double radius = room_about(i, whole, lattice.spacing);
-            if (radius < least_radius) continue;
             for (std::size_t n = 0; n + 1 < of_i.size(); ++n) {
                 const std::size_t after = of_i[n], before = of_i[n + 1];
                 const Corner corner(vertices_[i], vertices_[before], vertices_[after], radius);
-                if (!corner.is_smooth()) add({corner, {i, before, after}}, problem);
+                Treated t{corner, {i, before, after}};
+                bool treated = corner.is_smooth() && radius >= ample_radius;
+                if (treat && !corner.is_smooth() && radius >= least_radius) treated = add(t, problem);
+                if (!treated || radius < ample_radius) watch(t, treated, treat, problem.nodes);
             }
         }
     }
+
+    /// Of the corners with little room, and of those that are not treated.
+    const CornerErrors<2>& errors() const noexcept { return errors_; }
 
     /// Nodes whose equations get a right-hand side; ascending, without repeats.
     std::vector<std::uint32_t> sources() const {
@@ -187,6 +194,7 @@ public:
 
 private:
     static constexpr double least_radius = 1, most_radius = 24;
+    static constexpr double ample_radius = 10; ///< errors are then a few times 1e-4 at most
 
     struct Defect {
         std::uint32_t node;                        ///< then the slot
@@ -274,8 +282,8 @@ private:
         return radius;
     }
 
-    /// Treats a corner, if there are nodes for a fit: two for every function.
-    void add(Treated t, const EmbeddedProblem<2>& problem) {
+    /// Treats a corner, if there are nodes for a fit: two for every function. Returns whether.
+    bool add(Treated t, const EmbeddedProblem<2>& problem) {
         const double radius = t.corner.radius();
         const auto& nodes = problem.nodes;
         for_each_node_within(radius, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
@@ -286,7 +294,7 @@ private:
                 t.around.push_back({node, t.corner.along(p), t.corner.functions(p)[0]});
         });
         t.corner.keep(t.around.size() / 2);
-        if (t.corner.count() == 0) return;
+        if (t.corner.count() == 0) return false;
         fit_to_nodes(t, nodes);
         t.first = coefficients_;
         coefficients_ += std::uint32_t(t.corner.count() + 1);
@@ -295,6 +303,35 @@ private:
                 t.largest_defect[k] = std::max(t.largest_defect[k], std::fabs(defect.of[k]));
         }
         corners_.push_back(std::move(t));
+        return true;
+    }
+
+    /// Has the errors about a corner estimated. They fall with the room about treated corners, which
+    /// on a finer grid it may be, and about those that differences know what to do with.
+    void watch(const Treated& t, bool treated, bool treat, const NodeRuns<2>& nodes) {
+        double bend = 0; // largest coefficient of w
+        std::array<double, 3> along{}, w{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto slope = slopes(t, t.handles[k]);
+            along[k] = slope[0];
+            w[k] = slope[1] - slope[0] * t.corner.cosine();
+            bend = std::max(bend, std::fabs(w[k]));
+        }
+        const double room = t.corner.radius();
+        const bool well_done = treated || t.corner.is_smooth();
+        auto site = CornerErrors<2>::treated(t.handles, room);
+        if (!well_done) site = CornerErrors<2>::untreated(t.handles, t.corner, bend);
+        if (treat) site.order = CornerErrors<2>::treated_order;
+        site.room = room;
+        std::vector<CornerErrors<2>::Node> around;
+        const double reach = std::clamp(room, 1.5, well_done ? 2.5 : 1.5);
+        for_each_node_within(reach, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
+            if (t.corner.distance(p) > reach || !t.corner.holds(p)) return;
+            const double x = t.corner.along(p), f = t.corner.functions(p)[0];
+            around.push_back(
+                {node, {1 + along[0] * x + w[0] * f, along[1] * x + w[1] * f, along[2] * x + w[2] * f}});
+        });
+        errors_.add(site, around);
     }
 
     /// f(node, position) for the nodes of a square about a place.
@@ -353,6 +390,7 @@ private:
 
     std::vector<Vec<double, 2>> vertices_;
     std::vector<Treated> corners_;
+    CornerErrors<2> errors_;
     std::uint32_t coefficients_ = 0; ///< of all corners, of one function
 };
 

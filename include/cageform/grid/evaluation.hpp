@@ -3,7 +3,20 @@
 
 #include <cageform/core/running.hpp>
 
+#include <algorithm>
+#include <array>
+#include <vector>
+
 namespace cageform::inline CAGEFORM_ABI {
+
+/// A corner in the plane or an edge in space that a grid may be too coarse for.
+struct CornerError {
+    static constexpr double notable = 0.01; ///< an error worth a warning
+
+    std::array<std::size_t, 2> handles{}; ///< the edge's ends; in the plane both are the corner
+    double error = 0;                     ///< that it makes of a weight at most, by an estimate; in [0, 1]
+    std::size_t resolution = 0; ///< if that is notable, one at which it is not; 0: no grid is so fine
+};
 
 /// What a solver did. All zero for closed forms.
 struct SolverReport {
@@ -22,6 +35,11 @@ struct SolverReport {
     double error_estimate = 0;     ///< of the discrete solution: what the cycles stop on
     double error_bound = 0;        ///< the same by the maximum principle alone, far above it
 
+    /// Every edge in space, in the plane the corners with fewer than ten cells of room (without
+    /// MultigridOptions::corner_functions all); of a Box none. The largest estimate is meant to be
+    /// above all errors and less than fifteen times the largest (grid/corner_errors.hpp).
+    std::vector<CornerError> corners;
+
     // Of the averaging pyramid (grid/pyramid/averaging_pyramid.hpp).
     std::size_t sweeps = 0;         ///< on the finest grid, over all functions
     double largest_mean_change = 0; ///< of the last sweep, over all functions
@@ -32,9 +50,26 @@ struct SolverReport {
     std::size_t sufficient_resolution = 0; ///< and a resolution at which all are; 0: none is offered
     std::size_t culprit = none; ///< rim_not_given, value_not_finite: the place (grid/dirichlet.hpp)
 
+    /// Where the largest error is to be feared, of error 0 where nowhere; with a resolution at which
+    /// no corner's is notable.
+    CornerError worst_corner() const noexcept {
+        CornerError worst;
+        std::size_t resolution = 0;
+        bool reachable = true;
+        for (const CornerError& corner : corners) {
+            if (corner.error > CornerError::notable) {
+                resolution = std::max(resolution, corner.resolution);
+                reachable = reachable && corner.resolution != 0;
+            }
+            if (corner.error > worst.error) worst = corner;
+        }
+        worst.resolution = reachable ? resolution : 0;
+        return worst;
+    }
+
     /// Adds what was done for other functions: counts and times add up, of the rest the worst is
     /// kept. What is refused stays as it is.
-    void add(const SolverReport& part) noexcept {
+    void add(const SolverReport& part) {
         cells += part.cells;
         solves += part.solves;
         unconverged += part.unconverged;
@@ -44,9 +79,23 @@ struct SolverReport {
         convergence_factor = std::max(convergence_factor, part.convergence_factor);
         error_estimate = std::max(error_estimate, part.error_estimate);
         error_bound = std::max(error_bound, part.error_bound);
+        add_corners(part.corners);
         sweeps += part.sweeps;
         largest_mean_change = std::max(largest_mean_change, part.largest_mean_change);
         crowded_cells += part.crowded_cells;
+    }
+
+private:
+    /// The list of other functions of the same cage, whose corners are the same, or of another cage.
+    void add_corners(const std::vector<CornerError>& more) {
+        const auto same = [](const CornerError& a, const CornerError& b) { return a.handles == b.handles; };
+        if (!std::equal(corners.begin(), corners.end(), more.begin(), more.end(), same)) {
+            corners.insert(corners.end(), more.begin(), more.end());
+            return;
+        }
+        for (std::size_t n = 0; n < more.size(); ++n) {
+            if (more[n].error > corners[n].error) corners[n] = more[n];
+        }
     }
 };
 

@@ -78,6 +78,10 @@ public:
 
     const C& cage() const noexcept { return *cage_; }
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
+    /// Cells along the longest side.
+    std::size_t resolution() const noexcept {
+        return *std::max_element(lattice().cells.begin(), lattice().cells.end()) - 1;
+    }
     const grid::EmbeddedProblem<D>& problem() const noexcept { return problem_; }
 
     /// Adds the data of `count` functions from `first` on to `source`, at slots[node] of each node.
