@@ -1,7 +1,7 @@
 // Bounds, segments and triangles: what all cages are made of, and the rules which side is inside.
 #pragma once
 
-#include <cageform/core/vec.hpp>
+#include <cageform/cage/orientation.hpp>
 
 #include <algorithm>
 #include <array>
@@ -145,17 +145,14 @@ double distance_to_segment(const Vec<double, D>& p, const Vec<double, D>& a,
     return length(nearest_on_segment(p, a, b) - p);
 }
 
-/// The distance of two segments, 0 where they cross in the plane.
+/// The distance of two segments; in the plane 0 where they meet, exactly.
 template <std::size_t D>
 double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const Vec<double, D>& c,
                         const Vec<double, D>& d) noexcept {
     const double least = std::min({distance_to_segment(c, a, b), distance_to_segment(d, a, b),
                                    distance_to_segment(a, c, d), distance_to_segment(b, c, d)});
     if constexpr (D == 2) {
-        const auto is_left = [](const Vec<double, 2>& s, const Vec<double, 2>& t, const Vec<double, 2>& p) {
-            return cross(t - s, p - s) > 0;
-        };
-        return is_left(a, b, c) != is_left(a, b, d) && is_left(c, d, a) != is_left(c, d, b) ? 0.0 : least;
+        return segments_touch(a, b, c, d) ? 0.0 : least;
     } else {
         // Nearer than at the ends only where the common perpendicular meets both.
         const auto e = b - a, f = d - c, g = a - c;
