@@ -4,6 +4,11 @@
 // W · C (the better of its two storage orders). Packed bindings are of BUMPY112, by mean value coordinates; beside their times
 // stand the worst errors of a pose that bends, of the projection used here and of renormalising, and what renormalising
 // does to the figure at rest, all relative to the figure's size.
+//
+// pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112 and 300 vertices with
+// 8,000 points, in every format (-1: the one of the fewest bytes) and beside renormalised weights. `distance` is the largest in
+// those poses, `between` in ten others of the same motion, `elsewhere` in five that bend across it; all of the figure's size.
+// Without the motion (0), the distance is kept in all poses that bend by up to a tenth of the cage.
 #include "workloads.hpp"
 
 #include <cageform/binding/bind_vectors.hpp>
@@ -110,6 +115,29 @@ void limit_read_memory(benchmark::State& state) {
     state.SetBytesProcessed(std::int64_t(state.iterations()) * (std::int64_t{256} << 20));
 }
 
+/// What it is to keep the `largest` weights of a point and to scale them so that they sum to one.
+template <class T>
+std::vector<cageform::Vec<T, 3>> renormalised(const cageform::Binding<T, 3>& binding, std::size_t largest,
+                                              const std::vector<cageform::Vec<T, 3>>& pose) {
+    std::vector<cageform::Vec<T, 3>> out;
+    for (std::size_t i = 0; i < binding.point_count(); ++i) {
+        std::vector<std::size_t> order(binding.handle_count());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(largest), order.end(),
+                          [&](std::size_t a, std::size_t b) {
+                              return std::fabs(binding.weight(i, a)) > std::fabs(binding.weight(i, b));
+                          });
+        cageform::Vec<T, 3> p{};
+        T sum = 0;
+        for (std::size_t n = 0; n < largest; ++n) {
+            sum += binding.weight(i, order[n]);
+            p = p + binding.weight(i, order[n]) * pose[order[n]];
+        }
+        out.push_back((1 / sum) * p);
+    }
+    return out;
+}
+
 /// BUMPY112 with points inside, bound by mean value coordinates.
 template <class T>
 struct Bumpy {
@@ -144,27 +172,6 @@ struct Bumpy {
         }
         return largest;
     }
-
-    /// What it is to keep the `largest` weights of a point and to scale them so that they sum to one.
-    Points renormalised(std::size_t largest, const Points& pose) const {
-        Points out;
-        for (std::size_t i = 0; i < figure.size(); ++i) {
-            std::vector<std::size_t> order(rest.size());
-            std::iota(order.begin(), order.end(), std::size_t{0});
-            std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(largest), order.end(),
-                              [&](std::size_t a, std::size_t b) {
-                                  return std::fabs(binding.weight(i, a)) > std::fabs(binding.weight(i, b));
-                              });
-            cageform::Vec<T, 3> p{};
-            T sum = 0;
-            for (std::size_t n = 0; n < largest; ++n) {
-                sum += binding.weight(i, order[n]);
-                p = p + binding.weight(i, order[n]) * pose[order[n]];
-            }
-            out.push_back((1 / sum) * p);
-        }
-        return out;
-    }
 };
 
 template <class T, cageform::WeightFormat Format>
@@ -191,14 +198,124 @@ void clone_packed(benchmark::State& state) {
     state.counters["bend_error"] = error(bumpy.bent);
     if (largest != 0 && out.size() < 10000) {
         state.counters["renormalised_rest"] =
-            bumpy.distance(bumpy.renormalised(largest, bumpy.rest), bumpy.figure) / size;
+            bumpy.distance(renormalised(bumpy.binding, largest, bumpy.rest), bumpy.figure) / size;
         state.counters["renormalised_bend"] =
-            bumpy.distance(bumpy.renormalised(largest, bumpy.bent), exact) / size;
+            bumpy.distance(renormalised(bumpy.binding, largest, bumpy.bent), exact) / size;
     }
     state.counters["weights_a_point"] = report.weights_per_point;
     state.counters["bytes_of_dense"] = double(report.bytes) / double(report.dense_bytes);
     state.counters["points/s"] =
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// A figure that a motion bends and twists along its z axis.
+struct MovedFigure {
+    using Points = std::vector<cageform::Vec<float, 3>>;
+
+    Points rest, figure;
+    cageform::Binding<float, 3> binding;
+    double size = 0;
+    std::vector<double> poses;                     // of the motion, as `pack` takes them
+    std::vector<Points> given, between, elsewhere; // the same, others of the motion, and of another
+
+    /// Number 0: 42 vertices, 1: 112, 2: 300.
+    explicit MovedFigure(int number) {
+        const auto mesh = cage<float>(number);
+        const auto points = cageform_bench::points_inside(cage<double>(number), 8000, 2);
+        rest.assign(mesh.vertices().begin(), mesh.vertices().end());
+        for (const auto& p : points) figure.push_back(cageform::vec_cast<float>(p));
+        binding = cageform::bind(cageform::MeanValueCoordinates<float, 3>(mesh), figure).binding;
+        size = cageform::bounds_of(std::span<const cageform::Vec<float, 3>>(figure)).diagonal();
+        for (int k = 0; k < 24; ++k) {
+            given.push_back(bent(2, 1.5 * std::sin(0.26 * k), 0.8 * std::sin(0.52 * k + 1)));
+            cageform::append_pose(poses, given.back());
+        }
+        for (int k = 0; k < 10; ++k)
+            between.push_back(
+                bent(2, 1.5 * std::sin(0.26 * (k + 0.5)), 0.8 * std::sin(0.52 * (k + 0.5) + 1)));
+        for (int k = 0; k < 5; ++k) elsewhere.push_back(bent(0, 0.5 * std::sin(0.9 * k + 0.4), 0.3 * k));
+    }
+
+    template <class T>
+    static cageform::TriangleMesh<T> cage(int number) {
+        if (number == 0) return cageform_bench::divided_box<T>({2, 2, 4}, 0.5);
+        return number == 1 ? cageform_bench::bumpy112<T>() : cageform_bench::divided_box<T>({4, 7, 11}, 0.25);
+    }
+    static const MovedFigure& of(int number) { // made once
+        static std::map<int, MovedFigure> made;
+        return made.try_emplace(number, number).first->second;
+    }
+
+    /// Turned by `twist` and bent by `angle` from one end of an axis to the other.
+    Points bent(std::size_t axis, double angle, double twist) const {
+        const auto bounds = cageform::bounds_of(std::span<const cageform::Vec<float, 3>>(rest));
+        const double length = bounds.upper[axis] - bounds.lower[axis];
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        Points out = rest;
+        for (auto& p : out) {
+            const double along = (p[axis] - bounds.lower[axis]) / length, turn = twist * along;
+            const double x = std::cos(turn) * p[u] - std::sin(turn) * p[v];
+            const double y = std::sin(turn) * p[u] + std::cos(turn) * p[v];
+            const double radius = length / (std::fabs(angle) < 1e-9 ? 1e-9 : angle);
+            p[u] = float(radius - (radius - x) * std::cos(angle * along));
+            p[v] = float(y);
+            p[axis] = float((radius - x) * std::sin(angle * along));
+        }
+        return out;
+    }
+
+    /// The largest distance over poses of what `clone_of` makes of each, as a share of the size.
+    template <class Clone>
+    double distance(const std::vector<Points>& in, const Clone& clone_of) const {
+        double largest = 0;
+        Points exact(figure.size());
+        for (const Points& pose : in) {
+            if (cageform::clone(binding, pose, exact) != cageform::Status::ok) return -1;
+            largest = std::max(largest, Bumpy<float>::distance(clone_of(pose), exact));
+        }
+        return largest / size;
+    }
+};
+
+void pack_to_distance(benchmark::State& state) {
+    const auto& moved = MovedFigure::of(int(state.range(0)));
+    cageform::PackOptions options{.tolerance = moved.size * std::pow(10.0, -double(state.range(1)))};
+    if (state.range(3) != 0) options.poses = moved.poses;
+    if (state.range(2) >= 0) options.format = cageform::WeightFormat(state.range(2));
+    cageform::PackResult<float, 3> packed;
+    for (auto _ : state) packed = cageform::pack(moved.binding, options);
+    const auto& report = packed.report;
+    state.counters["handles"] = double(report.handles);
+    if (report.status != cageform::Status::ok) {
+        state.counters["reachable"] = report.distance.value / moved.size;
+        return state.SetLabel(to_string(report.status));
+    }
+    const auto cloned = [&](const MovedFigure::Points& pose) {
+        MovedFigure::Points out(moved.figure.size());
+        if (cageform::clone(packed.binding.view(), pose, out) != cageform::Status::ok) out.clear();
+        return out;
+    };
+    state.counters["format"] = double(report.format);
+    state.counters["bytes"] = double(report.bytes);
+    state.counters["weights_a_point"] = report.weights_per_point;
+    state.counters["distance"] = moved.distance(moved.given, cloned);
+    state.counters["between"] = moved.distance(moved.between, cloned);
+    state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
+}
+
+/// What others do: the largest weights, scaled to sum to one. Bytes as an engine stores them: a byte for the joint and
+/// two for the weight, and the point at rest.
+void renormalised_distance(benchmark::State& state) {
+    const auto& moved = MovedFigure::of(int(state.range(0)));
+    const auto largest = std::size_t(state.range(1));
+    const auto cloned = [&](const MovedFigure::Points& pose) {
+        return renormalised(moved.binding, largest, pose);
+    };
+    for (auto _ : state) state.counters["distance"] = moved.distance(moved.given, cloned);
+    state.counters["handles"] = double(moved.rest.size());
+    state.counters["bytes"] = double(moved.figure.size() * (largest * 3 + 12));
+    state.counters["at_rest"] = moved.distance({moved.rest}, cloned);
+    state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
 /// A blob's way from a file that was read before into use: mapped, checked, given back. No byte of it is copied.
@@ -311,3 +428,13 @@ BENCHMARK_TEMPLATE(map_blob, float, cageform::BlobCheck::structure, cageform::We
     ->Apply(sizes_mapped);
 BENCHMARK_TEMPLATE(map_blob, float, cageform::BlobCheck::all, cageform::WeightFormat::scalar)
     ->Apply(sizes_mapped);
+BENCHMARK(pack_to_distance)
+    ->ArgNames({"figure", "digits", "format", "motion"})
+    ->ArgsProduct({{0, 1, 2}, {2, 3, 4}, {-1, 0, 1, 2, 3}, {1}})
+    ->ArgsProduct({{0, 1, 2}, {2, 3, 4}, {-1}, {0}})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(renormalised_distance)
+    ->ArgNames({"figure", "largest"})
+    ->ArgsProduct({{0, 1, 2}, {8, 16}})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -49,6 +50,39 @@ cageform::TriangleMesh<T> bumpy112() {
         for (std::uint32_t i = 1; i < rings; ++i) {
             faces.push_back({on_ring(i, j), on_ring(i + 1, j), on_ring(i + 1, j + 1)});
             faces.push_back({on_ring(i, j), on_ring(i + 1, j + 1), on_ring(i, j + 1)});
+        }
+    }
+    return {vertices, faces};
+}
+
+/// A box about the origin of cells of a given edge, its faces divided: 42 vertices of 2 × 2 × 4 cells, 300 of
+/// 4 × 7 × 11.
+template <class T>
+cageform::TriangleMesh<T> divided_box(std::array<int, 3> cells, double edge) {
+    std::map<std::array<int, 3>, std::uint32_t> numbers;
+    std::vector<cageform::Vec<double, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    const auto vertex = [&](const std::array<int, 3>& at) {
+        const auto [found, added] = numbers.insert({at, std::uint32_t(vertices.size())});
+        if (added) {
+            vertices.push_back({edge * (at[0] - 0.5 * cells[0]), edge * (at[1] - 0.5 * cells[1]),
+                                edge * (at[2] - 0.5 * cells[2])});
+        }
+        return found->second;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        for (int n = 0; n < 2 * cells[u] * cells[v]; ++n) {
+            const bool far = n % 2 == 1;
+            const auto corner = [&](int along_u, int along_v) {
+                std::array<int, 3> at{};
+                at[axis] = far ? cells[axis] : 0;
+                at[u] = n / 2 % cells[u] + (far ? along_u : along_v);
+                at[v] = n / 2 / cells[u] + (far ? along_v : along_u);
+                return vertex(at);
+            };
+            faces.push_back({corner(0, 0), corner(1, 0), corner(1, 1)});
+            faces.push_back({corner(0, 0), corner(1, 1), corner(0, 1)});
         }
     }
     return {vertices, faces};

@@ -136,7 +136,7 @@ private:
                 const RowTrial& trial = piece.trials[t];
                 all = all && trial.is_met();
                 rows += trial.is_met() ? trial.count : 0;
-                reachable.raise(trial.distance);
+                if (!trial.is_met()) reachable.raise(trial.distance);
             }
             const std::size_t bytes = bytes_of(format, rows);
             if (!all || (best && bytes >= least_bytes)) continue;
@@ -386,7 +386,7 @@ private:
 ///            than 65,535 in sparse bindings), order_not_a_permutation, weight_not_finite
 ///            (PackReport::culprit), value_not_finite (a tolerance or reach that is no number or
 ///            negative), pose_size_differs, pose_not_finite (culprit), format_too_coarse
-///            (PackReport::distance is then what all rows would reach), cancelled, out_of_memory
+///            (PackReport::distance is then one that it can keep), cancelled, out_of_memory
 ///   cost     O(#points · #handles · (D² + #poses)); with a tolerance also O(#poses · #handles²), and
 ///            O(#points · #handles · rows) a block: 0.5 s for 8,000 points, 112 handles and 24 poses
 template <Scalar T, std::size_t D>

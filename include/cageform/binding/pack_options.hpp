@@ -69,7 +69,7 @@ struct PackReport {
     Extreme error;                ///< the largest of them
     double mean_error = 0;
     std::vector<float> distances; ///< #points: the largest one over the poses
-    /// The largest of them. With format_too_coarse, what could be reached.
+    /// The largest of them. With format_too_coarse, a tolerance that the format could keep.
     Extreme distance;
     std::size_t distance_pose = Extreme::none; ///< in which pose; none where there are no poses
     double mean_distance = 0;

@@ -76,8 +76,8 @@ struct RowTrial {
     std::size_t too_few = 0;  ///< the largest number of rows known not to do
     std::size_t count = none; ///< that keep the tolerance
     std::size_t suspect = 0;  ///< the pose that decided
-    Extreme distance;         ///< of all rows, once they were asked
-    bool given_up = false;
+    Extreme distance;         ///< the least that was met by too few
+    bool asked_all = false, given_up = false;
 
     bool is_met() const { return count != none; }
     bool is_open() const { return !is_met() && !given_up; }
@@ -171,14 +171,20 @@ private:
         return kept;
     }
 
-    /// What a coarse format loses by rounding, no further rows give back: once scalars lose little,
-    /// all rows are asked.
+    /// What a coarse format loses by rounding, no further rows give back: once that is the most of
+    /// it, all rows are asked. When depends on no limit, so what is said to be reachable is.
     void give_up(RowTrial& trial, std::size_t count, double limit) const {
-        if (trial.distance.point != Extreme::none) return;
+        PackedRows kept = rows(count);
+        packer_.restore(points_, kept);
+        const Extreme here = packer_.farthest(trial.format, points_, kept);
+        trial.distance.lower(here);
+        trial.given_up = count == pursuit_.candidates();
         RowTrial scalar(WeightFormat::scalar);
-        if (count < pursuit_.candidates() && !keeps(scalar, count, 0.25 * limit)) return;
-        trial.distance = packer_.farthest(trial.format, points_, all_);
-        trial.given_up = trial.distance.value > limit;
+        if (trial.given_up || trial.asked_all || !keeps(scalar, count, 0.25 * here.value)) return;
+        trial.asked_all = true;
+        const Extreme all = packer_.farthest(trial.format, points_, all_);
+        trial.distance.lower(all);
+        trial.given_up = all.value > limit;
     }
 
     /// Lessens the number of rows; returns the largest that is known not to do.
