@@ -14,11 +14,16 @@
 #include "coordinates.hpp"
 #include "csv.hpp"
 #include "guard.hpp"
-#include "svg_document.hpp"
+#include "svg_paint.hpp"
 
 #include <cageform/clone/clone.hpp>
 
+#include <array>
 #include <iostream>
+#include <iterator>
+#include <numbers>
+#include <optional>
+#include <utility>
 
 namespace {
 
@@ -119,6 +124,57 @@ pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
     group.append_child((detail::name_prefix(root) + "path").c_str()).append_attribute("d") =
         write_path_data(path, 1).c_str();
     return group;
+}
+
+/// A gradient of one shape, and its gradientTransform in all frames.
+struct MovedGradient {
+    std::size_t shape = 0;
+    detail::PaintServer gradient;
+    std::vector<Affine2> transforms;
+};
+
+/// The best affine map of a shape's points in a frame.
+std::optional<Affine2> best_map(std::span<const Point2> rest, std::span<const Point2> moved,
+                                const Path& path) {
+    detail::Motion motion;
+    std::size_t i = 0;
+    for (const Subpath& subpath : path) {
+        motion.add(rest[i], moved[i], 0); // a start stands for no length
+        for (std::size_t n = subpath.segments.size() * MovedShape::steps; n > 0; --n) {
+            ++i;
+            motion.add(rest[i], moved[i], std::hypot(rest[i].x - rest[i - 1].x, rest[i].y - rest[i - 1].y));
+        }
+        ++i;
+    }
+    return motion.best_map();
+}
+
+/// The four animations whose product is a map: SVG animates no matrix. Each is a type and its values.
+std::array<std::pair<const char*, std::string>, 4> animated_parts(const std::vector<Affine2>& maps) {
+    std::array<std::pair<const char*, std::string>, 4> parts{
+        {{"translate", {}}, {"rotate", {}}, {"skewX", {}}, {"scale", {}}}};
+    constexpr double degree = std::numbers::pi / 180;
+    double turn = 0;
+    const auto put = [&](const Affine2& m) {
+        const double before = turn;
+        turn = std::atan2(m.b, m.a);
+        turn +=
+            2 * std::numbers::pi * std::round((before - turn) / (2 * std::numbers::pi)); // the shorter way
+        const double along = m.c * std::cos(turn) + m.d * std::sin(turn);
+        const double across = -m.c * std::sin(turn) + m.d * std::cos(turn);
+        const double lean = std::atan(along / across);
+        const auto pair = [](double x, double y) {
+            return format_number(x, 5) + ' ' + format_number(y, 5) + ';';
+        };
+        parts[0].second += pair(m.e, m.f);
+        parts[1].second += format_number(turn / degree, 4) + ';';
+        parts[2].second += format_number(lean / degree, 4) + ';';
+        parts[3].second += pair(std::hypot(m.a, m.b), across);
+    };
+    for (const Affine2& m : maps) put(m);
+    put(maps.front()); // ends as it begins
+    for (auto& [type, values] : parts) values.pop_back();
+    return parts;
 }
 
 struct Settings {
@@ -226,10 +282,10 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     const auto seconds = format_number(file.length, 6) + 's';
     const std::string prefix = detail::name_prefix(shapes.empty() ? work.xml : shapes[0].drawn.node);
     const auto play = [&](pugi::xml_node node, const char* element, const char* attribute,
-                          const std::string& values) {
+                          const std::string& values, const char* type = "") {
         auto animation = node.append_child((prefix + element).c_str());
         animation.append_attribute("attributeName") = attribute;
-        if (std::string_view(element) == "animateTransform") animation.append_attribute("type") = "translate";
+        if (*type != 0) animation.append_attribute("type") = type;
         animation.append_attribute("dur") = seconds.c_str();
         animation.append_attribute("repeatCount") = "indefinite";
         animation.append_attribute("values") = values.c_str();
@@ -237,6 +293,10 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     const std::size_t stills = settings.stills.empty() ? 0 : settings.still_count;
     std::vector<std::vector<std::string>> data(shapes.size()); // of every shape in every frame
     std::size_t segments = 0;
+    const detail::StyleSheets styles(detail::root_element(work.xml));
+    detail::IdTable ids(detail::root_element(work.xml));
+    detail::PaintFollower paint(work, styles, ids, 0);
+    std::vector<MovedGradient> gradients;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
         std::vector<std::vector<Part>> parts; // of every subpath
         std::size_t first = shapes[s].first;
@@ -248,6 +308,12 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
             }
             ++first;
             segments += of_subpath.size();
+        }
+        std::vector<MovedGradient> own;
+        for (const char* property : {"fill", "stroke"}) {
+            if (shapes[s].drawn.clips) break; // what clips shows no paint
+            auto gradient = paint.own_gradient(shapes[s].drawn, property);
+            if (gradient) own.push_back({s, std::move(*gradient), {}});
         }
         for (const auto& at : frames) {
             Path path;
@@ -263,9 +329,23 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
             }
             const Path local = transformed(std::move(path), shapes[s].drawn.from_root);
             data[s].push_back(write_path_data(local, settings.decimals));
+            if (own.empty()) continue;
+            const detail::DrawnShape& drawn = shapes[s].drawn;
+            const auto best = best_map(std::span(points).subspan(shapes[s].first),
+                                       std::span(at).subspan(shapes[s].first), drawn.path);
+            for (MovedGradient& g : own) {
+                const Affine2 last = g.transforms.empty() ? g.gradient.transform : g.transforms.back();
+                const Affine2 map =
+                    compose(compose(drawn.from_root, best.value_or(Affine2())), drawn.to_root);
+                const detail::Box rest = detail::bounds(drawn.path, drawn.from_root);
+                const auto followed = detail::moved_gradient(g.gradient, map, rest, detail::bounds(local));
+                g.transforms.push_back(best && followed ? *followed : last);
+            }
         }
+        std::move(own.begin(), own.end(), std::back_inserter(gradients));
         detail::write_shape(shapes[s].drawn.node, data[s][0]);
     }
+    print_warnings("animate_svg", paint.warnings);
 
     pugi::xml_node ground;
     if (file.ground)
@@ -277,6 +357,9 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         const std::size_t f = n * count / stills;
         for (std::size_t s = 0; s < shapes.size(); ++s)
             detail::set_attribute(shapes[s].drawn.node, "d", data[s][f]);
+        for (const MovedGradient& g : gradients)
+            detail::set_attribute(g.gradient.chain.front(), "gradientTransform",
+                                  detail::write_transform(g.transforms[f]));
         if (ground) {
             const double x = passed * double(f) / double(count);
             detail::set_attribute(ground, "transform", "translate(" + format_number(x, 2) + ')');
@@ -287,7 +370,15 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     }
     if (ground) {
         ground.remove_attribute("transform");
-        play(ground, "animateTransform", "transform", "0 0;" + format_number(passed, 2) + " 0");
+        play(ground, "animateTransform", "transform", "0 0;" + format_number(passed, 2) + " 0", "translate");
+    }
+    for (const MovedGradient& g : gradients) {
+        pugi::xml_node node = g.gradient.chain.front();
+        detail::set_attribute(node, "gradientTransform", detail::write_transform(g.transforms[0]));
+        for (const auto& [type, values] : animated_parts(g.transforms)) {
+            play(node, "animateTransform", "gradientTransform", values, type);
+            if (type != std::string_view("translate")) node.last_child().append_attribute("additive") = "sum";
+        }
     }
     for (std::size_t s = 0; s < shapes.size(); ++s) {
         std::string values;

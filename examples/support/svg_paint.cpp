@@ -11,14 +11,6 @@ namespace detail {
 
 constexpr std::size_t max_pattern_copies = 1'000'000; // nodes
 
-/// A gradient or pattern, and those it takes attributes from.
-struct PaintFollower::Server {
-    std::vector<pugi::xml_node> chain; // itself first
-    bool is_pattern = false;
-    bool of_box = true; // its place is in units of the shape's box
-    Affine2 transform;
-};
-
 namespace {
 
 bool is_gradient(const std::string& kind) {
@@ -56,8 +48,7 @@ void PaintFollower::follow(const DrawnShape& shape, const Affine2& best, const B
     follow(shape, "stroke", shape.stroke, local, rest, moved);
 }
 
-void PaintFollower::follow(const DrawnShape& shape, const char* property, const std::string& value,
-                           const Affine2& local, const Box& rest, const Box& moved) {
+std::optional<PaintServer> PaintFollower::find(const std::string& value) {
     const std::string id = referenced_id(value);
     Server server;
     for (pugi::xml_node node = id.empty() ? pugi::xml_node() : ids_.find(id); node;) {
@@ -70,25 +61,30 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
         const std::string next = reference_of(node);
         node = next.starts_with('#') ? ids_.find(next.substr(1)) : pugi::xml_node();
     }
-    if (server.chain.empty()) return;
+    if (server.chain.empty()) return std::nullopt;
     const char* const name = server.is_pattern ? "patternTransform" : "gradientTransform";
     const auto transform = parse_transform(chain_text(server, name));
     if (!transform) {
         warnings.push_back(label(document_, server.chain.front()) + ": " + name + ": " +
                            transform.error().message);
-        return;
+        return std::nullopt;
     }
     server.transform = *transform;
     server.of_box =
         chain_text(server, server.is_pattern ? "patternUnits" : "gradientUnits") != "userSpaceOnUse";
-    const bool has_area = rest.width() > 0 && rest.height() > 0 && moved.width() > 0 && moved.height() > 0;
-    if (rest.empty() || moved.empty() || (server.of_box && !has_area)) return;
+    return server;
+}
+
+void PaintFollower::follow(const DrawnShape& shape, const char* property, const std::string& value,
+                           const Affine2& local, const Box& rest, const Box& moved) {
+    const auto server = find(value);
+    if (!server) return;
+    if (rest.empty() || moved.empty()) return;
 
     // Where the paint goes by itself: nowhere, or with the box.
-    const auto from_box = server.of_box ? inverse(from_unit_square(rest)) : Affine2();
-    const auto from_moved = server.of_box ? inverse(from_unit_square(moved)) : Affine2();
-    if (!from_box || !from_moved) return;
-    const Affine2 by_itself = server.of_box ? compose(from_unit_square(moved), *from_box) : Affine2();
+    const auto from_rest = inverse(from_unit_square(rest));
+    if (server->of_box && !from_rest) return;
+    const Affine2 by_itself = server->of_box ? compose(from_unit_square(moved), *from_rest) : Affine2();
     double missed = 0;
     for (const Point2& p : rest.corners()) {
         const Point2 a = apply(shape.to_root, apply(local, p));
@@ -98,14 +94,41 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     if (!(missed > tolerance_)) return;
 
     std::string fresh;
-    if (server.is_pattern) {
-        fresh = copy_of_pattern(server, compose(local, server.transform), rest);
-    } else {
-        const Affine2 units =
-            compose(compose(*from_moved, local), server.of_box ? from_unit_square(rest) : Affine2());
-        fresh = copy_of_gradient(server, compose(units, server.transform));
+    if (server->is_pattern) {
+        fresh = copy_of_pattern(*server, compose(local, server->transform), rest);
+    } else if (const auto transform = moved_gradient(*server, local, rest, moved)) {
+        fresh = copy_of_gradient(*server, *transform);
     }
     if (!fresh.empty()) styles_.set(shape.node, property, with_referenced_id(value, fresh));
+}
+
+std::optional<Affine2> moved_gradient(const PaintServer& gradient, const Affine2& local, const Box& rest,
+                                      const Box& moved) {
+    if (!gradient.of_box) return compose(local, gradient.transform);
+    const auto from_moved = inverse(from_unit_square(moved)); // nothing without an area
+    if (!from_moved) return std::nullopt;
+    return compose(compose(*from_moved, compose(local, from_unit_square(rest))), gradient.transform);
+}
+
+std::optional<PaintServer> PaintFollower::own_gradient(const DrawnShape& shape, const char* property) {
+    const std::string& value = property == std::string_view("fill") ? shape.fill : shape.stroke;
+    auto server = find(value);
+    if (server && server->is_pattern) {
+        warnings.push_back(label(document_, shape.node) + ": its pattern stays where it is");
+    }
+    if (!server || server->is_pattern) return std::nullopt;
+    const pugi::xml_node copy = add_copy(server->chain.front());
+    styles_.set(shape.node, property, with_referenced_id(value, attribute_text(copy, "id")));
+    server->chain.insert(server->chain.begin(), copy);
+    return server;
+}
+
+pugi::xml_node PaintFollower::add_copy(pugi::xml_node original) {
+    const std::string id = attribute_text(original, "id");
+    pugi::xml_node copy = original.parent().insert_child_after(original.name(), original);
+    ids_.name(copy, id);
+    set_attribute(copy, reference_name(root_element(document_.xml)).c_str(), '#' + escaped(id));
+    return copy;
 }
 
 std::string PaintFollower::copy_of_gradient(const Server& gradient, const Affine2& transform) {
@@ -114,9 +137,8 @@ std::string PaintFollower::copy_of_gradient(const Server& gradient, const Affine
     const std::string map = write_transform(transform);
     std::string& copy_id = copies_[id + ' ' + map];
     if (!copy_id.empty()) return copy_id;
-    pugi::xml_node copy = original.parent().insert_child_after(original.name(), original);
-    copy_id = ids_.name(copy, id);
-    set_attribute(copy, reference_name(root_element(document_.xml)).c_str(), '#' + escaped(id));
+    pugi::xml_node copy = add_copy(original);
+    copy_id = attribute_text(copy, "id");
     set_attribute(copy, "gradientTransform", map);
     return copy_id;
 }

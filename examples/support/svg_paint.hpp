@@ -6,6 +6,7 @@
 #include "svg_walk.hpp"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,20 @@
 namespace cageform_examples {
 
 namespace detail {
+
+/// A gradient or pattern, and those it takes attributes from.
+struct PaintServer {
+    std::vector<pugi::xml_node> chain; // itself first
+    bool is_pattern = false;
+    bool of_box = true; // its place is in units of the shape's box
+    Affine2 transform;  // its own
+};
+
+/// The gradientTransform by which a gradient goes where a map takes its shape.
+///   local         the map in the shape's own user space
+///   rest, moved   the shape's box in that space, before and after; nothing where it needs an area and has none
+std::optional<Affine2> moved_gradient(const PaintServer& gradient, const Affine2& local, const Box& rest,
+                                      const Box& moved);
 
 /// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the best
 /// affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its own. A copy
@@ -29,14 +44,20 @@ public:
     ///   rest, moved   the shape's box in its own user space, before and after
     void follow(const DrawnShape& shape, const Affine2& best, const Box& rest, const Box& moved);
 
+    /// A gradient with an id of its own for an animation of a shape's fill or stroke, which then refers to it;
+    /// nothing where the property has no gradient. Of a pattern there is a warning.
+    std::optional<PaintServer> own_gradient(const DrawnShape& shape, const char* property);
+
     std::vector<std::string> warnings;
 
 private:
-    struct Server;
+    using Server = PaintServer;
 
+    std::optional<PaintServer> find(const std::string& value);
     void follow(const DrawnShape& shape, const char* property, const std::string& value, const Affine2& local,
                 const Box& rest, const Box& moved);
     std::string copy_of_pattern(const Server& pattern, const Affine2& transform, const Box& rest);
+    pugi::xml_node add_copy(pugi::xml_node original);
     std::string copy_of_gradient(const Server& gradient, const Affine2& transform);
     std::string chain_text(const Server& server, const char* name) const;
 

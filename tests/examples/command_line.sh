@@ -595,6 +595,16 @@ works "an ending in capitals" "$deform" "$cat" --cage "$cage" --pose "$pose" -o 
 works "a cat that walks" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 12 -o walk.svg --stills still_ --still-count 2
 [ "$(grep -c '<animate ' walk.svg)" -ge 1 ] && [ -s still_01.svg ] && [ -s still_02.svg ] && ok=yes || ok=no
 report $ok "the walk and two stills are there"
+# the gradient of the fur: the product of its four animations begins as its gradientTransform
+grep -o '<linearGradient id="fur-2".*' walk.svg | head -1 | tr '<' '\n' | grep -oE 'gradientTransform="[^"]*"|type="[a-zA-Z]*"|values="[^;]*' | tr -d '"' >gradient
+awk -F'[=() ]' '/^gradientTransform=m/ { for (k = 1; k < 7; k++) m[k] = $(k + 2) } /^type/ { type = $2 } /^values/ { u[type] = $2; v[type] = $3; n++ }
+  function off(x, y) { return (x - y) ^ 2 > 1e-6 }
+  END { r = u["rotate"] * atan2(0, -1) / 180; t = u["skewX"] * atan2(0, -1) / 180; t = sin(t) / cos(t)
+        exit n != 4 || off(m[1], u["scale"] * cos(r)) || off(m[2], u["scale"] * sin(r)) || off(m[3], v["scale"] * (t * cos(r) - sin(r))) ||
+             off(m[4], v["scale"] * (t * sin(r) + cos(r))) || off(m[5], u["translate"]) || off(m[6], v["translate"]) }' gradient && ok=yes || ok=no
+report $ok "gradients are animated"
+grep -q 'gradientTransform="matrix' still_02.svg && ok=yes || ok=no
+report $ok "gradients follow in stills"
 sed 's|</svg>|<path d="M -900 0 L -800 0 L -800 50 Z"/></svg>|' "$cat" >stray.svg
 for type in mean-value harmonic; do
   works "a stray shape, $type" "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 --coordinates $type -o walk.svg
