@@ -5,7 +5,8 @@
 #include <cageform/grid/detail/equations.hpp>
 #include <cageform/grid/detail/node_values.hpp>
 
-#include <Eigen/Cholesky>
+#include <cmath>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -15,26 +16,15 @@ public:
 
     template <std::size_t D>
     explicit DenseSolver(const Equations<D>& e) {
-        const auto n = Eigen::Index(e.nodes.count());
-        Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
+        const std::size_t n = e.nodes.count();
+        std::vector<double> matrix(n * n);
         e.nodes.for_each([&](const auto& index, std::uint32_t node) {
             for (std::size_t p = 0; p < Places<D>::count; ++p) {
                 const auto m = e.nodes.find(shifted<D>(index, Places<D>::offset(p)));
-                if (m != grid::NodeRuns<D>::none)
-                    a(Eigen::Index(node), Eigen::Index(m)) += e.stencil(node)[p];
+                if (m != grid::NodeRuns<D>::none) matrix[node * n + m] += e.stencil(node)[p];
             }
         });
-        const Eigen::LLT<Eigen::MatrixXd> llt(a);
-        if (llt.info() != Eigen::Success) return;
-        const Eigen::MatrixXd factor = llt.matrixL();
-        for (Eigen::Index i = 0; i < n; ++i) {
-            for (Eigen::Index j = 0; j < i; ++j) factor_.push_back(float(factor(i, j) / factor(i, i)));
-            factor_.push_back(float(1 / factor(i, i)));
-        }
-        for (Eigen::Index i = n; i-- > 0;) {
-            for (Eigen::Index j = i + 1; j < n; ++j) factor_.push_back(float(factor(j, i) / factor(i, i)));
-            factor_.push_back(float(1 / factor(i, i)));
-        }
+        if (factorise(matrix.data(), n)) store(matrix.data(), n);
     }
 
     /// Whether there are no factors: none were asked for, or the matrix has none.
@@ -60,6 +50,33 @@ public:
     std::size_t bytes() const noexcept { return factor_.size() * sizeof(float); }
 
 private:
+    /// A = L Lᵀ, L over the lower half of A, row by row; false where A is not positive definite.
+    static bool factorise(double* a, std::size_t n) noexcept {
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t j = 0; j <= i; ++j) {
+                double sum = a[i * n + j];
+                for (std::size_t k = 0; k < j; ++k) sum -= a[i * n + k] * a[j * n + k];
+                if (i == j && !(sum > 0)) return false;
+                a[i * n + j] = i == j ? std::sqrt(sum) : sum / a[j * n + j];
+            }
+        }
+        return true;
+    }
+
+    void store(const double* factor, std::size_t n) {
+        const auto put = [&](double x) { factor_.push_back(float(x)); };
+        for (std::size_t i = 0; i < n; ++i) {
+            const double pivot = factor[i * n + i];
+            for (std::size_t j = 0; j < i; ++j) put(factor[i * n + j] / pivot);
+            put(1 / pivot);
+        }
+        for (std::size_t i = n; i-- > 0;) {
+            const double pivot = factor[i * n + i];
+            for (std::size_t j = i + 1; j < n; ++j) put(factor[j * n + i] / pivot);
+            put(1 / pivot);
+        }
+    }
+
     std::vector<float> factor_; ///< rows of L, then its columns from the last, as `solve` reads them
 };
 
