@@ -8,11 +8,10 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
+#include <cageform/core/detail/orthonormal_rows.hpp>
 #include <cageform/grid/corner_errors.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/multigrid.hpp>
-
-#include <Eigen/Cholesky>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
@@ -354,16 +353,16 @@ private:
     /// Least squares: the share of each node around in every coefficient, (SᵀS)⁻¹ Sᵀ, S the
     /// functions at the nodes.
     static void fit_to_nodes(Treated& t, const NodeRuns<2>& nodes) {
-        const auto count = long(t.corner.count());
-        Eigen::MatrixXd s(long(t.around.size()), count);
-        for (long i = 0; i < s.rows(); ++i) {
-            const auto node = t.around[std::size_t(i)].node;
-            const auto f = t.corner.functions(node_position<2>(nodes.index(node)));
-            for (long k = 0; k < count; ++k) s(i, k) = f[std::size_t(k) + 1];
+        const std::size_t count = t.corner.count();
+        std::vector<Vec<double, Corner::most>> s;
+        for (const Around& node : t.around) {
+            const auto f = t.corner.functions(node_position<2>(nodes.index(node.node)));
+            std::copy(f.begin() + 1, f.begin() + 1 + std::ptrdiff_t(count), s.emplace_back().v);
         }
-        const Eigen::MatrixXd shares = (s.transpose() * s).ldlt().solve(s.transpose());
-        for (long i = 0; i < s.rows(); ++i) {
-            for (long k = 0; k < count; ++k) t.fit.push_back(shares(k, i));
+        const detail::OrthonormalRows<Corner::most> rows(std::move(s));
+        for (std::size_t i = 0; i < t.around.size(); ++i) {
+            const auto shares = detail::coefficients(rows.triangle(), rows[i]);
+            t.fit.insert(t.fit.end(), shares.v, shares.v + count);
         }
     }
 

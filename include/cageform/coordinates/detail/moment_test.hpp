@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/detail/compensated_sum.hpp>
-#include <cageform/coordinates/detail/orthonormal_rows.hpp>
+#include <cageform/core/detail/orthonormal_rows.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

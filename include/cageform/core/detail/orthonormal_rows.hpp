@@ -60,4 +60,14 @@ std::array<X, K> in_basis(const Vec<Vec<S, K>, K>& triangle, const std::array<X,
     return z;
 }
 
+/// R⁻¹ z: what the columns of A are multiplied by to make Q z; 0 for directions without extent.
+template <std::size_t K>
+Vec<double, K> coefficients(const Vec<Vec<double, K>, K>& triangle, Vec<double, K> z) noexcept {
+    for (std::size_t k = K; k-- > 0;) {
+        for (std::size_t j = k + 1; j < K; ++j) z[k] -= triangle[j][k] * z[j];
+        z[k] *= triangle[k][k];
+    }
+    return z;
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail
