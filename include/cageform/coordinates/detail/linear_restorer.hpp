@@ -3,8 +3,8 @@
 
 #include <cageform/coordinates/detail/affine_rows.hpp>
 #include <cageform/coordinates/detail/compensated_sum.hpp>
-#include <cageform/core/detail/orthonormal_rows.hpp>
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/detail/orthonormal_rows.hpp>
 #include <cageform/core/detail/simd_sqrt.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
