@@ -16,7 +16,6 @@ foreach(header IN LISTS waist)
 endforeach()
 # Third-party headers, by folder.
 set(third_party_adapt Eigen/ glm/)
-set(third_party_coordinates Eigen/)
 set(third_party_binding Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)

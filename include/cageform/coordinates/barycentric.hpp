@@ -2,61 +2,83 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/core/detail/orthonormal_rows.hpp>
 #include <cageform/core/detail/simd.hpp>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <numeric>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-// Of any dimension, so that a program has them once; templates, so that a program without simplices
-// does not have them.
+/// The edges from one vertex of a simplex to others, a column an edge, a row an axis.
+template <std::size_t D>
+OrthonormalRows<D> edges_of_simplex(std::span<const Vec<double, D>> vertices, std::size_t from,
+                                    std::span<const std::size_t> to) {
+    std::vector<Vec<double, D>> rows(D);
+    for (std::size_t k = 0; k < to.size(); ++k) {
+        for (std::size_t axis = 0; axis < D; ++axis)
+            rows[axis][k] = vertices[to[k]][axis] - vertices[from][axis];
+    }
+    return OrthonormalRows<D>(std::move(rows));
+}
 
-/// The gradients of the barycentric coordinates of a simplex: (D + 1) × D, from its vertices, D ×
-/// (D + 1). Empty where the simplex has no volume to working precision.
-template <class Number>
-Eigen::MatrixX<Number> simplex_gradients(const Eigen::MatrixX<Number>& vertices) {
-    const long d = vertices.rows();
-    const Eigen::FullPivLU<Eigen::MatrixX<Number>> lu(vertices.leftCols(d).colwise() - vertices.col(d));
-    if (!lu.isInvertible()) return {};
-    Eigen::MatrixX<Number> gradients(d + 1, d);
-    gradients.topRows(d) = lu.inverse();
-    gradients.row(d) = -gradients.topRows(d).colwise().sum();
+/// The gradients of the barycentric coordinates of a simplex, a vector a vertex. Empty where the
+/// simplex has no volume to working precision.
+template <std::size_t D>
+std::vector<Vec<double, D>> simplex_gradients(std::span<const Vec<double, D>> vertices) {
+    std::array<std::size_t, D> others;
+    std::iota(others.begin(), others.end(), std::size_t{0});
+    const auto edges = edges_of_simplex<D>(vertices, D, others);
+    std::vector<Vec<double, D>> gradients(D + 1);
+    for (std::size_t axis = 0; axis < D; ++axis) {
+        if (edges.triangle()[axis][axis] == 0) return {};
+        const auto inverse = coefficients(edges.triangle(), edges[axis]);
+        for (std::size_t k = 0; k < D; ++k) {
+            gradients[k][axis] = inverse[k];
+            gradients[D][axis] -= inverse[k];
+        }
+    }
     return gradients;
 }
 
 /// The barycentric coordinates of the point on the boundary of a simplex that is nearest to `p`:
 /// the least projection of `p` onto the span of a face that lies in the face.
-template <class Number>
-Eigen::VectorX<Number> nearest_on_simplex_boundary(const Eigen::MatrixX<Number>& vertices,
-                                                   const Eigen::MatrixX<Number>& p) {
-    const long d = vertices.rows();
-    Number least = std::numeric_limits<Number>::max();
-    Eigen::VectorX<Number> best = Eigen::VectorX<Number>::Zero(d + 1);
-    for (unsigned face = 1; face + 1 < (1u << (d + 1)); ++face) {
-        std::vector<long> corner;
-        for (long i = 0; i <= d; ++i) {
+template <std::size_t D>
+Vec<double, D + 1> nearest_on_simplex_boundary(std::span<const Vec<double, D>> vertices,
+                                               const Vec<double, D>& p) {
+    double least = -1; // none found yet
+    Vec<double, D + 1> best{};
+    for (unsigned face = 1; face + 1 < (1u << (D + 1)); ++face) {
+        std::vector<std::size_t> corner;
+        for (std::size_t i = 0; i <= D; ++i) {
             if ((face >> i) & 1u) corner.push_back(i);
         }
-        const long edges = long(corner.size()) - 1;
-        const Eigen::MatrixX<Number> base = vertices.col(corner[0]);
-        Eigen::MatrixX<Number> span(d, edges);
-        for (long k = 0; k < edges; ++k)
-            span.col(k) = vertices.col(corner[std::size_t(k) + 1]) - vertices.col(corner[0]);
-        const Eigen::MatrixX<Number> across = span.transpose();
-        const Eigen::MatrixX<Number> s =
-            Eigen::MatrixX<Number>(across * span)
-                .ldlt()
-                .solve(Eigen::MatrixX<Number>(across * Eigen::MatrixX<Number>(p - base)));
-        if ((edges > 0 && s.minCoeff() < 0) || s.sum() > 1) continue;
-        const Number distance = Eigen::MatrixX<Number>(base + span * s - p).stableNorm();
-        if (distance >= least) continue;
+        const std::span<const std::size_t> others(corner.begin() + 1, corner.end());
+        const auto edges = edges_of_simplex<D>(vertices, corner[0], others);
+        const Vec<double, D> away = p - vertices[corner[0]];
+        Vec<double, D> projected{};
+        for (std::size_t axis = 0; axis < D; ++axis) projected = projected + away[axis] * edges[axis];
+        const auto shares = coefficients(edges.triangle(), projected);
+        Vec<double, D + 1> found{};
+        Vec<double, D> left = away;
+        double first = 1;
+        bool inside = true;
+        for (std::size_t k = 0; k < others.size(); ++k) {
+            found[others[k]] = shares[k];
+            left = left - shares[k] * (vertices[others[k]] - vertices[corner[0]]);
+            first -= shares[k];
+            inside = inside && shares[k] >= 0;
+        }
+        if (!inside || first < 0) continue;
+        found[corner[0]] = first;
+        double distance = 0;
+        for (std::size_t axis = 0; axis < D; ++axis) distance = std::hypot(distance, left[axis]);
+        if (least >= 0 && distance >= least) continue; // infinite where p is out of reach
         least = distance;
-        best.setZero();
-        best[corner[0]] = 1 - s.sum();
-        for (long k = 0; k < edges; ++k) best[corner[std::size_t(k) + 1]] = s(k, 0);
+        best = found;
     }
     return best;
 }
@@ -135,11 +157,11 @@ public:
     }
 
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
-        const auto best = detail::nearest_on_simplex_boundary(matrix(handles()), matrix(std::span(&p, 1)));
+        const auto best = detail::nearest_on_simplex_boundary<D>(in_unit(handles()), in_unit(p));
         Vec<double, D> q{};
         for (std::size_t i = 0; i <= D; ++i) {
-            row[i] = static_cast<T>(best[long(i)]);
-            q = q + best[long(i)] * vec_cast<double>(vertices_[i]);
+            row[i] = static_cast<T>(best[i]);
+            q = q + best[i] * vec_cast<double>(vertices_[i]);
         }
         return vec_cast<T>(q);
     }
@@ -147,13 +169,14 @@ public:
 private:
     using Simd = detail::Simd<T>;
 
-    /// A column a point.
-    static Eigen::MatrixXd matrix(std::span<const Vec<T, D>> points) {
-        auto columns = Eigen::MatrixXd::Zero(long(D), long(points.size())).eval();
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            for (std::size_t k = 0; k < D; ++k) columns(long(k), long(i)) = double(points[i][k]);
-        }
-        return columns;
+    /// Places as seen from the last vertex, in units of the simplex.
+    Vec<double, D> in_unit(const Vec<T, D>& p) const noexcept {
+        return (1 / unit_) * (vec_cast<double>(p) - vec_cast<double>(vertices_.back()));
+    }
+    std::vector<Vec<double, D>> in_unit(std::span<const Vec<T, D>> points) const {
+        std::vector<Vec<double, D>> places;
+        for (const auto& p : points) places.push_back(in_unit(p));
+        return places;
     }
 
     void prepare() {
@@ -163,14 +186,16 @@ private:
             if (!is_finite(vertices_[i])) report_.add(CageFaultKind::vertex_not_finite, i);
         }
         if (report_.status != Status::ok) return;
-        const auto gradients = detail::simplex_gradients(matrix(handles()));
-        if (gradients.size() == 0) return report_.add(CageFaultKind::degenerate_simplex);
+        unit_ = double(bounds_of(handles()).diagonal());
+        if (!(unit_ > 0)) return report_.add(CageFaultKind::degenerate_simplex);
+        const auto gradients = detail::simplex_gradients<D>(in_unit(handles()));
+        if (gradients.empty()) return report_.add(CageFaultKind::degenerate_simplex);
         // The gradient of β_k is one over the height of vertex k above the opposite face.
-        const double tolerance = coincidence_tolerance(bounds_of(handles()));
+        const double tolerance = coincidence_tolerance(bounds_of(handles())) / unit_;
         for (std::size_t k = 0; k <= D; ++k) {
             for (std::size_t axis = 0; axis < D; ++axis)
-                gradient_[k][axis] = static_cast<T>(gradients(long(k), long(axis)));
-            const double inverse_height = gradients.row(long(k)).norm();
+                gradient_[k][axis] = static_cast<T>(gradients[k][axis] / unit_);
+            const double inverse_height = std::sqrt(dot(gradients[k], gradients[k]));
             if (!(tolerance * inverse_height < 1)) return report_.add(CageFaultKind::degenerate_simplex);
             on_face_[k] = static_cast<T>(tolerance * inverse_height);
         }
@@ -226,6 +251,7 @@ private:
 
     std::vector<Vec<T, D>> vertices_;
     CageReport report_;
+    double unit_ = 1;
     std::array<Vec<T, D>, D + 1> gradient_{};
     std::array<T, D + 1> on_face_{};
 };
