@@ -1,11 +1,18 @@
 #include "cage_file.hpp"
 #include "bind_report.hpp"
+#include "clip_file.hpp"
 
 #include "catch.hpp"
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <random>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cage_file_tests {
@@ -139,6 +146,72 @@ TEST_CASE("points are read with the columns of the cage", "[examples][cage]") {
     CHECK(p == std::array<double, 3>{1, 2, -30});
     CHECK(detail::parse_point<3>("1,2", p) == "2 columns where a cage in space needs three: x,y,z");
     CHECK(detail::parse_point<3>("1,2,", p) == "not a number: \"\"");
+}
+
+TEST_CASE("lines are taken off a text as std::getline takes them", "[examples][csv][property]") {
+    const auto seed = GENERATE(range(0, 50));
+    CAPTURE(seed);
+    std::mt19937 random(static_cast<unsigned>(seed));
+    std::string text;
+    for (auto n = random() % 20; n > 0; --n) text += "a\n\r\n"[random() % 4];
+    std::istringstream stream(text);
+    std::string_view rest = text, line;
+    for (std::string expected; std::getline(stream, expected);) {
+        REQUIRE(take_line(rest, line));
+        CHECK(line == expected);
+    }
+    CHECK_FALSE(take_line(rest, line));
+}
+
+TEST_CASE("points are read in batches, whatever pieces the file comes in", "[examples][csv][property]") {
+    const auto seed = GENERATE(range(0, 6));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    std::vector<std::array<double, 2>> points(1 + random() % 9000);
+    std::string text = seed % 2 == 0 ? "x,y\r\n" : "";
+    for (auto& [x, y] : points) {
+        x = double(random() % 100000) / 8;
+        y = -double(random() % 1000000);
+        std::ostringstream row;
+        row << std::setprecision(17) << x << ", " << y;
+        if (random() % 500 == 0) text += "# " + std::string(random() % 70000, '-') + '\n';
+        text += row.str() + (random() % 2 == 0 ? "\n" : " \r\n\n");
+    }
+    while (seed % 3 == 0 && text.back() < ' ') text.pop_back(); // no end of the last line
+    const auto path = std::filesystem::temp_directory_path() /
+                      ("cageform-points-" + std::to_string(std::random_device()()) + ".csv");
+    std::ofstream(path, std::ios::binary) << text;
+    const auto whole = read_file(path.string());
+    PointReader<2> reader(path.string());
+    std::vector<std::array<double, 2>> batch, all;
+    while (reader.read(batch, 1 + random() % 4000)) {
+        CHECK(reader.fraction() <= 1);
+        all.insert(all.end(), batch.begin(), batch.end());
+    }
+    std::filesystem::remove(path);
+    CHECK(reader.error().empty());
+    CHECK(all == points);
+    REQUIRE(whole);
+    CHECK(*whole == text);
+}
+
+TEST_CASE("a file that cannot be read is no empty file", "[examples][csv]") {
+    for (const std::string path : {".", "no/such/file", "/proc/self/mem"}) {
+        if (path == "/proc/self/mem" && !std::filesystem::exists(path)) continue; // not Linux
+        CAPTURE(path);
+        const std::string why = path == "."      ? ": is a folder"
+                                : path[0] == 'n' ? ": no such file"
+                                                 : ": cannot be read: ";
+        const auto says = [&](const std::string& message) { return message.rfind(path + why, 0) == 0; };
+        CHECK(says(PointReader<2>(path).error()));
+        const auto text = read_file(path);
+        const auto cage = read_cage_csv(path);
+        const auto clip = load_clip(path, 4);
+        const auto poses = load_pose_clip(path, 4);
+        REQUIRE_FALSE((text || cage || clip || poses));
+        for (const SvgError& error : {text.error(), cage.error(), clip.error(), poses.error()})
+            CHECK(says(to_string(error)));
+    }
 }
 
 TEST_CASE("of many faults the first are listed and the others counted", "[examples][cage]") {

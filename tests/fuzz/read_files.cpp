@@ -6,12 +6,14 @@
 //             -lpugixml -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
-// Readers: cage (CSV), clip, poses, obj, svg.
+// Readers: cage (CSV), clip, css, poses, obj, svg.
 #include "cage_file.hpp"
 #include "clip_file.hpp"
 #include "gltf_file.hpp"
 #include "mesh_cage.hpp"
 #include "svg_document.hpp"
+
+#include <cageform/animate/import/css.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -117,12 +119,27 @@ void read_svg(const std::string& text) {
     (void)taken(figure_vertices(*document));
 }
 
+void read_css(const std::string& text) {
+    const auto easing = cageform::parse_css_easing(text);
+    REQUIRE(easing.error_at <= text.size());
+    if (easing.status != cageform::Status::ok) return;
+    const auto written = cageform::to_css(easing.curve);
+    // What is told level or too large by the difference of the keys has no text.
+    if (written.status != cageform::Status::ok) return;
+    const auto again = cageform::parse_css_easing(written.text);
+    REQUIRE(again.status == cageform::Status::ok && again.curve.points == easing.curve.points);
+}
+
 struct Reader {
     void (*read)(const std::string&);
     std::vector<std::string> seeds;
 };
 const std::map<std::string, Reader>& readers() {
     static const std::map<std::string, Reader> all{
+        {"css",
+         {read_css,
+          {"cubic-bezier(0.8, -.3,+2e-1,1.3)", "/* a */ Ease-In-Out ", "cubic-bezier(1e-400,1e308,1,-1e999)",
+           "linear", "cubic-bezier(0,0,1.0000000000000001,1"}}},
         {"cage",
          {read_cage,
           {"x,y\n0,0\n4,0\n4,4\n0,4\n\n1,1\n1,2\n2,2\n\n# chain\n0,0\n3,1\n\n# point 0.5\n3,3\n",
