@@ -501,6 +501,8 @@ std::vector<LottieCurve> read_lottie(const std::string& path) {
         auto curves = lottie_curves(file);
         if (curves.empty()) throw Refused(path + ": no number in it is animated");
         return curves;
+    } catch (const std::length_error& error) {
+        throw Refused(path + ": " + error.what());
     } catch (const Json::exception& error) {
         throw Refused(path + ": a keyframe is not as Lottie has it: " + plain(error));
     }

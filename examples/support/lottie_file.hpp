@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -75,8 +76,10 @@ inline void add_lottie_intervals(const nlohmann::ordered_json& keys, const std::
 }
 
 inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::string& path, std::string layer,
-                              std::vector<LottieCurve>& curves) {
+                              std::vector<LottieCurve>& curves, int depth = 0) {
+    constexpr int deepest = 200; // of files by hand and by programs, some dozens
     if (!json.is_structured()) return;
+    if (depth > deepest) throw std::length_error("nested too deeply");
     if (json.is_object() && json.contains("nm") && json.at("nm").is_string())
         layer += (layer.empty() ? "" : ", ") + json.at("nm").get<std::string>();
     const auto keys = json.is_object() ? json.find("k") : json.end();
@@ -86,13 +89,13 @@ inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::str
         return;
     }
     for (const auto& [name, part] : json.items())
-        add_lottie_curves(part, path.empty() ? name : path + "/" + name, layer, curves);
+        add_lottie_curves(part, path.empty() ? name : path + "/" + name, layer, curves, depth + 1);
 }
 
 } // namespace detail
 
 /// All intervals of animated numbers, in the order of the file. Throws nlohmann's exceptions where a keyframe is not
-/// as it has to be.
+/// as it has to be, std::length_error where parts are nested deeper than 200.
 inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file) {
     std::vector<LottieCurve> curves;
     detail::add_lottie_curves(file, "", "", curves);

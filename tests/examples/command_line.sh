@@ -484,6 +484,8 @@ refuses 'the value is held' "$curve" --lottie ball.json --curve layers/0/ks/r/k/
 refuses 'no curve is "layers"' "$curve" --lottie ball.json --curve layers --pieces 3 --json out.json
 refuses '--lottie needs --curve' "$curve" --lottie ball.json --pieces 3 --json out.json
 refuses '--curve needs --lottie' "$curve" --css ease --curve x --pieces 3 --json out.json
+awk 'BEGIN { for (i = 0; i < 100000; ++i) printf "["; for (i = 0; i < 100000; ++i) printf "]" }' >deep.json
+refuses 'deep.json: nested too deeply' "$curve" --lottie deep.json
 refuses 'bad.json: no number in it is animated' sh -c "echo '{}' >bad.json; '$curve' --lottie bad.json"
 sed 's/"t": 30/"t": null/' ball.json >bad.json
 refuses 'bad.json: a keyframe is not as Lottie has it: type must be number, but is null' "$curve" --lottie bad.json

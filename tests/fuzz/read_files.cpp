@@ -2,22 +2,23 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
-//             examples/support/{bind_report,cage_file,clip_file,csv,input_file,mesh_cage,obj_file,svg_*}.cpp
+//             examples/support/{atomic_file,bind_report,cage_file,clip_file,csv,input_file,mesh_cage,obj_file,render,svg_*}.cpp
 //             -lpugixml -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
-// Readers: cage (CSV), clip, css, poses, obj, svg.
+// Readers: cage (CSV), clip, css, lottie, poses, obj. SVG has a driver of its own.
 #include "cage_file.hpp"
 #include "clip_file.hpp"
 #include "gltf_file.hpp"
+#include "lottie_file.hpp"
 #include "mesh_cage.hpp"
-#include "svg_document.hpp"
 
 #include <cageform/animate/import/css.hpp>
 
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -110,13 +111,14 @@ void read_obj(const std::string& text) {
         REQUIRE(mesh->corners.at(mesh->indices[n][0]).vertex == file->triangles[n / 3][n % 3]);
 }
 
-void read_svg(const std::string& text) {
-    const auto document = parse_svg(text, "file.svg");
-    if (!taken(document)) return;
-    (void)to_text(*document);
-    (void)taken(view_box(*document));
-    (void)taken(first_polygon(*document));
-    (void)taken(figure_vertices(*document));
+void read_lottie(const std::string& text) {
+    using Json = nlohmann::ordered_json;
+    const Json json = Json::parse(text, nullptr, false);
+    if (json.is_discarded()) return;
+    try {
+        for (const LottieCurve& curve : lottie_curves(json)) REQUIRE(!describe(curve).empty());
+    } catch (const Json::exception&) {
+    } catch (const std::length_error&) {}
 }
 
 void read_css(const std::string& text) {
@@ -163,15 +165,12 @@ const std::map<std::string, Reader>& readers() {
            "\xef\xbb\xbfo a\n#x\nv 1e308 -1e308 \\\n1e-308\nv 1e39 +1 .5\nv 2 2 2\nf 1 2 3 # c\ns "
            "off\nusemtl m\n",
            "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 1 0\nv 0 2 0\nv 0 0 0\nf 1 2 3 4 5\nf 1 6 1\n"}}},
-        {"svg",
-         {read_svg,
-          {"<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\"><g transform=\"rotate(9) "
-           "scale(2,1e-9)\">"
-           "<polygon points=\"0,0 1,0 1,1\"/><rect width=\"50%\" height=\"2cm\" rx=\"1\"/></g><use "
-           "href=\"#a\"/>"
-           "<path id=\"a\" d=\"m0 0h1v1Q1 2 3 4t5 5A1 2 3 0 1 9 9z\"/></svg>",
-           "<?xml version=\"1.0\"?><!DOCTYPE svg [<!ENTITY e \"x\">]><svg><use id=\"u\" "
-           "href=\"#u\"/></svg>"}}}};
+        {"lottie",
+         {read_lottie,
+          {R"({"layers":[{"nm":"ball","ks":{"r":{"a":1,"k":[{"t":0,"s":[0],"e":[90],"i":{"x":[0.8],"y":[1]},)"
+           R"("o":{"x":[0.2],"y":[0]}},{"t":30,"s":[90],"h":1},{"t":31}]},"p":{"k":[{"t":0,"s":[1,2,3],)"
+           R"("to":[1,0,0],"ti":[0,0,0],"i":{"x":0.5,"y":1},"o":{"x":0.5,"y":0}},{"t":1e9,"s":[4,5,6]}]}}}]})",
+           R"({"k":[{"t":-1e308,"s":1e308,"o":{"x":null,"y":[]}},{"t":1e308,"s":-1e308}]})", "[[[[{}]]]]"}}}};
     return all;
 }
 
