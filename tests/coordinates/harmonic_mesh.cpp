@@ -271,6 +271,18 @@ TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
     CHECK(worst.handles[0] != worst.handles[1]);
 }
 
+TEST_CASE("a grid in space that takes more than the limit is refused before it is tried",
+          "[coordinates][harmonic][mesh][memory]") {
+    const auto mesh = random_mesh(3).mesh<double>();
+    const Points3<double> points{mesh[0]};
+    const auto most = evaluate_all(HarmonicCoordinates(mesh, {.resolution = 1024}), points);
+    CHECK(most.status() == Status::out_of_memory);
+    CHECK(most.evaluation.solver.bytes > HarmonicOptions{}.memory_limit);
+    const HarmonicOptions options{.resolution = most.evaluation.solver.sufficient_resolution};
+    CHECK(options.resolution > 64);
+    CHECK(options.resolution < 1024);
+}
+
 TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[grid][mesh][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);

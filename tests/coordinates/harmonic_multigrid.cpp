@@ -195,6 +195,37 @@ TEST_CASE("the multigrid's memory is stated beforehand", "[coordinates][harmonic
     CHECK(Harmonic<double>(cage, {.resolution = 4}).solver_memory().block == 0);
 }
 
+TEST_CASE("a grid that takes more than the limit is refused before it is tried",
+          "[coordinates][harmonic][memory]") {
+    const int seed = GENERATE(0, 1, 2, 3);
+    const Polygon<double> cage(random_star<double>(std::uint64_t(seed)));
+    const Points2<double> points = points_in(cage, 4, 1);
+    const auto solver =
+        GENERATE(cageform::HarmonicSolver::multigrid, cageform::HarmonicSolver::averaging_pyramid);
+    CAPTURE(seed, solver);
+    HarmonicOptions options{.solver = solver, .resolution = 16384};
+    const auto most = evaluate_all(Harmonic<double>(cage, options), points);
+    CHECK(most.status() == Status::out_of_memory);
+    CHECK(most.evaluation.solver.bytes > options.memory_limit);
+    if (solver == cageform::HarmonicSolver::averaging_pyramid) return;
+
+    options.resolution = 1000;
+    options.memory_limit = 20'000'000;
+    const auto refused = evaluate_all(Harmonic<double>(cage, options), points).evaluation.solver;
+    REQUIRE(refused.sufficient_resolution >= 8);
+    REQUIRE(refused.sufficient_resolution < 1000);
+    options.resolution = refused.sufficient_resolution;
+    Harmonic<double> fits(cage, options);
+    const auto memory = fits.solver_memory();
+    CHECK(memory.hierarchy + memory.block <= options.memory_limit);
+    CHECK(memory.hierarchy + memory.block >= options.memory_limit / 3);
+    CHECK(evaluate_all(fits, points).status() == Status::ok);
+    if (cage.size() <= 16) return;
+    const auto kept = fits.solve(); // several groups of functions do not fit
+    CHECK(kept.status == Status::out_of_memory);
+    CHECK(kept.solver.bytes > options.memory_limit);
+}
+
 TEST_CASE("treating the corners is what makes points near them right", "[coordinates][harmonic][corners]") {
     for (const char* name : {"l_shape", "star", "hole_square_square_hole"}) {
         CAPTURE(name);

@@ -88,6 +88,20 @@ concept DifferentiableSolver = CageSolver<S> &&
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
 };
 
+namespace detail {
+
+/// That of a solver's options; none where they have none.
+template <class Options>
+std::size_t memory_limit([[maybe_unused]] const Options& options) noexcept {
+    if constexpr (requires { options.memory_limit; }) {
+        return options.memory_limit;
+    } else {
+        return std::numeric_limits<std::size_t>::max();
+    }
+}
+
+} // namespace detail
+
 /// A choice that is none: the one solver given.
 template <CageSolver S>
 struct OnlySolver {

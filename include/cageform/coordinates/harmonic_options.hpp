@@ -21,6 +21,9 @@ struct MultigridOptions {
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
     std::size_t resolution = 128; ///< cells along the cage's longest side: 8 … 16384, in space 8 … 1024
+    /// In bytes. What takes more on one thread (hierarchy and block, with `solve` the functions kept)
+    /// is refused before it is tried. The default is 8 GiB, 1 GiB where addresses have 32 bits.
+    std::size_t memory_limit = std::size_t{1} << (sizeof(std::size_t) > 4 ? 33 : 30);
     MultigridOptions multigrid{};
 
     // Of the averaging pyramid alone; its resolution counts a margin of four cells.

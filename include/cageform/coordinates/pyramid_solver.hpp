@@ -19,6 +19,12 @@ public:
         const std::size_t resolution = problem.options.resolution;
         if (resolution < 8 || resolution > 16384) return Status::resolution_not_supported;
         if (!(problem.options.averaging.tolerance > 0)) return Status::tolerance_not_positive;
+        const auto lattice = grid::lattice_about(bounds_of(problem.cage.vertices()), resolution);
+        const double bytes = double(lattice.size()) * bytes_of_cell(width(problem));
+        if (bytes > double(problem.options.memory_limit)) {
+            report.bytes = std::size_t(std::min(bytes, double(std::numeric_limits<std::size_t>::max() / 2)));
+            return Status::out_of_memory;
+        }
         made.emplace(problem);
         const grid::GridDomain<T, 2>& domain = made->domain_;
         report.crowded_cells = domain.crowded_cells;
@@ -35,9 +41,8 @@ public:
     /// At most: a pyramid has four thirds of the cells of its finest level.
     SolverMemory memory() const noexcept {
         const std::size_t cells = domain_.tags.size();
-        constexpr std::size_t of_pyramid = sizeof(T) + sizeof(grid::CellTag) + 2 * sizeof(std::size_t);
         return {cells + domain_.places.size() * (sizeof(std::size_t) + sizeof(BoundaryPoint<T>)),
-                cells * (width() * sizeof(T) + of_pyramid * 4 / 3)};
+                std::size_t(double(cells) * bytes_of_cell(width()))};
     }
 
     // ---- groups
@@ -125,8 +130,14 @@ public:
     void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
 
 private:
-    std::size_t width() const noexcept {
-        return std::clamp<std::size_t>(problem_.options.handles_at_once, 1, problem_.cage.size());
+    static std::size_t width(const Problem& problem) noexcept {
+        return std::clamp<std::size_t>(problem.options.handles_at_once, 1, problem.cage.size());
+    }
+    std::size_t width() const noexcept { return width(problem_); }
+    /// In a block.
+    static double bytes_of_cell(std::size_t functions) noexcept {
+        constexpr double of_pyramid = sizeof(T) + sizeof(grid::CellTag) + 2 * sizeof(std::size_t);
+        return double(functions) * sizeof(T) + of_pyramid * 4 / 3;
     }
 
     const Problem& problem_;

@@ -46,8 +46,10 @@ struct SolverReport {
     std::size_t crowded_cells = 0;  ///< cells that hold edges without a common vertex
 
     // Of what is refused.
-    std::size_t unseen_handle = none;      ///< grid_too_coarse: the first handle whose data meets no link
-    std::size_t sufficient_resolution = 0; ///< and a resolution at which all are; 0: none is offered
+    std::size_t unseen_handle = none; ///< grid_too_coarse: the first handle whose data meets no link
+    /// A resolution that would do, where grid_too_coarse or out_of_memory say that the given one does
+    /// not; 0: none is offered. With out_of_memory `bytes` is what was asked for, if known.
+    std::size_t sufficient_resolution = 0;
     std::size_t culprit = none; ///< rim_not_given, value_not_finite: the place (grid/dirichlet.hpp)
 
     /// Where the largest error is to be feared, of error 0 where nowhere; with a resolution at which

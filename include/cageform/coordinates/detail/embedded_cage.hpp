@@ -39,8 +39,8 @@ public:
 
     /// Lays the cage of a problem whose options have a `resolution` into a lattice of that.
     ///
-    ///   fails  resolution_not_supported; grid_too_coarse, with the handle and a resolution that
-    ///          would do in `report`
+    ///   fails  resolution_not_supported; out_of_memory, with what it takes and a resolution that
+    ///          would do in `report`; grid_too_coarse, with the handle and such a resolution
     template <class Problem>
     static Status make(const Problem& problem, SolverReport& report, std::optional<EmbeddedCage>& made) {
         const std::size_t resolution = problem.options.resolution;
@@ -52,6 +52,9 @@ public:
         if (!(lattice.spacing > 4 * rounding) ||
             lattice.spacing < 1e-290) // squares of it are to be normal numbers
             return Status::resolution_not_supported;
+        const GridMemory memory(problem.cage, bounds);
+        const std::size_t limit = memory_limit(problem.options);
+        if (memory.bytes(resolution) > double(limit)) return refuse_memory(memory, resolution, limit, report);
         Boundary boundary(problem.cage, lattice);
         const auto crossings = boundary.crossings();
         report.unseen_handle = first_unseen(problem, boundary, crossings);
@@ -59,7 +62,8 @@ public:
             made.emplace(problem.cage, problem.tolerance, std::move(boundary), crossings);
             return Status::ok;
         }
-        for (std::size_t finer = 2 * resolution; finer <= most_resolution; finer *= 2) {
+        for (std::size_t finer = 2 * resolution;
+             finer <= most_resolution && memory.bytes(finer) <= double(limit); finer *= 2) {
             const Boundary there(problem.cage, lattice_on(bounds, finer));
             if (first_unseen(problem, there, there.crossings()) != SolverReport::none) continue;
             report.sufficient_resolution = finer;
@@ -132,6 +136,40 @@ public:
     }
 
 private:
+    /// What hierarchy and block take at any resolution, by the cage's volume and surface.
+    class GridMemory {
+    public:
+        GridMemory(const C& cage, const Bounds<T, D>& bounds)
+            : vertices_(cage.size()) {
+            const auto crossings = Boundary(cage, lattice_on(bounds, counted_at)).crossings();
+            for (const auto& along : crossings) crossings_ += double(along.size());
+            for_each_inner_interval<D>(
+                crossings[0], [this](const auto& a, const auto& b) { volume_ += b.position - a.position; });
+        }
+        double bytes(std::size_t resolution) const noexcept {
+            // Of an unknown, a crossing, a treated corner: as measured (g++ 12, 64 bits).
+            constexpr double of_unknown = 300, of_crossing = D == 2 ? 1500 : 800, of_corner = 130e3;
+            const double finer = double(resolution) / double(counted_at);
+            const double surface = D == 2 ? finer : finer * finer, unknowns = volume_ * surface * finer;
+            const double corners = D == 2 ? std::min(of_corner * double(vertices_), 256 * unknowns) : 0;
+            return of_unknown * unknowns + of_crossing * crossings_ * surface + corners;
+        }
+
+    private:
+        static constexpr std::size_t counted_at = 64;
+        std::size_t vertices_;
+        double volume_ = 0, crossings_ = 0; ///< on a lattice of that resolution
+    };
+    static Status refuse_memory(const GridMemory& memory, std::size_t resolution, std::size_t limit,
+                                SolverReport& report) noexcept {
+        constexpr auto most = double(std::numeric_limits<std::size_t>::max() / 2);
+        report.bytes = std::size_t(std::min(memory.bytes(resolution), most));
+        std::size_t fits = resolution;
+        while (fits >= least_resolution && memory.bytes(fits) > double(limit)) fits -= 1 + fits / 64;
+        report.sufficient_resolution = fits >= least_resolution ? fits : 0;
+        return Status::out_of_memory;
+    }
+
     /// The first handle that no node feels.
     template <class Problem>
     static std::size_t first_unseen(const Problem& problem, const Boundary& boundary,

@@ -27,6 +27,12 @@ struct Solution {
 
     /// Solves all functions and keeps them.
     Status solve(SolverReport& into, const Running& running) {
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): solved once it is made
+        const double kept = 0.5 * double(solver->memory().block) * double(solver->groups());
+        if (double(into.bytes) + kept > double(memory_limit(problem->options))) {
+            into.bytes += std::size_t(kept);
+            return Status::out_of_memory;
+        }
         functions.resize(solver->groups());
         const Status status = grid::solve_groups(
             *solver, into,
