@@ -243,6 +243,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     bind_options.outside = settings.outside.policy(*coordinates);
     const auto [binding, report] = coordinates->bind(points, bind_options);
     if (report.status != cageform::Status::ok) return fail(describe_faults(settings.cage, report));
+    warn_of_coarse_grid("animate_svg", settings.cage, report.solver);
     const auto outside = settings.outside.judge(*coordinates, report, points, settings.figure, settings.cage);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) std::cerr << "animate_svg: warning: " << outside.warning << '\n';

@@ -130,6 +130,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     bind_options.outside = cageform::OutsidePoints::keep_in_place;
     const auto bound = coordinates->bind(figure.vertices, bind_options);
     if (bound.report.status != Status::ok) return fail(describe_mesh_faults(cage.name, bound.report));
+    warn_of_coarse_grid("bind_mesh", cage.name, bound.report.solver);
     if (!bound.report.outside.empty() || !bound.report.unreached.empty()) {
         const auto& first = bound.report.outside.empty() ? bound.report.unreached : bound.report.outside;
         return fail(std::to_string(bound.report.outside.size()) + " vertices of " + figure.name +

@@ -97,6 +97,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
         total.cage = coordinates.cage_report;
         total.solver = evaluation.solver;
         if (evaluation.status != cageform::Status::ok) return refuse(total);
+        warn_of_coarse_grid("cage_weights", settings.cage_path, total.solver);
         total.seconds = evaluation.solver.seconds;
     }
     std::string text = "status";

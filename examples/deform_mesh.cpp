@@ -47,6 +47,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const ObjFile& 
     }
     const auto& report = bound.report;
     if (report.status != cageform::Status::ok) return fail(describe_mesh_faults(cage.name, report));
+    warn_of_coarse_grid("deform_mesh", cage.name, report.solver);
     const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) std::cerr << "deform_mesh: warning: " << outside.warning << '\n';

@@ -115,6 +115,7 @@ int run_program(int argc, char** argv) {
         last.cage = coordinates->cage_report;
         last.solver = evaluation.solver;
         if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage_path, last));
+        warn_of_coarse_grid("deform_svg", cage_path, last.solver);
     }
     cageform::BindOptions bind_options;
     bind_options.outside = outside.policy(*coordinates);

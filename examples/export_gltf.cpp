@@ -319,6 +319,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     }
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
+    warn_of_coarse_grid("export_gltf", cage.name, report.solver);
     const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) std::cerr << "export_gltf: warning: " << outside.warning << '\n';

@@ -1,6 +1,7 @@
 #include "bind_report.hpp"
 
 #include <algorithm>
+#include <iomanip>
 #include <iostream>
 #include <sstream>
 
@@ -57,6 +58,14 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
         if (report.solver.sufficient_resolution != 0)
             text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " sees it";
     }
+    if (report.status == cageform::Status::out_of_memory && report.solver.bytes != 0) {
+        std::ostringstream need;
+        need << std::setprecision(2) << std::fixed << ": the grid takes "
+             << double(report.solver.bytes) / (1 << 30) << " GiB, more than is available";
+        text += need.str();
+        if (report.solver.sufficient_resolution != 0)
+            text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " fits";
+    }
     std::size_t count = 0;
     for (const auto& fault : report.cage.faults) {
         if (cageform::status_of(fault.kind) == cageform::Status::ok || ++count > most_listed) continue;
@@ -65,6 +74,33 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
             text += ": --coordinates harmonic takes them";
     }
     return count > most_listed ? text + "\n  and " + std::to_string(count - most_listed) + " more" : text;
+}
+
+std::string describe_corners(const cageform::SolverReport& solver) {
+    const auto worst = solver.worst_corner();
+    if (worst.error <= worst.notable) return {};
+    const auto more = std::count_if(solver.corners.begin(), solver.corners.end(),
+                                    [](const auto& corner) { return corner.error > corner.notable; }) -
+                      1;
+    const auto& [i, j] = worst.handles;
+    std::ostringstream text;
+    text << std::setprecision(2) << "the grid is coarse for ";
+    if (i == j) {
+        text << "the corner at vertex " << i;
+    } else {
+        text << "the edge between vertices " << i << " and " << j;
+    }
+    text << " (counted from 0)";
+    if (more > 0) text << " and " << more << " more";
+    text << ": weights there may be off by up to " << worst.error << " (an estimate)";
+    if (worst.resolution != 0)
+        text << "; less than " << worst.notable << " at --resolution " << worst.resolution;
+    return text.str();
+}
+
+void warn_of_coarse_grid(const char* program, const std::string& cage, const cageform::SolverReport& solver) {
+    const std::string text = describe_corners(solver);
+    if (!text.empty()) std::cerr << program << ": warning: " << cage << ": " << text << '\n';
 }
 
 std::string describe(const cageform::BindReport& report) {
@@ -105,6 +141,14 @@ std::string describe(const cageform::BindReport& report) {
              << report.solver.cycles << " cycles, error " << report.solver.error_estimate << " (never above "
              << report.solver.error_bound << "), convergence factor " << report.solver.convergence_factor
              << ", " << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
+        const auto worst = report.solver.worst_corner();
+        const std::string coarse = describe_corners(report.solver);
+        text << "corners and edges: ";
+        if (coarse.empty()) {
+            text << "weights there are off by up to " << worst.error << " (an estimate)\n";
+        } else {
+            text << coarse << '\n';
+        }
     } else if (report.solver.solves > 0) {
         text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "
              << report.solver.sweeps << " sweeps of the finest grid, last mean change "

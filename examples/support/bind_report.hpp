@@ -16,6 +16,13 @@ std::string describe_fault(const cageform::CageFault& fault);
 /// One line per fault of the cage that prevents a bind: "cat_cage.svg: edges cross or touch (3, 7)".
 std::string describe_faults(const std::string& name, const cageform::BindReport& report);
 
+/// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": of what no grid that was used is fine
+/// enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0, as everywhere here.
+std::string describe_corners(const cageform::SolverReport& solver);
+
+/// Warns of that on stderr.
+void warn_of_coarse_grid(const char* program, const std::string& cage, const cageform::SolverReport& solver);
+
 /// The report of a bind for people.
 std::string describe(const cageform::BindReport& report);
 

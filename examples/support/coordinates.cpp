@@ -3,6 +3,9 @@
 #include "mesh_cage.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <optional>
 
 namespace cageform_examples {
 
@@ -43,8 +46,20 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         .show_default("multigrid");
 }
 
+/// In bytes, where the system tells (Linux).
+std::optional<std::size_t> available_memory() {
+    std::ifstream file("/proc/meminfo");
+    std::string line;
+    std::size_t kilobytes = 0;
+    while (std::getline(file, line)) {
+        if (std::sscanf(line.c_str(), "MemAvailable: %zu kB", &kilobytes) == 1) return kilobytes * 1024;
+    }
+    return std::nullopt;
+}
+
 cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimension) const {
     cageform::HarmonicOptions options = harmonic;
+    options.memory_limit = available_memory().value_or(options.memory_limit);
     options.resolution = resolution != 0 ? resolution : dimension == 2 ? 128 : 64;
     return options;
 }

@@ -96,6 +96,12 @@ refuses 'not defined outside' "$deform" "$cat" --cage "$data/man_cage.svg" --pos
 refuses 'simplex' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates barycentric -o out.svg
 refuses 'wachspress' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates wachspress -o out.svg
 refuses 'resolution' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 3 -o out.svg
+works "a coarse grid" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 32 -o out.svg
+grep -q 'warning: .*the grid is coarse for the corner at vertex 19 .*off by up to 0.0.* at --resolution 79$' log && ok=yes || ok=no
+report $ok "a coarse grid is warned of, with a resolution that will do"
+works "a finer grid" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 79 -o out.svg
+grep -q 'the grid is coarse' log && ok=no || ok=yes
+report $ok "that resolution will do"
 refuses '--pose' "$deform" "$cat" --cage "$cage" -o out.svg
 refuses 'missing/out.svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o missing/out.svg
 works "points outside" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" -o outside.svg
