@@ -104,7 +104,14 @@ int run_program(int argc, char** argv) {
     }
     if (!failure.empty()) return fail(failure);
 
-    Picture fine(width, height);
+    // On the right of the field the bar that its colours are read by.
+    const double letter = std::max(2.0, double(size) / 225); // a seventh of a letter's height
+    const auto beside = 2 * std::size_t(28 * letter);
+    Picture fine(width + beside, height);
+    const Axis bar{least, largest > least ? largest : least + 1, 0.96 * double(height),
+                   0.04 * double(height)};
+    const int most_marks = std::clamp(int((bar.begin - bar.end) / (16 * letter)), 1, 10);
+    draw_colour_bar(fine, bar, marks_of(bar, most_marks), double(width) + 4 * letter, 12 * letter, letter);
     const auto level = [&](std::size_t i) { return std::floor(values[i] * 10 + 1e-9); };
     for (std::size_t y = 0; y < height; ++y) {
         for (std::size_t x = 0; x < width; ++x) {
@@ -130,9 +137,9 @@ int run_program(int argc, char** argv) {
     fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
     fine.line(at, at, 24, boundary_hue(1));
 
-    Picture picture(width / 2, height / 2);
-    for (std::size_t y = 0; y < height / 2; ++y) {
-        for (std::size_t x = 0; x < width / 2; ++x) {
+    Picture picture(fine.width() / 2, height / 2);
+    for (std::size_t y = 0; y < picture.height(); ++y) {
+        for (std::size_t x = 0; x < picture.width(); ++x) {
             picture.at(x, y) = mix(mix(fine.at(2 * x, 2 * y), fine.at(2 * x + 1, 2 * y), 0.5f),
                                    mix(fine.at(2 * x, 2 * y + 1), fine.at(2 * x + 1, 2 * y + 1), 0.5f), 0.5f);
         }
