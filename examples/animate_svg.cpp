@@ -14,6 +14,8 @@
 #include "coordinates.hpp"
 #include "csv.hpp"
 #include "guard.hpp"
+#include "progress_bar.hpp"
+#include "render.hpp"
 #include "svg_paint.hpp"
 
 #include <cageform/clone/clone.hpp>
@@ -179,6 +181,8 @@ std::array<std::pair<const char*, std::string>, 4> animated_parts(const std::vec
 
 struct Settings {
     std::string figure, cage, clip, out, stills;
+    std::vector<std::string> films;
+    std::size_t width = 800; // of films
     double rate = 60, tolerance = 0.2;
     std::size_t still_count = 12;
     int decimals = 1;
@@ -193,6 +197,9 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     if (!(frame_count <= most_frames))
         return fail(settings.clip + ": its length takes " + detail::short_number(frame_count) +
                     " frames; 100000 at most, a smaller --rate takes fewer");
+    if (!settings.films.empty() && frame_count > 3600)
+        return fail(settings.clip + ": its length takes " + detail::short_number(frame_count) +
+                    " frames; a film has 3600 at most, a smaller --rate takes fewer");
     const double passed = file.ground ? file.ground->speed * file.length : 0;
     const auto view = view_box(document);
     if (file.ground && !view) return fail(to_string(view.error()));
@@ -352,10 +359,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     if (file.ground)
         ground =
             draw_ground(work, file.ground->y, std::fabs(passed) > 0 ? std::fabs(passed) : view->width / 8);
-    OutputFiles outputs;
-    // Stills first, by their places; then what moves.
-    for (std::size_t n = 0; n < stills; ++n) {
-        const std::size_t f = n * count / stills;
+    const auto text_of_frame = [&](std::size_t f) {
         for (std::size_t s = 0; s < shapes.size(); ++s)
             detail::set_attribute(shapes[s].drawn.node, "d", data[s][f]);
         for (const MovedGradient& g : gradients)
@@ -365,9 +369,24 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
             const double x = passed * double(f) / double(count);
             detail::set_attribute(ground, "transform", "translate(" + format_number(x, 2) + ')');
         }
-        const std::string number = std::to_string(n + 1);
-        const std::string path = settings.stills + (n < 9 ? "0" : "") + number + ".svg";
-        outputs.add(path).write(to_text(work));
+        return to_text(work);
+    };
+    OutputFiles outputs;
+    // Stills and films first, by their places; then what moves.
+    for (std::size_t n = 0; n < stills; ++n) {
+        const std::string path = settings.stills + (n < 9 ? "0" : "") + std::to_string(n + 1) + ".svg";
+        outputs.add(path).write(text_of_frame(n * count / stills));
+    }
+    for (const std::string& path : settings.films) {
+        ProgressBar bar(path);
+        const auto tell = bar.callback();
+        Film film(outputs, path, double(count) / file.length, int(settings.width));
+        for (std::size_t f = 0; f < count && !outputs.error(); ++f) {
+            film.add_frame(text_of_frame(f));
+            if (tell) tell(double(f + 1) / double(count));
+        }
+        film.finish();
+        if (const auto error = outputs.error()) return fail(*error);
     }
     if (ground) {
         ground.remove_attribute("transform");
@@ -413,6 +432,17 @@ int run_program(int argc, char** argv) {
     line.add("--still-count", settings.still_count, "how many, equally far apart")
         .range(1, 99)
         .show_default();
+    const auto add_film = [&](const std::string& name, const std::string& help,
+                              const std::vector<std::string>& endings) {
+        line.add_text(
+                "--" + name, [&](const std::string& path) { settings.films.push_back(path); },
+                "also write " + help + ", by ffmpeg where it is installed")
+            .ends_with(endings);
+    };
+    add_film("gif", "a GIF of the frames", {".gif"});
+    add_film("apng", "an animated PNG", {".png", ".apng"});
+    add_film("mp4", "a video", {".mp4"});
+    line.add("--width", settings.width, "of these, in pixels").range(16, 8192).show_default();
     settings.outside.add_option(line);
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + clip_format);

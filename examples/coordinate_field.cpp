@@ -108,8 +108,7 @@ int run_program(int argc, char** argv) {
     const double letter = std::max(2.0, double(size) / 225); // a seventh of a letter's height
     const auto beside = 2 * std::size_t(28 * letter);
     Picture fine(width + beside, height);
-    const Axis bar{least, largest > least ? largest : least + 1, 0.96 * double(height),
-                   0.04 * double(height)};
+    const Axis bar{least, std::max(largest, 1.0), 0.96 * double(height), 0.04 * double(height)};
     const int most_marks = std::clamp(int((bar.begin - bar.end) / (16 * letter)), 1, 10);
     draw_colour_bar(fine, bar, marks_of(bar, most_marks), double(width) + 4 * letter, 12 * letter, letter);
     const auto level = [&](std::size_t i) { return std::floor(values[i] * 10 + 1e-9); };

@@ -1,42 +1,121 @@
 #include "render.hpp"
 
-#include <cerrno>
-#include <cstring>
+#include "plot.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace cageform_examples {
 
-std::string run_rsvg(std::vector<std::string> options, int in, int out) {
-    options.insert(options.begin(), "rsvg-convert");
+/// Starts a program that is found on the PATH, of a Debian package; -1 for a stream that stays ours. The fault, or
+/// nothing.
+static std::string start(std::vector<std::string> words, const char* package, int input, int output,
+                         pid_t& child) {
     std::vector<char*> arguments;
-    for (std::string& word : options) arguments.push_back(word.data());
+    for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
-    if (in >= 0) posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-    pid_t child = 0;
-    const int spawned = posix_spawnp(&child, "rsvg-convert", &actions, nullptr, arguments.data(), environ);
+    if (input >= 0) posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    if (output >= 0) posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    const int spawned = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
-    if (spawned == ENOENT) return "rsvg-convert (librsvg2-bin) is not installed";
-    if (spawned != 0) return "cannot start rsvg-convert: " + std::string(std::strerror(spawned));
+    if (spawned == ENOENT) return words[0] + " (" + package + ") is not installed";
+    return spawned == 0 ? "" : "cannot start " + words[0] + ": " + std::strerror(spawned);
+}
+
+static bool ends_well(pid_t child) {
     int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-    const bool good = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    return good ? "" : "rsvg-convert could not render it";
+    while (waitpid(child, &status, 0) < 0) {
+        if (errno != EINTR) return false;
+    }
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+static std::vector<std::string> picture_options(int width) {
+    return {"--background-color", "white", "--keep-aspect-ratio", "--width", std::to_string(width)};
+}
+
+std::string run_rsvg(std::vector<std::string> options, int in, int out) {
+    options.insert(options.begin(), "rsvg-convert");
+    pid_t child = 0;
+    const std::string fault = start(std::move(options), "librsvg2-bin", in, out, child);
+    return !fault.empty() || ends_well(child) ? fault : "rsvg-convert could not render it";
 }
 
 void add_png(OutputFiles& outputs, AtomicFile& svg, int width) {
     AtomicFile& png = outputs.add(std::filesystem::path(svg.path()).replace_extension(".png"));
     if (svg.finish() || png.error()) return;
-    const std::string fault = run_rsvg({"--background-color", "white", "--keep-aspect-ratio", "--width",
-                                        std::to_string(width), "--", svg.temporary().string()},
-                                       -1, png.descriptor());
+    std::vector<std::string> options = picture_options(width);
+    options.insert(options.end(), {"--", svg.temporary().string()});
+    const std::string fault = run_rsvg(std::move(options), -1, png.descriptor());
     if (!fault.empty()) png.refuse(fault);
+}
+
+Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width)
+    : file_(outputs.add(path))
+    , width_(width) {
+    if (file_.error()) return;
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+        file_.refuse(std::strerror(errno));
+        return;
+    }
+    pipe_ = ends[1];
+    std::vector<std::string> words{
+        "ffmpeg",     "-hide_banner", "-loglevel",           "error", "-nostdin", "-y", "-f",
+        "image2pipe", "-framerate",   text_of("%.6g", rate), "-c:v",  "png",      "-i", "pipe:0"};
+    std::string ending = std::filesystem::path(path).extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending == ".gif") { // of at most 256 colours, which are chosen for all frames
+        words.insert(words.end(), {"-vf",
+                                   "fps=" + text_of("%.6g", std::min(rate, 50.0)) +
+                                       ",split[a][b];[a]palettegen[p];[b][p]paletteuse",
+                                   "-loop", "0", "-f", "gif"});
+    } else if (ending == ".mp4") { // what plays everywhere has an even width and height
+        words.insert(words.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p",
+                                   "-movflags", "+faststart", "-f", "mp4"});
+    } else {
+        words.insert(words.end(), {"-plays", "0", "-f", "apng"});
+    }
+    words.push_back("file:" + file_.temporary().string());
+    const std::string fault = start(words, "ffmpeg", ends[0], -1, ffmpeg_);
+    close(ends[0]);
+    if (fault.empty()) return;
+    ffmpeg_ = 0;
+    file_.refuse(fault);
+}
+
+void Film::add_frame(const std::string& svg) {
+    if (file_.error()) return;
+    std::FILE* const text = std::tmpfile(); // has no name
+    if (text == nullptr) return file_.refuse(std::strerror(errno));
+    const bool written = std::fwrite(svg.data(), 1, svg.size(), text) == svg.size() && std::fflush(text) == 0;
+    std::rewind(text);
+    const std::string fault = written ? run_rsvg(picture_options(width_), fileno(text), pipe_)
+                                      : "a frame cannot be written to a temporary file";
+    std::fclose(text);
+    if (!fault.empty()) file_.refuse(fault);
+}
+
+void Film::finish() {
+    if (pipe_ >= 0) close(pipe_);
+    pipe_ = -1;
+    if (ffmpeg_ == 0) return;
+    if (!ends_well(ffmpeg_)) file_.refuse("ffmpeg could not make it");
+    ffmpeg_ = 0;
+    std::error_code none;
+    if (file_.error()) std::filesystem::remove(file_.temporary(), none); // it may have come after the refusal
 }
 
 } // namespace cageform_examples

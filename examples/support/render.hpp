@@ -1,11 +1,13 @@
 #pragma once
 
-// SVG to PNG through librsvg's own program, started without a shell.
+// SVG to PNG through librsvg's own program, and PNGs to films through ffmpeg; both started without a shell.
 
 #include "atomic_file.hpp"
 
 #include <string>
 #include <vector>
+
+#include <sys/types.h>
 
 namespace cageform_examples {
 
@@ -22,5 +24,28 @@ void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 ///   in, out   descriptors that it reads an SVG from, -1 for none, and writes to
 ///   returns   empty, or why there is nothing: it is not installed, or cannot render what it read
 std::string run_rsvg(std::vector<std::string> options, int in, int out);
+
+/// A film that repeats without end, by the ending of its name: .gif, .mp4, else an animated PNG. Frames go from
+/// rsvg-convert to ffmpeg by a pipe: nothing lies about in between.
+///
+///   rate    frames a second; a GIF has 50 at most
+///   width   in pixels; on white
+///   fails   where a program is not there or fails: then the outputs' commit() says so, and nothing is written
+class Film {
+public:
+    Film(OutputFiles& outputs, const std::string& path, double rate, int width);
+    Film(const Film&) = delete;
+    Film& operator=(const Film&) = delete;
+    ~Film() { finish(); }
+
+    void add_frame(const std::string& svg);
+    void finish(); ///< after the last frame
+
+private:
+    AtomicFile& file_;
+    int width_;
+    int pipe_ = -1; ///< to ffmpeg
+    pid_t ffmpeg_ = 0;
+};
 
 } // namespace cageform_examples

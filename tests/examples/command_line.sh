@@ -623,6 +623,28 @@ refuses 'stray.svg lie outside the cage' "$animate" stray.svg --cage "$cage" --c
 refuses 'not defined outside' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --coordinates harmonic --outside extend -o out.svg
 refuses 'the same file as ' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 -o out.01.svg --stills out. --still-count 1
 
+# Films, by a stand-in for ffmpeg that writes down what it is given: its last word is the file.
+mkdir -p stand_in none
+cat >stand_in/ffmpeg <<'END'
+#!/bin/sh
+for word in "$@"; do out=${word#file:}; done
+printf '%s\n' "$*" >words
+cat >"$out"
+END
+chmod +x stand_in/ffmpeg
+for kind in gif apng mp4; do
+  works "a $kind" env PATH="$work/stand_in:$PATH" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 --width 64 -o walk.svg --$kind "a \$(touch stray) film.$kind"
+  [ "$(tr -d '\0' <"a \$(touch stray) film.$kind" | grep -ac 'IHDR')" = 5 ] && [ ! -e stray ] && grep -q -- "-framerate 2.08333 .* -f $kind file:" words && ok=yes || ok=no
+  report $ok "its five frames are pictures, and its name is no command"
+done 2>/dev/null
+ln -s "$(command -v rsvg-convert)" none/rsvg-convert
+refuses 'ffmpeg (ffmpeg) is not installed' env PATH="$work/none" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --gif out.gif
+rm none/rsvg-convert
+ln -s "$work/stand_in/ffmpeg" none/ffmpeg
+refuses 'rsvg-convert (librsvg2-bin) is not installed' env PATH="$work/none" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --gif out.gif
+printf '#!/bin/sh\nexit 1\n' >stand_in/ffmpeg
+refuses 'cannot write out.mp4: ' env PATH="$work/stand_in:$PATH" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --mp4 out.mp4
+refuses '"out.avi" does not end with .mp4' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" -o out.svg --mp4 out.avi
 clip() { # LENGTH TIMES…   a control whose keys have these times
   echo "length,$1"; shift
   echo 'control,a'; echo 'vertices,0'
