@@ -472,7 +472,7 @@ double natural_spline_error(const BezierCurve& curve, const std::vector<double>&
         c[3] = end;
         sum += fitter.cost(pieces[i]);
     }
-    return std::sqrt(sum);
+    return std::sqrt(fitter.in_units(sum));
 }
 
 std::vector<std::string> summaries;
