@@ -7,6 +7,8 @@
 #include <cageform/binding/detail/order_by_place.hpp>
 #include <cageform/binding/pack_options.hpp>
 
+#include <memory>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T, std::size_t D>
@@ -95,7 +97,7 @@ private:
         order_ = options_.order.empty() ? order_by_place<T, D>(binding_.rest)
                                         : std::vector(options_.order.begin(), options_.order.end());
         if (!is_permutation(order_)) return Status::order_not_a_permutation;
-        if (keeps_distance()) square_loss_.emplace(moments_, loss_);
+        if (keeps_distance()) square_loss_ = std::make_unique<const SquareLoss<D>>(moments_, loss_);
         Status status =
             for_each_block(blocks_, running_.part(0, 0.7), [this](std::size_t begin, std::size_t end) {
                 for (std::size_t b = begin; b < end; ++b) choose_rows(b);
@@ -361,7 +363,7 @@ private:
     Moments<D> moments_;
     WeightLoss<D> loss_;
     BlockPacker<T, D> packer_{binding_, moments_, loss_};
-    std::optional<SquareLoss<D>> square_loss_; ///< where a distance is kept
+    std::unique_ptr<const SquareLoss<D>> square_loss_; ///< where a distance is kept
     WeightFormat format_;
     std::vector<std::uint32_t> order_, row_begin_;
     std::uint64_t rows_ = 0;
