@@ -391,6 +391,7 @@ private:
 ///            (PackReport::distance is then one that it can keep), cancelled, out_of_memory
 ///   cost     O(#points · #handles · (D² + #poses)); with a tolerance also O(#poses · #handles²), and
 ///            O(#points · #handles · rows) a block: 0.5 s for 8,000 points, 112 handles and 24 poses
+///   memory   with a tolerance over poses #handles² numbers, besides what is packed
 template <Scalar T, std::size_t D>
 PackResult<T, D> pack(const BindingView<T, D>& binding, const PackOptions& options = {},
                       const Running& running = {}) {
