@@ -377,7 +377,7 @@ done
 printf '%s\n' 'v 0 0 0' 'v 4 0 0' 'v 0 4 0' 'v 0 0 4' 'f 1 3 2' 'f 1 2 4' 'f 2 3 4' 'f 3 1 4' >tetrahedron.obj
 printf 'x,y,z\n1,0.5,2\n' >point.csv
 works "weights of a tetrahedron" "$weights" --cage tetrahedron.obj --points point.csv --coordinates barycentric -o w.csv
-sed -n 2p w.csv | tr ',' ' | awk '{ split("0.125 0.25 0.125 0.5", w, " "); for (k = 1; k <= 4; k++) if (($(k + 1) - w[k]) ^ 2 > 1e-30) bad = 1 }
+sed -n 2p w.csv | awk -F, '{ split("0.125 0.25 0.125 0.5", w, " "); for (k = 1; k <= 4; k++) if (($(k + 1) - w[k]) ^ 2 > 1e-30) bad = 1 }
   END { exit bad || NR != 1 || NF != 5 || $1 != "inside" }' && ok=yes || ok=no # to rounding: a solve by orthonormal rows
 report $ok "barycentric coordinates of a tetrahedron"
 refuses 'not a simplex (8, 4)' "$weights" --cage box.obj --points points.csv --coordinates barycentric -o out.csv
