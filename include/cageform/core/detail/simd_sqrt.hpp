@@ -4,8 +4,10 @@
 
 #include <cageform/core/detail/simd.hpp>
 
-#if CAGEFORM_REGISTER_BYTES != 0 && (defined(__x86_64__) || defined(__i386__))
-#include <immintrin.h>
+#if CAGEFORM_REGISTER_BYTES == 16 && defined(__SSE2__)
+#include <emmintrin.h>
+#elif CAGEFORM_REGISTER_BYTES > 16 && defined(__SSE2__)
+#include <immintrin.h> // 40,000 lines
 #else
 #include <cmath>
 #endif
