@@ -51,13 +51,16 @@ public:
 
 private:
     /// A = L Lᵀ, L over the lower half of A, row by row; false where A is not positive definite.
-    static bool factorise(double* a, std::size_t n) noexcept {
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t j = 0; j <= i; ++j) {
-                double sum = a[i * n + j];
-                for (std::size_t k = 0; k < j; ++k) sum -= a[i * n + k] * a[j * n + k];
-                if (i == j && !(sum > 0)) return false;
-                a[i * n + j] = i == j ? std::sqrt(sum) : sum / a[j * n + j];
+    /// Column after column is taken out of what is left, so that no sum waits for itself.
+    static bool factorise(double* a, std::size_t n) {
+        std::vector<double> column(n);
+        for (std::size_t k = 0; k < n; ++k) {
+            if (!(a[k * n + k] > 0)) return false;
+            const double pivot = a[k * n + k] = std::sqrt(a[k * n + k]);
+            for (std::size_t i = k + 1; i < n; ++i) {
+                double* const row = a + i * n;
+                column[i] = row[k] /= pivot;
+                for (std::size_t j = k + 1; j <= i; ++j) row[j] -= column[i] * column[j];
             }
         }
         return true;
