@@ -153,7 +153,8 @@ inline BezierFit fit(const BezierCurve& curve, double tolerance, const FitOption
     const detail::FewestPieces search(curve, tolerance, options, max_pieces);
     BezierFit result = search.find(running);
     const bool nothing = result.status == Status::tolerance_not_met && result.knots.empty();
-    return nothing ? search.nearest(running.part(1, 1)) : result;
+    if (nothing) result = search.nearest(running.part(1, 1));
+    return result;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI
