@@ -19,7 +19,10 @@ public:
         : q_(std::move(rows)) {
         for (std::size_t k = 0; k < K; ++k) {
             const double given = std::sqrt(inner(k, k));
-            if (given == 0) continue;
+            if (given == 0) { // or too small to be squared
+                for (auto& row : q_) row[k] = 0;
+                continue;
+            }
             for (const int pass : {1, 2}) {
                 (void)pass;
                 for (std::size_t j = 0; j < k; ++j) {
