@@ -534,9 +534,9 @@ Case run_one(const Arguments& given) {
         one.curve = lottie_curve(given);
         one.id = std::filesystem::path(given.lottie).filename().string() + ", " + given.lottie_curve;
     }
-    require(cageform::check(one.curve).status, !given.bezier.empty() ? "--bezier"
-                                               : !given.css.empty()  ? "--css"
-                                                                     : "--curve");
+    require(cageform::SobolevFitter(one.curve, {}).status(), !given.bezier.empty() ? "--bezier"
+                                                             : !given.css.empty()  ? "--css"
+                                                                                   : "--curve");
     one.options.degree = given.degree;
     one.options.scale_free = !given.in_units;
     one.options.conditions = FitCondition::none;

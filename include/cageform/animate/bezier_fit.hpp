@@ -12,7 +12,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// Polynomials in time, one after the other.
 struct BezierFit {
-    /// ok; as check(curve), value_not_finite also of a coefficient that overflows; and
+    /// ok; as check(curve), value_not_finite also where values differ by more than 1e306 from the
+    /// first key's, or a coefficient overflows; and
     ///   degree_not_supported      not 3, 4 or 5
     ///   weights_not_positive      value_weight is not positive or slope_weight negative
     ///   norm_not_supported        the sup norm with conditions that tie pieces together

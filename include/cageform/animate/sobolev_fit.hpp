@@ -145,6 +145,10 @@ private:
     Status check_all() const noexcept {
         const FitOptions& options = problem_.options; // with the weights that count
         if (const Status status = check(curve_).status; status != Status::ok) return status;
+        constexpr double room = 128; // for sums of differences, as in derivatives
+        for (const auto& p : curve_.points) {
+            if (!is_finite(room * (p[1] - curve_.points[0][1]))) return Status::value_not_finite;
+        }
         if (options.degree < 3 || options.degree > 5) return Status::degree_not_supported;
         using enum FitCondition;
         const bool tied = contains(options.conditions, knot_c0 | knot_c1 | knot_c2) ||
