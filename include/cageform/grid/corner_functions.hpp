@@ -289,7 +289,7 @@ private:
             if (!t.corner.holds(p)) return;
             const double r = t.corner.distance(p);
             if (r < radius) add_defect(t, node, p, problem);
-            if (r > 0.3 * radius && r < radius)
+            if (r > 0.3 * radius && r < std::max(0.8 * radius, std::min(radius, 8.0)))
                 t.around.push_back({node, t.corner.along(p), t.corner.functions(p)[0]});
         });
         t.corner.keep(t.around.size() / 2);

@@ -70,10 +70,10 @@ struct EdgeSector {
         return share;
     }
 
-    /// f(place) for places along the edge, a cell apart; 64 at most.
+    /// f(place) for places along the edge, three cells apart; 16 at most.
     template <class F>
     void for_each_place_along(F&& f) const {
-        const double step = std::max(1.0, length / 64);
+        const double step = std::max(3.0, length / 16);
         for (double z = 0.5 * std::min(step, length); z < length; z += step) f(origin + z * direction);
     }
     /// Whether a place lies between the faces, a cell and a half from the edge at most, and beside
