@@ -220,21 +220,20 @@ TEST_CASE("many knots come near the optimum too", "[animate][knots]") {
     // For cubics determined by their own interval the error of slopes is of order 3 in their number:
     // w12_error() · n³ tends to a constant. Tied to be smooth they cost a constant factor more.
     const auto smooth = with(end_value | knot_c0 | knot_c1);
-    for (const std::size_t c : {std::size_t(7)}) {
-        const auto scaled = [&](std::size_t pieces, const cageform::FitOptions& options) {
-            cageform::KnotOptions knots{options};
-            knots.rounds = 20;
-            const auto search = optimal_knots(test_curves[c], pieces, knots);
-            REQUIRE(search.status == Status::ok);
-            REQUIRE(search.parameters.size() == pieces + 1);
-            const auto fit = cageform::fit_pieces(test_curves[c], search.parameters, options);
-            REQUIRE(fit.status == Status::ok);
-            return fit.w12_error() * std::pow(double(pieces), 3);
-        };
-        const double few = scaled(60, {}), tied = scaled(24, smooth);
-        CHECK(scaled(130, {}) == Approx(few).epsilon(0.1));
-        CHECK(scaled(70, smooth) == Approx(tied).epsilon(0.1));
-    }
+    const auto& curve = test_curves[7];
+    const auto scaled = [&](std::size_t pieces, const cageform::FitOptions& options) {
+        cageform::KnotOptions knots{options};
+        knots.rounds = 20;
+        const auto search = optimal_knots(curve, pieces, knots);
+        REQUIRE(search.status == Status::ok);
+        REQUIRE(search.parameters.size() == pieces + 1);
+        const auto fit = cageform::fit_pieces(curve, search.parameters, options);
+        REQUIRE(fit.status == Status::ok);
+        return fit.w12_error() * std::pow(double(pieces), 3);
+    };
+    const double few = scaled(60, {}), tied = scaled(24, smooth);
+    CHECK(scaled(130, {}) == Approx(few).epsilon(0.1));
+    CHECK(scaled(70, smooth) == Approx(tied).epsilon(0.1));
 }
 
 TEST_CASE("the source's heuristic comes near the optimum of two pieces", "[animate][knots]") {
