@@ -5,7 +5,8 @@
 // (grid/corner.hpp). Those are what differences and interpolation get wrong, by a share of their
 // size within a cell or two. So their size is measured, as the deviation of the solution from the
 // continued data at the nodes around. The constants are fitted to the true errors, by finer grids,
-// of some 400 random cages: a largest estimate is 1 to 15 times the largest error there.
+// of some 340 binds of random cages: the largest estimate was 1.2 to 18 times the largest error in
+// nineteen of twenty, never less, 65 times at most. Bones have no estimate.
 #pragma once
 
 #include <cageform/grid/corner.hpp>
