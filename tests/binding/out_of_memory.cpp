@@ -7,6 +7,8 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/skin_weights.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
@@ -105,6 +107,54 @@ TEST_CASE("every allocation that fails in space is a status", "[binding][status]
         {.resolution = 8});
     fail_in_turn("bind", [&] { return bind(mean_value, points).report.status; });
     fail_in_turn("bind harmonic", [&] { return bind(harmonic, points).report.status; });
+}
+
+TEST_CASE("a cage or coordinates without the memory for them are empty and say so",
+          "[cage][status][memory]") {
+    const Points2<double> square{{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}}, triangle{{0, 0}, {1, 0}, {0, 1}};
+    const std::vector<std::size_t> sizes{5};
+    using cageform::Polygon;
+    fail_in_turn("polygon", [&] { return check(Polygon<double>(square)).status; });
+    fail_in_turn("loops", [&] { return check(Polygon<double>(square, sizes)).status; });
+    fail_in_turn("barycentric",
+                 [&] { return cageform::BarycentricCoordinates2d(triangle).cage_report().status; });
+    fail_in_turn("mean value", [&] { return cageform::MeanValueCoordinates2d(square).cage_report().status; });
+    fail_in_turn("harmonic", [&] {
+        const cageform::HarmonicCoordinates2d coordinates(square, {.resolution = 8});
+        CHECK((coordinates.handles().size() == 5 || coordinates.cage_report().status != Status::ok));
+        return coordinates.cage_report().status;
+    });
+    const Points2<double> chain{{1, 1}, {1.5, 1}};
+    fail_in_turn("cell complex", [&] {
+        cageform::CellComplex<double, 2> made{Polygon<double>(square)};
+        (void)made.add_point(Vec<double, 2>{0.5, 0.5}, 0.1);
+        (void)made.add_chain(chain);
+        return check(made).status;
+    });
+    const cageform::CellComplex<double, 2> outline{Polygon<double>(square)};
+    fail_in_turn("mean value of a complex",
+                 [&] { return cageform::MeanValueCoordinates2d(outline).cage_report().status; });
+
+    using Point = Vec<float, 3>;
+    const std::vector<Point> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 5, 5}};
+    const std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    fail_in_turn("mesh", [&] { return check(cageform::TriangleMesh<float>(vertices, faces)).status; });
+    fail_in_turn("mean value in space",
+                 [&] { return cageform::MeanValueCoordinates3f(vertices, faces).cage_report().status; });
+    fail_in_turn("box", [&] { return check(cageform::Box<float>({0, 0, 0}, {1, 1, 1}, {2, 2, 2})).status; });
+    fail_in_turn("faces in space", [&] {
+        cageform::CellComplex<float, 3> made{cageform::TriangleMesh<float>(vertices, faces)};
+        (void)made.add_faces(std::span(vertices).first(3), std::span(faces).first(0));
+        return check(made).status;
+    });
+    std::vector<std::vector<cageform::MeanValueCoordinates2d>> parts(
+        100, {cageform::MeanValueCoordinates2d(square), cageform::MeanValueCoordinates2d(triangle)});
+    fail_in_turn("blended", [&] {
+        REQUIRE(!parts.empty());
+        const cageform::BlendedCoordinates<cageform::MeanValueCoordinates2d> blended(std::move(parts.back()));
+        parts.pop_back();
+        return blended.cage_report().status;
+    });
 }
 
 TEMPLATE_TEST_CASE("coordinates that were moved from bind nothing, and say so, or go on", "[binding][status]",

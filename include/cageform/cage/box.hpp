@@ -23,25 +23,16 @@ public:
     Box(const Vec<T, 3>& lower, const Vec<T, 3>& upper, const Divisions& divisions = {1, 1, 1})
         : lower_(lower)
         , upper_(upper)
-        , divisions_(divisions) {
-        std::array<std::size_t, 3> index{};
-        for (index[2] = 0; index[2] <= divisions[2]; ++index[2]) {
-            for (index[1] = 0; index[1] <= divisions[1]; ++index[1]) {
-                for (index[0] = 0; index[0] <= divisions[0]; ++index[0]) {
-                    bool surface = false;
-                    Vec<T, 3> p;
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        surface = surface || index[k] == 0 || index[k] == divisions[k];
-                        const double t = double(index[k]) / double(divisions[k]);
-                        p[k] = static_cast<T>((1 - t) * double(lower[k]) + t * double(upper[k]));
-                    }
-                    numbers_.push_back(std::uint32_t(vertices_.size()));
-                    if (surface) vertices_.push_back(p);
-                }
-            }
-        }
+        , divisions_(divisions)
+        , status_(detail::guard_memory([&] { return fill(); })) {
+        if (status_ == Status::ok) return;
+        vertices_.clear();
+        numbers_.clear();
     }
 
+    /// out_of_memory where there was none for the vertices: there are none then. `check` reports
+    /// it. (A copy throws as one of a std::vector does.)
+    Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
     const Vec<T, 3>& lower() const noexcept { return lower_; }
@@ -86,11 +77,32 @@ public:
     }
 
 private:
+    Status fill() {
+        std::array<std::size_t, 3> index{};
+        for (index[2] = 0; index[2] <= divisions_[2]; ++index[2]) {
+            for (index[1] = 0; index[1] <= divisions_[1]; ++index[1]) {
+                for (index[0] = 0; index[0] <= divisions_[0]; ++index[0]) {
+                    bool surface = false;
+                    Vec<T, 3> p;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        surface = surface || index[k] == 0 || index[k] == divisions_[k];
+                        const double t = double(index[k]) / double(divisions_[k]);
+                        p[k] = static_cast<T>((1 - t) * double(lower_[k]) + t * double(upper_[k]));
+                    }
+                    numbers_.push_back(std::uint32_t(vertices_.size()));
+                    if (surface) vertices_.push_back(p);
+                }
+            }
+        }
+        return Status::ok;
+    }
+
     Vec<T, 3> lower_{}, upper_{};
     Divisions divisions_{};
     std::vector<Vec<T, 3>> vertices_;
     std::vector<std::uint32_t>
-        numbers_; ///< of the vertex at each place of the lattice of divisions, if it is one
+        numbers_;                ///< of the vertex at each place of the lattice of divisions, if it is one
+    Status status_ = Status::ok; // last: what fills the others is its initialiser
 };
 
 // ---- inside -------------------------------------------------------------------------------------
@@ -139,21 +151,18 @@ BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, V
 /// its extent are longer than coincidence_tolerance.
 template <Scalar T>
 CageReport check(const Box<T>& box) {
-    CageReport report;
-    for (std::size_t i = 0; i < box.size(); ++i) {
-        if (!is_finite(box.vertices()[i])) report.add(CageFaultKind::vertex_not_finite, i);
-    }
-    if (report.status != Status::ok) return report;
-    if (box.size() == 0) {
-        report.add(CageFaultKind::no_volume, 0);
-        return report;
-    }
-    const double tolerance = coincidence_tolerance(bounds_of(box.vertices()));
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (double(box.upper()[k]) - double(box.lower()[k]) <= tolerance * double(box.divisions()[k]))
-            report.add(CageFaultKind::no_volume, k);
-    }
-    return report;
+    return detail::report_on(box.status(), [&](CageReport& report) {
+        for (std::size_t i = 0; i < box.size(); ++i) {
+            if (!is_finite(box.vertices()[i])) report.add(CageFaultKind::vertex_not_finite, i);
+        }
+        if (report.status != Status::ok) return;
+        if (box.size() == 0) return report.add(CageFaultKind::no_volume, 0);
+        const double tolerance = coincidence_tolerance(bounds_of(box.vertices()));
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (double(box.upper()[k]) - double(box.lower()[k]) <= tolerance * double(box.divisions()[k]))
+                report.add(CageFaultKind::no_volume, k);
+        }
+    });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

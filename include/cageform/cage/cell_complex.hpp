@@ -54,14 +54,18 @@ public:
 
     CellComplex() = default;
     explicit CellComplex(Boundary boundary)
-        : boundary_(std::move(boundary))
-        , vertices_(boundary_.vertices().begin(), boundary_.vertices().end()) {}
+        : boundary_(std::move(boundary)) {
+        keep([&] { vertices_.assign(boundary_.vertices().begin(), boundary_.vertices().end()); });
+    }
 
     /// An isolated vertex; everything within `radius` follows it. Returns its handle.
     template <Point P>
     std::size_t add_point(const P& point, T radius) {
-        const auto i = vertex(to_vec<T>(point));
-        cells_.bones.push_back({i, i, double(radius)});
+        std::uint32_t i = no_vertex;
+        keep([&] {
+            i = vertex(to_vec<T>(point));
+            cells_.bones.push_back({i, i, double(radius)});
+        });
         return i;
     }
 
@@ -69,20 +73,26 @@ public:
     template <PointRange R>
         requires(D == 2 && range_dimension<R> == 2)
     std::vector<std::size_t> add_chain(const R& points) {
-        auto handles = vertices_of(points);
-        for (std::size_t n = 0; n + 1 < handles.size(); ++n)
-            cells_.facets.push_back({std::uint32_t(handles[n]), std::uint32_t(handles[n + 1])});
+        std::vector<std::size_t> handles;
+        keep([&] {
+            handles = vertices_of(points);
+            for (std::size_t n = 0; n + 1 < handles.size(); ++n)
+                cells_.facets.push_back({std::uint32_t(handles[n]), std::uint32_t(handles[n + 1])});
+        });
         return handles;
     }
     /// Edges in space; everything within `radius` of them follows them.
     template <PointRange R>
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_chain(const R& points, T radius) {
-        auto handles = vertices_of(points);
-        if (handles.size() == 1) (void)add_point(vertices_[handles[0]], radius);
-        for (std::size_t n = 0; n + 1 < handles.size(); ++n)
-            cells_.bones.push_back(
-                {std::uint32_t(handles[n]), std::uint32_t(handles[n + 1]), double(radius)});
+        std::vector<std::size_t> handles;
+        keep([&] {
+            handles = vertices_of(points);
+            if (handles.size() == 1) (void)add_point(vertices_[handles[0]], radius);
+            for (std::size_t n = 0; n + 1 < handles.size(); ++n)
+                cells_.bones.push_back(
+                    {std::uint32_t(handles[n]), std::uint32_t(handles[n + 1]), double(radius)});
+        });
         return handles;
     }
     /// Triangles in space: `faces[f][k]`, k = 0, 1, 2, is the place in `points` of a corner.
@@ -91,16 +101,22 @@ public:
     template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_faces(const R& points, const F& faces) {
-        auto handles = vertices_of(points);
-        for (std::size_t f = 0; f < std::size(faces); ++f) {
-            const auto face = detail::checked_face(faces[f], handles.size());
-            auto& facet = cells_.facets.emplace_back();
-            for (std::size_t k = 0; k < 3; ++k)
-                facet[k] = face[k] == no_vertex ? no_vertex : std::uint32_t(handles[face[k]]);
-        }
+        std::vector<std::size_t> handles;
+        keep([&] {
+            handles = vertices_of(points);
+            for (std::size_t f = 0; f < std::size(faces); ++f) {
+                const auto face = detail::checked_face(faces[f], handles.size());
+                auto& facet = cells_.facets.emplace_back();
+                for (std::size_t k = 0; k < 3; ++k)
+                    facet[k] = face[k] == no_vertex ? no_vertex : std::uint32_t(handles[face[k]]);
+            }
+        });
         return handles;
     }
 
+    /// out_of_memory where there was none for something added; it is then not to be used. `check`
+    /// reports it. (A copy throws as one of a std::vector does.)
+    Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); } ///< handles
     std::span<const Vec<T, D>> vertices() const noexcept { return vertices_; }
     const Vec<T, D>& operator[](std::size_t i) const noexcept { return vertices_[i]; }
@@ -108,6 +124,15 @@ public:
     const InteriorCells<D>& cells() const noexcept { return cells_; }
 
 private:
+    /// Runs add() and remembers that its memory was not there.
+    template <class Add>
+    void keep(const Add& add) {
+        const Status status = detail::guard_memory([&] {
+            add();
+            return Status::ok;
+        });
+        if (status_ == Status::ok) status_ = status;
+    }
     std::uint32_t vertex(const Vec<T, D>& p) {
         const auto known = std::find(vertices_.begin(), vertices_.end(), p);
         const auto i = std::uint32_t(known - vertices_.begin());
@@ -124,6 +149,7 @@ private:
     Boundary boundary_;
     std::vector<Vec<T, D>> vertices_;
     InteriorCells<D> cells_;
+    Status status_ = Status::ok;
 };
 
 template <Scalar T>
@@ -353,17 +379,18 @@ private:
 /// and reach no other end of those. O(cells · (cells + facets of the boundary)).
 template <Scalar T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage) {
-    CageReport report = check(cage.boundary());
-    if (report.status != Status::ok) return report;
-    detail::check_cells(cage, report);
-    if (report.status != Status::ok) return report;
-    detail::ComplexCheck<T, D> steps(cage, report);
-    steps.check_vertices();
-    steps.check_areas();
-    if (report.status != Status::ok) return report;
-    steps.check_facets();
-    steps.check_bones();
-    return report;
+    return detail::report_on(cage.status(), [&](CageReport& report) {
+        report = check(cage.boundary());
+        if (report.status != Status::ok) return;
+        detail::check_cells(cage, report);
+        if (report.status != Status::ok) return;
+        detail::ComplexCheck<T, D> steps(cage, report);
+        steps.check_vertices();
+        steps.check_areas();
+        if (report.status != Status::ok) return;
+        steps.check_facets();
+        steps.check_bones();
+    });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -45,23 +45,14 @@ public:
     /// not add up to the number of vertices are remembered and reported by `check`.
     template <PointRange R>
         requires(range_dimension<R> == 2)
-    Polygon(const R& vertices, std::span<const std::size_t> loop_sizes) {
-        const std::size_t count = std::size(vertices);
-        vertices_.reserve(count);
-        for (std::size_t i = 0; i < count; ++i) vertices_.push_back(to_vec<T>(vertices[i]));
-        if (loop_sizes.empty()) {
-            loops_.push_back({0, count});
-            return;
-        }
-        std::size_t begin = 0;
-        for (const std::size_t size : loop_sizes) {
-            loops_.push_back({begin, begin + size});
-            loops_match_ = loops_match_ && begin <= count && size <= count - begin;
-            begin += size;
-        }
-        loops_match_ = loops_match_ && begin == count;
+    Polygon(const R& vertices, std::span<const std::size_t> loop_sizes)
+        : status_(detail::guard_memory([&] { return fill(vertices, loop_sizes); })) {
+        if (status_ != Status::ok) *this = Polygon(status_);
     }
 
+    /// out_of_memory where there was none for the vertices; the polygon is then empty. `check`
+    /// reports it. (A copy throws as one of a std::vector does.)
+    Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 2>> vertices() const noexcept { return vertices_; }
     const Vec<T, 2>& operator[](std::size_t i) const noexcept { return vertices_[i]; }
@@ -75,9 +66,32 @@ public:
     }
 
 private:
+    explicit Polygon(Status status) noexcept
+        : status_(status) {}
+
+    template <class R>
+    Status fill(const R& vertices, std::span<const std::size_t> loop_sizes) {
+        const std::size_t count = std::size(vertices);
+        vertices_.reserve(count);
+        for (std::size_t i = 0; i < count; ++i) vertices_.push_back(to_vec<T>(vertices[i]));
+        if (loop_sizes.empty()) {
+            loops_.push_back({0, count});
+            return Status::ok;
+        }
+        std::size_t begin = 0;
+        for (const std::size_t size : loop_sizes) {
+            loops_.push_back({begin, begin + size});
+            loops_match_ = loops_match_ && begin <= count && size <= count - begin;
+            begin += size;
+        }
+        loops_match_ = loops_match_ && begin == count;
+        return Status::ok;
+    }
+
     std::vector<Vec<T, 2>> vertices_;
     std::vector<Loop> loops_;
     bool loops_match_ = true;
+    Status status_ = Status::ok; // last: what fills the others is its initialiser
 };
 
 /// Deduces the scalar from the points: `Polygon cage(points)` is a Polygon<double> for double
@@ -262,20 +276,14 @@ inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tol
     }
 }
 
-} // namespace detail
-
-/// Whether a polygon can serve as a cage: every loop has three vertices and an area, consecutive
-/// vertices are apart, and no two edges touch except neighbours at their common vertex. What
-/// "apart" means is the cage's coincidence_tolerance. Usually O(#V log #V) (edges are swept by x),
-/// O(#V²) at worst.
+/// The steps of `check`.
 template <Scalar T>
-CageReport check(const Polygon<T>& polygon) {
-    CageReport report;
-    detail::check_loops(polygon, report);
-    if (report.status != Status::ok) return report;
+void check_polygon(const Polygon<T>& polygon, CageReport& report) {
+    check_loops(polygon, report);
+    if (report.status != Status::ok) return;
 
     const double tolerance = coincidence_tolerance(bounds_of(polygon.vertices()));
-    std::vector<detail::Facet<2>> edges; // edge i starts at vertex i
+    std::vector<Facet<2>> edges; // edge i starts at vertex i
     for_each_facet(polygon, [&](const auto& edge) { edges.emplace_back(edge, polygon.vertices()); });
     const auto edges_of = [&](std::size_t k) {
         return std::span(edges).subspan(polygon.loops()[k].begin, polygon.loops()[k].size());
@@ -286,18 +294,29 @@ CageReport check(const Polygon<T>& polygon) {
             report.add(CageFaultKind::duplicate_vertices, edge.vertex[0], edge.vertex[1]);
     }
     for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
-        if (detail::is_flat_loop(edges_of(k), tolerance)) report.add(CageFaultKind::no_area, k);
+        if (is_flat_loop(edges_of(k), tolerance)) report.add(CageFaultKind::no_area, k);
     }
-    if (report.status != Status::ok) return report;
+    if (report.status != Status::ok) return;
 
-    detail::check_crossing_edges(edges, tolerance, report);
-    if (report.status != Status::ok) return report;
+    check_crossing_edges(edges, tolerance, report);
+    if (report.status != Status::ok) return;
 
     for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
-        detail::check_collinear_vertices(edges_of(k), tolerance, report);
+        check_collinear_vertices(edges_of(k), tolerance, report);
         if (!inside_is_left(polygon, k)) report.add(CageFaultKind::loop_turns_otherwise, k);
     }
-    return report;
+}
+
+} // namespace detail
+
+/// Whether a polygon can serve as a cage: every loop has three vertices and an area, consecutive
+/// vertices are apart, and no two edges touch except neighbours at their common vertex. What
+/// "apart" means is the cage's coincidence_tolerance. Usually O(#V log #V) (edges are swept by x),
+/// O(#V²) at worst.
+template <Scalar T>
+CageReport check(const Polygon<T>& polygon) {
+    return detail::report_on(polygon.status(),
+                             [&](CageReport& report) { detail::check_polygon(polygon, report); });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,7 +1,7 @@
 // What is wrong with a cage, fault by fault, with indices.
 #pragma once
 
-#include <cageform/core/status.hpp>
+#include <cageform/core/detail/guard_memory.hpp>
 
 #include <cstddef>
 #include <vector>
@@ -95,15 +95,37 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     return detail::text_of(kind).text;
 }
 
-/// All faults of a cage. `status` is that of the first fault that is not a warning.
+/// All faults of a cage. `status` is that of the first fault that is not a warning; out_of_memory
+/// where the cage or its check found none.
 struct CageReport {
     Status status = Status::ok;
     std::vector<CageFault> faults;
 
     void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {
-        faults.push_back({kind, a, b});
-        if (status == Status::ok) status = status_of(kind);
+        const Status listed = detail::guard_memory([&] {
+            faults.push_back({kind, a, b});
+            return status_of(kind);
+        });
+        if (status == Status::ok) status = listed;
     }
 };
+
+namespace detail {
+
+/// What `check` is for a cage made with the status `made`: steps(report).
+template <class Steps>
+CageReport report_on(Status made, const Steps& steps) {
+    CageReport report;
+    report.status = made;
+    if (made != Status::ok) return report;
+    const Status status = guard_memory([&] {
+        steps(report);
+        return report.status;
+    });
+    if (status == Status::out_of_memory) report = {status, {}};
+    return report;
+}
+
+} // namespace detail
 
 } // namespace cageform::inline CAGEFORM_ABI

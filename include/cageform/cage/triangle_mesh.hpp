@@ -57,18 +57,14 @@ public:
     /// number of vertices on are remembered and reported by `check`.
     template <PointRange R, FaceRange F>
         requires(range_dimension<R> == 3)
-    TriangleMesh(const R& vertices, const F& faces) {
-        vertices_.reserve(std::size(vertices));
-        for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
-        faces_.reserve(std::size(faces));
-        for (std::size_t f = 0; f < std::size(faces); ++f)
-            faces_.push_back(detail::checked_face(faces[f], vertices_.size()));
-        given_ = faces_.size();
-        if (std::any_of(faces_.begin(), faces_.end(), detail::lacks_vertex<3>)) return;
-        const auto closing = detail::GapCloser<T>(vertices_, faces_).closing_faces();
-        faces_.insert(faces_.end(), closing.begin(), closing.end());
+    TriangleMesh(const R& vertices, const F& faces)
+        : status_(detail::guard_memory([&] { return fill(vertices, faces); })) {
+        if (status_ != Status::ok) *this = TriangleMesh(status_);
     }
 
+    /// out_of_memory where there was none for vertices and faces; the mesh is then empty. `check`
+    /// reports it. (A copy throws as one of a std::vector does.)
+    Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
     const Vec<T, 3>& operator[](std::size_t i) const noexcept { return vertices_[i]; }
@@ -77,9 +73,27 @@ public:
     std::size_t given_faces() const noexcept { return given_; }
 
 private:
+    explicit TriangleMesh(Status status) noexcept
+        : status_(status) {}
+
+    template <class R, class F>
+    Status fill(const R& vertices, const F& faces) {
+        vertices_.reserve(std::size(vertices));
+        for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
+        faces_.reserve(std::size(faces));
+        for (std::size_t f = 0; f < std::size(faces); ++f)
+            faces_.push_back(detail::checked_face(faces[f], vertices_.size()));
+        given_ = faces_.size();
+        if (std::any_of(faces_.begin(), faces_.end(), detail::lacks_vertex<3>)) return Status::ok;
+        const auto closing = detail::GapCloser<T>(vertices_, faces_).closing_faces();
+        faces_.insert(faces_.end(), closing.begin(), closing.end());
+        return Status::ok;
+    }
+
     std::vector<Vec<T, 3>> vertices_;
     std::vector<Face> faces_;
     std::size_t given_ = 0;
+    Status status_ = Status::ok; // last: what fills the others is its initialiser
 };
 
 /// Deduces the scalar from the points.
@@ -360,19 +374,19 @@ void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
 /// O(#F²) at worst.
 template <Scalar T>
 CageReport check(const TriangleMesh<T>& mesh) {
-    CageReport report;
-    detail::check_indices(mesh, report);
-    if (report.status != Status::ok) return report;
-    detail::MeshCheck<T> steps(mesh, report);
-    steps.check_duplicate_vertices();
-    steps.check_areas();
-    steps.check_edges();
-    if (report.status != Status::ok) return report;
-    steps.check_fans();
-    steps.check_crossing_faces();
-    if (report.status != Status::ok) return report;
-    steps.check_shells();
-    return report;
+    return detail::report_on(mesh.status(), [&](CageReport& report) {
+        detail::check_indices(mesh, report);
+        if (report.status != Status::ok) return;
+        detail::MeshCheck<T> steps(mesh, report);
+        steps.check_duplicate_vertices();
+        steps.check_areas();
+        steps.check_edges();
+        if (report.status != Status::ok) return;
+        steps.check_fans();
+        steps.check_crossing_faces();
+        if (report.status != Status::ok) return;
+        steps.check_shells();
+    });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

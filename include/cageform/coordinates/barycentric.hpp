@@ -107,14 +107,20 @@ public:
     template <PointRange R>
         requires(range_dimension<R> == D)
     explicit BarycentricCoordinates(const R& vertices) {
-        for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
-        prepare();
+        const Status status = detail::guard_memory([&] {
+            for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
+            prepare();
+            return Status::ok;
+        });
+        if (status != Status::ok) report_ = {status, {}};
     }
 
     /// The cage of the two-dimensional types, so that they can be exchanged.
     explicit BarycentricCoordinates(const Polygon<T>& cage) requires(D == 2)
         : BarycentricCoordinates(cage.vertices()) {
-        if (!cage.loops_match()) {
+        if (cage.status() != Status::ok) {
+            report_ = {cage.status(), {}};
+        } else if (!cage.loops_match()) {
             report_.add(CageFaultKind::loops_do_not_match);
         } else if (cage.loops().size() != 1) {
             report_.add(CageFaultKind::not_a_simplex, cage.size(), 3);
@@ -126,6 +132,7 @@ public:
         requires(E == D)
     explicit BarycentricCoordinates(const CellComplex<T, E>& cage)
         : BarycentricCoordinates(cage.boundary().vertices()) {
+        if (cage.status() != Status::ok) report_ = {cage.status(), {}};
         refuse_interior_cells(cage, report_);
     }
 

@@ -40,27 +40,11 @@ public:
 
     explicit BlendedCoordinates(std::vector<C> parts)
         : parts_(std::move(parts)) {
-        for (const C& part : parts_) {
-            first_.push_back(handles_.size());
-            add_handles(handle_view(part));
-        }
-        first_.push_back(handles_.size());
-        if (parts_.empty()) report_.add(CageFaultKind::too_few_vertices, 0, 0);
-        for (std::size_t k = 0; k < parts_.size() && report_.status == Status::ok; ++k) {
-            const CageReport& report = parts_[k].cage_report();
-            if (report.status != Status::ok) {
-                report_ = report;
-                refused_ = k;
-            } else {
-                report_.faults.insert(report_.faults.end(), report.faults.begin(), report.faults.end());
-            }
-        }
-        if (report_.status != Status::ok) return;
-        for (const C& part : parts_) {
-            depths_.emplace_back(part.cage());
-            scales_.push_back(1 / double(detail::frame_of(handle_view(part)).size));
-            restorers_.emplace_back(handle_view(part));
-        }
+        const Status status = detail::guard_memory([&] {
+            join_parts();
+            return Status::ok;
+        });
+        if (status != Status::ok) report_ = {status, {}};
     }
 
     std::span<const C> parts() const noexcept { return parts_; }
@@ -133,6 +117,30 @@ public:
 
 private:
     static constexpr std::size_t lanes = lane_count<scalar>;
+
+    void join_parts() {
+        for (const C& part : parts_) {
+            first_.push_back(handles_.size());
+            add_handles(handle_view(part));
+        }
+        first_.push_back(handles_.size());
+        if (parts_.empty()) report_.add(CageFaultKind::too_few_vertices, 0, 0);
+        for (std::size_t k = 0; k < parts_.size() && report_.status == Status::ok; ++k) {
+            const CageReport& report = parts_[k].cage_report();
+            if (report.status != Status::ok) {
+                report_ = report;
+                refused_ = k;
+            } else {
+                report_.faults.insert(report_.faults.end(), report.faults.begin(), report.faults.end());
+            }
+        }
+        if (report_.status != Status::ok) return;
+        for (const C& part : parts_) {
+            depths_.emplace_back(part.cage());
+            scales_.push_back(1 / double(detail::frame_of(handle_view(part)).size));
+            restorers_.emplace_back(handle_view(part));
+        }
+    }
 
     void add_handles(const HandleView<scalar, dimension>& part) {
         const std::size_t first = handles_.size();

@@ -27,10 +27,14 @@ struct CageProblem {
         , tolerance(report.status == Status::ok ? coincidence_tolerance(bounds_of(cage.vertices()))
                                                 : scalar(0)) {}
 
+    /// None, refused with a status.
+    explicit CageProblem(Status refused)
+        : report{refused, {}} {}
+
     Cage cage;
     CageReport report; ///< status and warnings; no solver sees a problem whose status is not ok
     Options options;
-    scalar tolerance; ///< coincidence_tolerance of the cage
+    scalar tolerance = 0; ///< coincidence_tolerance of the cage
 };
 
 /// What a solver will need, in bytes.

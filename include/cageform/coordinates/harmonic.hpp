@@ -73,7 +73,7 @@ public:
     static constexpr bool closed_form = false;
 
     explicit HarmonicCoordinates(Cage cage, const Options& options = {})
-        : problem_(std::make_shared<const Problem>(std::move(cage), options)) {}
+        : problem_(make_problem(std::move(cage), options)) {}
 
     /// A polygon of one loop.
     template <PointRange R>
@@ -161,6 +161,17 @@ public:
 
 private:
     using Problem = CageProblem<Cage, Options>;
+
+    static std::shared_ptr<const Problem> make_problem(Cage cage, const Options& options) {
+        std::shared_ptr<const Problem> problem;
+        const Status status = detail::guard_memory([&] {
+            problem = std::make_shared<const Problem>(std::move(cage), options);
+            return Status::ok;
+        });
+        if (status == Status::ok) return problem;
+        static const Problem none(Status::out_of_memory);
+        return {std::shared_ptr<void>(), &none};
+    }
 
     /// use(solution, report) with the functions kept, or with a solver that has none yet.
     template <class Use>

@@ -46,9 +46,7 @@ public:
 
     /// Loops alone: interior_cells_not_supported where there are cells inside.
     explicit MeanValueCoordinates(const CellComplex<T, 2>& cage)
-        : Base(cage.boundary()) {
-        refuse_interior_cells(cage, Base::report_);
-    }
+        : Base(cage) {}
 };
 
 using MeanValueCoordinates2f = MeanValueCoordinates<float, 2>;

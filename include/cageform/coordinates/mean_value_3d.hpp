@@ -51,9 +51,7 @@ public:
 
     /// Shells alone: interior_cells_not_supported where there are cells inside.
     explicit MeanValueCoordinates(const CellComplex<T, 3>& cage)
-        : Base(cage.boundary()) {
-        refuse_interior_cells(cage, Base::report_);
-    }
+        : Base(cage) {}
 };
 
 using MeanValueCoordinates3f = MeanValueCoordinates<float, 3>;

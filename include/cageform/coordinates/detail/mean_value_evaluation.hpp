@@ -51,9 +51,33 @@ public:
 
 protected:
     explicit MeanValueEvaluation(Cage cage)
-        : cage_(std::move(cage))
-        , report_(check(cage_)) {
+        : cage_(std::move(cage)) {
+        prepare();
+    }
+    /// Its boundary alone.
+    explicit MeanValueEvaluation(const CellComplex<scalar, dimension>& complex) {
+        report_.status = guard_memory([&] {
+            cage_ = complex.boundary();
+            return complex.status();
+        });
         if (report_.status != Status::ok) return;
+        prepare();
+        refuse_interior_cells(complex, report_);
+    }
+
+    Cage cage_;
+    CageReport report_;
+
+private:
+    void prepare() {
+        report_ = check(cage_);
+        if (report_.status != Status::ok) return;
+        report_.status = guard_memory([&] {
+            fill_tables();
+            return Status::ok;
+        });
+    }
+    void fill_tables() {
         const auto bounds = bounds_of(cage_.vertices());
         tolerance_ = double(coincidence_tolerance(bounds));
         scale_ = double(unit_scale(bounds)); // products of three lengths stay in range
@@ -66,10 +90,6 @@ protected:
         gradient_test_ = MomentTest<double, D>(at);
     }
 
-    Cage cage_;
-    CageReport report_;
-
-private:
     using T = scalar;
     static constexpr std::size_t D = dimension;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
