@@ -116,11 +116,13 @@ private:
                });
     }
     /// The fan of least area from one vertex to all others, of those that have no edge of the mesh
-    /// inside.
+    /// inside. Of a long gap not every vertex is tried.
     std::vector<MeshFace> smallest_fan(const MeshLoop& gap) const {
         std::vector<MeshFace> best;
         double least = std::numeric_limits<double>::infinity();
-        for (std::size_t apex = 0; apex < gap.size(); ++apex) {
+        constexpr std::size_t most_tried = 256;
+        const std::size_t step = (gap.size() + most_tried - 1) / most_tried;
+        for (std::size_t apex = 0; apex < gap.size(); apex += step) {
             const auto at = [&](std::size_t k) { return gap[(apex + k) % gap.size()]; };
             std::vector<MeshFace> fan;
             bool possible = true;

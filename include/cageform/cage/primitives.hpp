@@ -119,7 +119,9 @@ struct Facet {
         for (std::size_t k = 0; k < D; ++k) corner[k] = vec_cast<double>(vertices[of[k]]);
     }
     bool has(std::uint32_t i) const noexcept {
-        return std::find(vertex.begin(), vertex.end(), i) != vertex.end();
+        bool found = false; // without branches: asked for all pairs of a fan
+        for (const std::uint32_t v : vertex) found |= v == i;
+        return found;
     }
     Bounds<double, D> bounds() const noexcept { return bounds_of(std::span<const Vec<double, D>>(corner)); }
 };
@@ -291,9 +293,12 @@ void for_each_overlap(const std::vector<Bounds<double, D>>& boxes, F&& f) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t m, std::size_t n) { return boxes[m].lower[0] < boxes[n].lower[0]; });
-    for (auto m = order.begin(); m != order.end(); ++m) {
-        for (auto n = m + 1; n != order.end() && boxes[*n].lower[0] <= boxes[*m].upper[0]; ++n) {
-            if (boxes[*m].overlaps(boxes[*n])) f(std::min(*m, *n), std::max(*m, *n));
+    std::vector<Bounds<double, D>> sorted; // read front to back
+    sorted.reserve(boxes.size());
+    for (const std::size_t m : order) sorted.push_back(boxes[m]);
+    for (std::size_t m = 0; m < sorted.size(); ++m) {
+        for (std::size_t n = m + 1; n < sorted.size() && sorted[n].lower[0] <= sorted[m].upper[0]; ++n) {
+            if (sorted[m].overlaps(sorted[n])) f(std::min(order[m], order[n]), std::max(order[m], order[n]));
         }
     }
 }

@@ -1,0 +1,162 @@
+// Makes cages of every kind that no one should, and takes each through check, bind and clone: nothing may crash,
+// and what is bound is finite. A program of its own, for sanitizers:
+//
+//     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
+//             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_cages.cpp -o hostile_cages
+//     ./hostile_cages FIRST_SEED COUNT
+#include "support/cages.hpp"
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+namespace {
+
+using namespace cageform;
+using cageform_tests::Random;
+
+#define REQUIRE(condition)                                                                                   \
+    if (!(condition)) {                                                                                      \
+        std::fprintf(stderr, "seed %llu, line %d: %s\n", seed, __LINE__, #condition);                        \
+        std::abort();                                                                                        \
+    }
+
+/// Of a cage in [-1, 1]^D: what is done to all numbers and to a few.
+template <class T>
+T spoilt(Random& random, double x, std::size_t kind) {
+    switch (kind) {
+    case 1: return T(std::round(2 * x) / 2); // duplicates, collinear, crossing
+    case 2: return T(x * 1e300 * 1e8);       // infinite in float, near the end in double
+    case 3: return T(x * 1e-300 * 1e-20);    // subnormal or zero
+    case 4: return T(1e6 + x);
+    case 5: return random.below(8) == 0 ? std::numeric_limits<T>::quiet_NaN() : T(x);
+    case 6: return random.below(8) == 0 ? std::numeric_limits<T>::infinity() : T(x);
+    case 7:
+        return T(x * std::pow(10.0, random.uniform(sizeof(T) == 4 ? -44 : -320, sizeof(T) == 4 ? 38 : 308)));
+    case 8: return T(x * double(std::numeric_limits<T>::max()));
+    default: return T(x);
+    }
+}
+
+template <class T, std::size_t D>
+std::vector<Vec<T, D>> hostile_points(Random& random, std::size_t count, bool convex) {
+    const std::size_t kind = random.below(16), thin = random.below(3);
+    const double width = std::pow(10.0, random.uniform(-17, 0));
+    std::vector<Vec<T, D>> points(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double angle = 2 * std::numbers::pi * double(i) / double(count);
+        for (std::size_t k = 0; k < D; ++k) {
+            double x = random.uniform(-1, 1);
+            if (convex && k < 2) x = k == 0 ? std::cos(angle) : std::sin(angle);
+            if (thin == 1 && k + 1 == D) x *= width;
+            if (thin == 2 && k > 0) x *= width;
+            points[i][k] = spoilt<T>(random, x, kind);
+        }
+        if (i > 0 && random.below(12) == 0 && kind % 2 == 1) points[i] = points[random.below(i)];
+    }
+    return points;
+}
+
+/// Binds places in and about the cage, and moves them.
+template <class C>
+Status take(const C& coordinates, Random& random, unsigned long long seed) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    auto points = hostile_points<T, D>(random, 5, false);
+    for (std::size_t i = 0; i < 4 && !coordinates.handles().empty(); ++i) {
+        const auto a = coordinates.handles()[random.below(coordinates.handles().size())];
+        const auto b = coordinates.handles()[random.below(coordinates.handles().size())];
+        points.push_back(T(0.5) * a + T(0.5) * b);
+        points.push_back(a);
+    }
+    const BindOptions options{.outside = OutsidePoints(random.below(3)),
+                              .linear_precision = LinearPrecision(random.below(2))};
+    const auto [binding, report] = bind(coordinates, points, options);
+    REQUIRE(report.status == coordinates.cage_report().status);
+    if (report.status != Status::ok) {
+        REQUIRE(binding.point_count() == 0);
+        return report.status;
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t h = 0; h < binding.handle_count(); ++h) REQUIRE(is_finite(binding.weight(i, h)));
+    }
+    std::vector<Vec<T, D>> pose, out(points.size());
+    for (std::size_t h = 0; h < binding.handle_count(); ++h) pose.push_back(binding.rest_handle(h));
+    REQUIRE(clone(binding, pose, out) == Status::ok);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (is_finite(points[i])) REQUIRE(out[i] == points[i]);
+    }
+    pose[0] = pose[pose.size() - 1];
+    REQUIRE(clone(binding, pose, out) == Status::ok);
+    return Status::ok;
+}
+
+template <class T>
+Status in_plane(Random& random, unsigned long long seed) {
+    const std::size_t count = random.below(14);
+    const auto vertices = hostile_points<T, 2>(random, count, random.below(2) == 0);
+    if (random.below(6) == 0) return take(BarycentricCoordinates<T, 2>(vertices), random, seed);
+    std::vector<std::size_t> loops;
+    if (random.below(3) == 0) {
+        for (std::size_t left = count; left > 0;) {
+            loops.push_back(1 + random.below(left));
+            left -= loops.back();
+        }
+        if (random.below(4) == 0) loops.push_back(random.bits() >> random.below(64));
+    }
+    return take(MeanValueCoordinates<T, 2>(Polygon<T>(vertices, loops)), random, seed);
+}
+
+/// A prism of an n-gon, or any faces.
+template <class T>
+Status in_space(Random& random, unsigned long long seed) {
+    const std::size_t n = 3 + random.below(4);
+    std::vector<std::array<std::int64_t, 3>> faces;
+    auto vertices = hostile_points<T, 3>(random, 2 * n, false);
+    if (random.below(2) == 0) {
+        const auto ring = hostile_points<T, 3>(random, n, true);
+        const T height = spoilt<T>(random, random.uniform(0.5, 1), random.below(9));
+        for (std::size_t i = 0; i < n; ++i) {
+            vertices[i] = vertices[n + i] = ring[i];
+            vertices[i][2] = 0;
+            vertices[n + i][2] = height;
+        }
+    }
+    const auto m = std::int64_t(n);
+    for (std::int64_t i = 0; i < m; ++i) {
+        const std::int64_t j = (i + 1) % m;
+        faces.insert(faces.end(), {{i, j, m + j}, {i, m + j, m + i}});
+        if (i > 0 && i + 1 < m) faces.insert(faces.end(), {{0, i + 1, i}, {m, m + i, m + i + 1}});
+    }
+    const std::size_t harm = random.below(8);
+    auto& face = faces[random.below(faces.size())];
+    if (harm == 0) face[random.below(3)] = std::int64_t(random.bits());
+    if (harm == 1) face[random.below(3)] = std::int64_t(random.below(2 * n));
+    if (harm == 2) faces.resize(random.below(faces.size()));
+    if (harm == 3) faces.push_back(face);
+    if (harm == 4) std::swap(face[0], face[1]);
+    return take(MeanValueCoordinates<T, 3>(vertices, faces), random, seed);
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    const unsigned long long first = count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 0;
+    const unsigned long long cages = count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 10000;
+    std::map<std::string, std::size_t> outcomes;
+    for (unsigned long long seed = first; seed < first + cages; ++seed) {
+        Random random(seed);
+        const Status status = seed % 4 == 0   ? in_plane<float>(random, seed)
+                              : seed % 4 == 1 ? in_plane<double>(random, seed)
+                              : seed % 4 == 2 ? in_space<float>(random, seed)
+                                              : in_space<double>(random, seed);
+        ++outcomes[to_string(status)];
+    }
+    for (const auto& [text, times] : outcomes) std::printf("%9zu  %s\n", times, text.c_str());
+}
