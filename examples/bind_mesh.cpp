@@ -1,5 +1,5 @@
-// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file
-// (support/figure_file.hpp): points and normals as blobs, triangles, and a motion of the cage.
+// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file: points and
+// normals, triangles, and a motion of the cage (cageform/binding/figure.hpp, support/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
@@ -14,12 +14,9 @@
 #include "clip_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
-#include "figure_file.hpp"
+#include "figure_parts.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
-
-#include <cageform/binding/pack.hpp>
-#include <cageform/binding/tangents.hpp>
 
 #include <iomanip>
 #include <iostream>
@@ -89,9 +86,8 @@ SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip
     return curves;
 }
 
-/// What packing may lose of points, and ten times as much of the unit vectors that carry normals: a point that is off
-/// by d beside others that are not turns a surface whose features are a tenth of the figure by ten times d.
-constexpr double of_vectors = 10;
+constexpr double of_vectors =
+    10; ///< as much may be lost of unit vectors (FigurePackOptions::tangent_tolerance)
 
 /// What a packing has lost. Warns where that is much.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
@@ -128,55 +124,52 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     }
     cageform::BindOptions bind_options;
     bind_options.outside = cageform::OutsidePoints::keep_in_place;
-    const auto bound = coordinates->bind(figure.vertices, bind_options);
-    if (bound.report.status != Status::ok) return fail(describe_mesh_faults(cage.name, bound.report));
-    warn_of_coarse_grid("bind_mesh", cage.name, bound.report.solver);
-    if (!bound.report.outside.empty() || !bound.report.unreached.empty()) {
-        const auto& first = bound.report.outside.empty() ? bound.report.unreached : bound.report.outside;
-        return fail(std::to_string(bound.report.outside.size()) + " vertices of " + figure.name +
-                    " lie outside the cage " + cage.name + ", " +
-                    std::to_string(bound.report.unreached.size()) + " have no weights, first " +
-                    name_points(figure.vertices, first));
+    const std::vector<Point3> normals = normals_of(figure);
+    const auto bound = bind_figure(*coordinates, {figure.vertices, normals}, bind_options);
+    const cageform::BindReport& of_points = bound.report.points;
+    if (bound.report.status != Status::ok) {
+        const bool fault_of_points = of_points.status != Status::ok;
+        return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
-    const auto tangents = cageform::tangents_of(normals_of(figure));
-    const auto turned = bind_vectors(*coordinates, figure.vertices, tangents, bind_options);
-    if (turned.report.status != Status::ok) return fail(describe_mesh_faults(cage.name, turned.report));
-
-    AtomicFile out(given.out);
-    const auto write = [&out](std::span<const std::byte> bytes) {
-        out.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    };
-    cageform::PackOptions options;
-    options.format = given.format;
-    options.largest = given.largest;
-    options.poses = poses.numbers;
-    const auto bounds = cageform::bounds_of(std::span<const Point3>(figure.vertices));
-    cageform::PackedBinding<float, 3> points; // whose order vectors take over
-    for (const auto* binding : {&bound.binding, &turned.bindings[0], &turned.bindings[1]}) {
-        const bool is_vector = binding != &bound.binding;
-        const double unit = is_vector ? of_vectors : bounds.diagonal();
-        options.tolerance = given.distance * unit;
-        auto [packed, report] = cageform::pack(*binding, options);
-        if (report.status == Status::format_too_coarse) {
+    warn_of_coarse_grid("bind_mesh", cage.name, of_points.solver);
+    if (!of_points.outside.empty() || !of_points.unreached.empty()) {
+        const auto& first = of_points.outside.empty() ? of_points.unreached : of_points.outside;
+        return fail(std::to_string(of_points.outside.size()) + " vertices of " + figure.name +
+                    " lie outside the cage " + cage.name + ", " + std::to_string(of_points.unreached.size()) +
+                    " have no weights, first " + name_points(figure.vertices, first));
+    }
+    cageform::FigurePackOptions options;
+    options.weights.format = given.format;
+    options.weights.largest = given.largest;
+    options.weights.poses = poses.numbers;
+    const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    options.weights.tolerance = given.distance * size;
+    const std::vector<std::byte> clip = clip_part(curves);
+    const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
+                                              {"CLIP", clip}};
+    options.parts = parts;
+    const auto [packed, report] = cageform::pack_figure(bound.figure, options);
+    const std::pair<const char*, const cageform::PackReport&> reports[] = {
+        {"points", report.points}, {"tangents", report.vectors[0]}, {"tangents", report.vectors[1]}};
+    for (const auto& [name, part] : reports) {
+        const bool is_vector = &part != &report.points;
+        if (part.status == Status::format_too_coarse) {
             std::ostringstream least;
-            least << std::setprecision(3) << report.distance.value / unit;
-            return fail(figure.name + ": " + cageform::to_string(report.status) + ", " + least.str() +
+            least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size);
+            return fail(figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
                         " is within reach: a larger --max-distance, or another --format");
         }
-        if (report.status != Status::ok) return fail(cageform::to_string(report.status));
-        write(packed.bytes());
-        const std::string loss = describe_loss(figure, report, poses, is_vector);
-        if (given.report) {
-            std::cout << (is_vector ? "tangents: " : "points: ") << report.bytes << " of "
-                      << report.dense_bytes << " bytes, " << name_of(report.format) << ", "
-                      << report.weights_per_point << " weights a point\n  off by " << loss
-                      << "\n  sum of changes of a point's weights at most " << report.error.value << ", mean "
-                      << report.mean_error << '\n';
-        }
-        if (binding == &bound.binding) points = std::move(packed);
-        if (points.view().order != nullptr) options.order = {points.view().order, figure.vertices.size()};
+        if (part.status != Status::ok) return fail(cageform::to_string(part.status));
+        const std::string loss = describe_loss(figure, part, poses, is_vector);
+        if (!given.report) continue;
+        std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
+                  << name_of(part.format) << ", " << part.weights_per_point << " weights a point\n  off by "
+                  << loss << "\n  sum of changes of a point's weights at most " << part.error.value
+                  << ", mean " << part.mean_error << '\n';
     }
-    write(figure_tail(figure.triangles, curves));
+    if (report.status != Status::ok) return fail(cageform::to_string(report.status));
+    AtomicFile out(given.out);
+    out.write({reinterpret_cast<const char*>(packed.bytes().data()), packed.bytes().size()});
     if (const auto error = out.commit()) return fail(*error);
     return 0;
 }

@@ -7,12 +7,9 @@
 // Every frame the clip gives a pose of the cage, and `clone` writes vertices and normals where the graphics card reads
 // them: into the locked vertex buffer. With --frames it measures that and watches the memory of the process.
 
-#include "figure_file.hpp"
+#include "figure_parts.hpp"
 
-#include <cageform/animate/clip.hpp>
-#include <cageform/binding/blob.hpp>
-#include <cageform/clone/clone.hpp>
-#include <cageform/clone/normals.hpp>
+#include <cageform/runtime.hpp>
 
 #include <CLI/CLI.hpp>
 #include <Ogre.h>
@@ -82,38 +79,40 @@ struct Vertex {
 class Puppet {
 public:
     explicit Puppet(const std::string& path)
-        : file_(path)
-        , figure_(cageform_examples::open_figure(file_.bytes())) {
-        if (!figure_.fault.empty()) throw std::runtime_error(path + ": " + figure_.fault);
-        if (figure_.clip.vertex_count() == 0) throw std::runtime_error(path + ": holds no clip");
-        cursor_ = figure_.clip.make_cursor();
-        pose_.resize(figure_.points.handle_count());
+        : file_(path) {
+        const auto opened = cageform::open_figure<float, 3>(file_.bytes());
+        if (opened.status != cageform::Status::ok)
+            throw std::runtime_error(path + ": " + cageform::to_string(opened.status));
+        figure_ = opened.figure;
+        parts_ = cageform_examples::read_parts(figure_);
+        if (!parts_.fault.empty()) throw std::runtime_error(path + ": " + parts_.fault);
+        if (parts_.clip.vertex_count() == 0) throw std::runtime_error(path + ": holds no clip");
+        cursor_ = parts_.clip.make_cursor();
+        pose_.resize(figure_.handle_count());
     }
 
-    std::size_t vertex_count() const { return figure_.points.point_count(); }
-    std::span<const std::array<std::uint32_t, 3>> triangles() const { return figure_.triangles; }
+    std::size_t vertex_count() const { return figure_.point_count(); }
+    std::span<const std::array<std::uint32_t, 3>> triangles() const { return parts_.triangles; }
     std::span<const Vec3> pose() const { return pose_; }
-    float length() const { return figure_.clip.end(); }
+    float length() const { return parts_.clip.end(); }
 
     /// Moves the cage to a time of the clip, which begins again at its end.
-    void play(float time) { figure_.clip.sample(time, cursor_, pose_); }
+    void play(float time) { parts_.clip.sample(time, cursor_, pose_); }
 
     /// Writes the figure as the cage has it to `out` (#vertices), which is only written to.
     void write(std::span<Vertex> out) const {
         const auto view = [&](float* first) {
             return cageform::StridedPoints<float, 3>(first, out.size(), sizeof(Vertex));
         };
-        check(clone(figure_.points, pose_, view(out[0].position)));
-        check(clone_normals(figure_.tangents, pose_, view(out[0].normal)));
-    }
-
-private:
-    static void check(cageform::Status status) {
+        const cageform::FigureOutput vertices{view(out[0].position), view(out[0].normal)};
+        const cageform::Status status = clone(figure_, pose_, vertices);
         if (status != cageform::Status::ok) throw std::runtime_error(cageform::to_string(status));
     }
 
+private:
     MappedFile file_;
-    cageform_examples::Figure figure_;
+    cageform::PackedFigureView<float, 3> figure_;
+    cageform_examples::FigureParts parts_;
     cageform::CageClip<float, 3>::Cursor cursor_;
     std::vector<Vec3> pose_;
 };

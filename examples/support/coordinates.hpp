@@ -7,7 +7,7 @@
 #include "command_line.hpp"
 #include "obj_file.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/bind_figure.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
 
 #include <memory>
@@ -77,10 +77,10 @@ struct OutsideChoice {
                   const std::string& cage) const;
 };
 
-/// Binds two vectors a point; mean value and harmonic coordinates only.
-cageform::VectorBindResult<float, 3, 2> bind_vectors(const AnyCoordinates<float, 3>& coordinates,
-                                                     std::span<const Point3> points,
-                                                     const std::array<std::vector<Point3>, 2>& vectors,
-                                                     const cageform::BindOptions& options);
+/// Binds points and normals; mean value and harmonic coordinates only.
+cageform::FigureBindResult<float, 3>
+bind_figure(const AnyCoordinates<float, 3>& coordinates,
+            const cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>& figure,
+            const cageform::BindOptions& options);
 
 } // namespace cageform_examples

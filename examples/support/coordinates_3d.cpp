@@ -1,6 +1,5 @@
 #include "coordinates_model.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
@@ -19,15 +18,15 @@ template std::unique_ptr<AnyCoordinates<float, 3>> make_coordinates(const Coordi
 template std::unique_ptr<AnyCoordinates<double, 3>> make_coordinates(const CoordinatesChoice&,
                                                                      const ObjFile&);
 
-cageform::VectorBindResult<float, 3, 2> bind_vectors(const AnyCoordinates<float, 3>& coordinates,
-                                                     std::span<const Point3> points,
-                                                     const std::array<std::vector<Point3>, 2>& vectors,
-                                                     const cageform::BindOptions& options) {
+cageform::FigureBindResult<float, 3>
+bind_figure(const AnyCoordinates<float, 3>& coordinates,
+            const cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>& figure,
+            const cageform::BindOptions& options) {
     using Harmonic = CoordinatesModel<cageform::HarmonicCoordinates<float, 3>>;
     using MeanValue = CoordinatesModel<cageform::MeanValueCoordinates<float, 3>>;
     if (const auto* harmonic = dynamic_cast<const Harmonic*>(&coordinates))
-        return cageform::bind_vectors(harmonic->own, points, vectors, options);
-    return cageform::bind_vectors(dynamic_cast<const MeanValue&>(coordinates).own, points, vectors, options);
+        return cageform::bind_figure(harmonic->own, figure, options);
+    return cageform::bind_figure(dynamic_cast<const MeanValue&>(coordinates).own, figure, options);
 }
 
 } // namespace cageform_examples

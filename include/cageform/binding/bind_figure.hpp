@@ -101,8 +101,13 @@ struct FigureBindResult {
 };
 
 struct FigurePackOptions {
-    /// Of the weights. The order is that of the points; tangents take it over.
+    /// Of the weights. The order and the tolerance are those of the points; tangents take the order
+    /// over.
     PackOptions weights{};
+    /// The largest change of a unit tangent, in radians where it turns. 0: ten times the tolerance
+    /// of the points over the size of the figure, since a point that is off by d beside others that
+    /// are not turns a surface whose features are a tenth of the figure by ten times d.
+    double tangent_tolerance = 0;
     /// What else is to be in the figure, under tags of its own.
     std::span<const FigurePartData> parts{};
 };
@@ -290,6 +295,10 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
     parts.push_back({report.culprit, points.binding.bytes()});
     const auto view = points.binding.view();
     if (view.order != nullptr) how.order = {view.order, view.points};
+    const double size = report.points.size;
+    how.tolerance = how.tolerance == 0 || size == 0  ? 0
+                    : options.tangent_tolerance != 0 ? options.tangent_tolerance
+                                                     : 10 * how.tolerance / size;
     std::array<PackedBinding<T, D>, D - 1> tangents;
     for (std::size_t k = 0; k < vectors; ++k) {
         report.culprit = k == 0 ? FigureTags::tangents : FigureTags::bitangents;

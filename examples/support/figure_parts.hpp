@@ -1,0 +1,90 @@
+#pragma once
+
+// The parts that these programs put beside the library's own into a packed figure (cageform/binding/figure.hpp):
+//
+//     TRIS  #triangles × 3 × uint32
+//     CLIP  ClipHeader; piece_counts, #curves × uint32: x, y and z of every vertex of the cage; pieces, curve by
+//           curve, 5 × float each
+//
+// Nothing here is known to bind-time code: the engine's client includes it.
+
+#include <cageform/runtime.hpp>
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+struct ClipHeader {
+    std::uint32_t curves = 0;
+    float length = 0;
+};
+
+/// What a figure holds of them.
+struct FigureParts {
+    std::string fault; ///< why they cannot be used; empty where they can
+    std::span<const std::array<std::uint32_t, 3>> triangles; ///< point into the figure
+    cageform::CageClip<float, 3> clip;                       ///< of no vertices where there is none
+};
+
+/// Checks everything that could make playing read or write out of bounds.
+inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure) {
+    const auto refused = [](const std::string& why) { return FigureParts{why, {}, {}}; };
+    FigureParts parts;
+    parts.triangles = figure.part_as<std::array<std::uint32_t, 3>>("TRIS");
+    for (const auto& triangle : parts.triangles) {
+        for (const std::uint32_t corner : triangle) {
+            if (corner >= figure.point_count()) return refused("a triangle names a point that there is not");
+        }
+    }
+    std::span<const std::byte> data = figure.part("CLIP");
+    if (data.empty()) return parts;
+
+    const auto take = [&data](void* to, std::size_t bytes) {
+        if (bytes > data.size()) return false;
+        if (bytes > 0) std::memcpy(to, data.data(), bytes);
+        data = data.subspan(bytes);
+        return true;
+    };
+    ClipHeader header;
+    if (!take(&header, sizeof header) || header.curves != 3 * figure.handle_count())
+        return refused("the clip is one of another cage");
+    std::vector<std::uint32_t> counts(header.curves);
+    if (!take(counts.data(), counts.size() * sizeof counts[0])) return refused("the clip is cut short");
+    std::vector<cageform::PiecewiseCubic<float>> curves;
+    for (const std::uint32_t count : counts) {
+        if (count == 0) return refused("a curve of the clip has no pieces");
+        if (count > data.size() / sizeof(cageform::CubicPiece<float>))
+            return refused("the clip is cut short");
+        std::vector<cageform::CubicPiece<float>> pieces(count);
+        (void)take(pieces.data(), pieces.size() * sizeof pieces[0]);
+        for (std::size_t n = 0; n < pieces.size(); ++n) {
+            const float next = n + 1 < pieces.size() ? pieces[n + 1].begin : header.length;
+            if (!(pieces[n].begin < next)) return refused("the pieces of the clip do not ascend");
+        }
+        curves.emplace_back(std::move(pieces), header.length);
+    }
+    constexpr auto cycle = cageform::Extrapolation::cycle;
+    parts.clip = cageform::CageClip<float, 3>(curves, cycle, cycle);
+    return parts;
+}
+
+/// The bytes of CLIP; none of no curves.
+inline std::vector<std::byte> clip_part(std::span<const cageform::PiecewiseCubic<float>> curves) {
+    std::vector<std::byte> bytes;
+    if (curves.empty()) return bytes;
+    const auto append = [&bytes](const auto& values) {
+        const auto more = std::as_bytes(std::span(values));
+        bytes.insert(bytes.end(), more.begin(), more.end());
+    };
+    append(std::array{ClipHeader{std::uint32_t(curves.size()), curves[0].end()}});
+    for (const auto& curve : curves) append(std::array{std::uint32_t(curve.pieces().size())});
+    for (const auto& curve : curves) append(curve.pieces());
+    return bytes;
+}
+
+} // namespace cageform_examples
