@@ -3,7 +3,7 @@
 #include "../support/figures.hpp"
 #include "../support/packed.hpp"
 
-#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/rebind_cage.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
@@ -336,6 +336,77 @@ TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][label
     const auto few = pack_figure(figure, {.weights = {.largest = 2}}); // with the part
     CHECK(few.report.status == Status::too_few_weights);
     CHECK(few.report.culprit == FigureTags::points);
+}
+
+TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its labels",
+          "[figure][rebind][labels]") {
+    const auto seed = std::uint64_t(GENERATE(seeds(3)));
+    CAPTURE(seed);
+    const auto mesh = sphere(1).mesh<float>();
+    const auto points = points_in(mesh, 40, seed), normals = random_directions<float, 3>(40, seed);
+    const auto tangents = signed_tangents<float>(40, seed);
+    const auto inside = [&points] { // so that no edit loses a point
+        auto smaller = points;
+        for (auto& p : smaller) p = 0.5f * p;
+        return smaller;
+    }();
+    auto before = bind_figure(Mean3<float>(mesh), FigurePoints{inside, normals, tangents}).figure;
+    std::vector<std::string> labels;
+    for (std::size_t i = 0; i < mesh.size(); ++i) labels.push_back("v" + std::to_string(i));
+    REQUIRE(before.set_labels(labels) == Status::ok);
+    const auto check = [&](const Mean3<float>& edited, std::span<const std::size_t> given,
+                           std::span<const std::size_t> expected) {
+        const auto again = rebind_cage(before, edited, given);
+        const auto anew = bind_figure(edited, FigurePoints{inside, normals, tangents});
+        REQUIRE(again.report.status == Status::ok);
+        REQUIRE(anew.report.status == Status::ok);
+        CHECK(
+            std::equal(expected.begin(), expected.end(), again.old_handles.begin(), again.old_handles.end()));
+        const auto pose = shaken(edited.handles(), 0.2, seed);
+        Points3<float> out(40), up(40), out_anew(40), up_anew(40);
+        std::vector<std::array<float, 4>> along(40), along_anew(40);
+        REQUIRE(clone(again.figure, pose, FigureOutput{out, up, along}) == Status::ok);
+        REQUIRE(clone(anew.figure, pose, FigureOutput{out_anew, up_anew, along_anew}) == Status::ok);
+        CHECK(out == out_anew);
+        CHECK(again.report.points.partition_error.value == anew.report.points.partition_error.value);
+        for (std::size_t i = 0; i < 40; ++i) { // unit tangents are made of unit ones, to rounding
+            CHECK(distance(up[i], up_anew[i]) <= 1e-6);
+            CHECK(along[i] == along_anew[i]);
+        }
+        for (std::size_t i = 0; i < expected.size(); ++i)
+            CHECK(again.figure.view().label(i) ==
+                  (expected[i] == cageform::new_handle ? "" : labels[expected[i]]));
+    };
+    std::vector<std::size_t> same(mesh.size());
+    std::iota(same.begin(), same.end(), std::size_t{0});
+    const auto moved = shaken(mesh.vertices(), 0.05, seed);
+    check(Mean3<float>(moved, mesh.faces()), {}, same);
+
+    // A vertex more, in the middle of the first face, and all numbers the other way round.
+    Points3<float> more(mesh.vertices().rbegin(), mesh.vertices().rend());
+    const auto last = std::uint32_t(mesh.size() - 1);
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    for (const auto& f : mesh.faces())
+        faces.push_back({last - std::uint32_t(f[0]), last - std::uint32_t(f[1]), last - std::uint32_t(f[2])});
+    const auto [a, b, c] = faces[0];
+    more.push_back((1.0f / 3) * (more[a] + more[b] + more[c]));
+    faces[0] = {a, b, last + 1};
+    faces.push_back({b, c, last + 1});
+    faces.push_back({c, a, last + 1});
+    std::vector<std::size_t> reversed(same.rbegin(), same.rend());
+    reversed.push_back(cageform::new_handle);
+    const Mean3<float> longer(more, faces);
+    check(longer, {}, reversed);
+    check(longer, reversed, reversed);
+
+    CHECK(rebind_cage(before, longer, same).report.status == Status::labels_do_not_match);
+    reversed[3] = mesh.size();
+    CHECK(rebind_cage(before, longer, reversed).report.status == Status::labels_do_not_match);
+    more[2][1] = std::numeric_limits<float>::quiet_NaN();
+    const auto faulty = rebind_cage(before, Mean3<float>(more, faces));
+    CHECK(faulty.report.status == Status::vertex_not_finite);
+    CHECK(faulty.report.points.cage.status == Status::vertex_not_finite);
+    CHECK(faulty.figure.points.point_count() == 0);
 }
 
 TEST_CASE("clones of a figure refuse by name, and write nothing then", "[figure][status]") {

@@ -320,4 +320,32 @@ TEST_CASE("a vertex that no face has gets no weight", "[coordinates][harmonic][m
     for (const auto& row : weights.rows) CHECK(row.back() == 0);
 }
 
+TEST_CASE("in space a solve begins with the functions of the cage before an edit",
+          "[coordinates][harmonic][mesh][solve_from]") {
+    const double tolerance = 1e-8;
+    const HarmonicOptions options{.resolution = 24, .multigrid = {.tolerance = tolerance}};
+    const auto data = sphere(1);
+    HarmonicCoordinates<double, 3> before(data.mesh<double>(), options);
+    REQUIRE(before.solve().status == Status::ok);
+    for (const double move : {0.0, 1e-3, 0.1}) {
+        CAPTURE(move);
+        auto edited = data;
+        edited.vertices[7] = (1 + move) * edited.vertices[7]; // 0.1: the lattice is another one
+        HarmonicCoordinates<double, 3> warm(edited.mesh<double>(), options),
+            cold(edited.mesh<double>(), options);
+        const auto solved = warm.solve_from(before), anew = cold.solve();
+        REQUIRE(solved.status == Status::ok);
+        REQUIRE(anew.status == Status::ok);
+        CHECK(solved.solver.error_estimate <= tolerance);
+        CHECK(solved.solver.cycles <= anew.solver.cycles);
+        if (move < 0.01) CHECK(solved.solver.cycles < anew.solver.cycles);
+        const auto points = points_about(data, 60, 3);
+        const auto a = evaluate_all(warm, points), b = evaluate_all(cold, points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (a.states[i] == PointState::outside) continue;
+            CHECK(difference(a.rows[i], b.rows[i]) <= 4 * tolerance);
+        }
+    }
+}
+
 } // namespace harmonic_mesh_tests

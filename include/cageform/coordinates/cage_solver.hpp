@@ -106,6 +106,23 @@ std::size_t memory_limit([[maybe_unused]] const Options& options) noexcept {
 
 } // namespace detail
 
+/// A solver that can begin with the functions of another cage, of much the same shape.
+///
+///   Guess                      made of (solver, the solver before, the functions that it has kept,
+///                              for each handle the number that it had before or none: ~0)
+///   takes_guess()              whether it does for this problem
+///   solve(group, block, work, &guess)
+///                              `solve` of a group from it, to the same tolerance
+template <class S>
+concept WarmSolver = CageSolver<S> &&
+    std::constructible_from<typename S::Guess, const S&, const S&, std::span<const typename S::Functions>,
+                            std::span<const std::size_t>> &&
+    requires(const S& solver, typename S::Block& block, std::size_t group, grid::GroupWork& work,
+             const typename S::Guess* guess) {
+    { solver.takes_guess() } -> std::same_as<bool>;
+    { solver.solve(group, block, work, guess) } -> std::same_as<Status>;
+};
+
 /// A choice that is none: the one solver given.
 template <CageSolver S>
 struct OnlySolver {

@@ -8,6 +8,8 @@
 #include <cageform/coordinates/multigrid_solver.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
 
+#include <numeric>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// The library's solvers for a kind of cage; HarmonicOptions::solver names one.
@@ -107,6 +109,38 @@ public:
         });
     }
 
+    /// `solve` after an edit of the cage: begins with the functions that `before` has kept, and is
+    /// met to the same tolerance, in fewer cycles the less the cage has changed. Where `before` has
+    /// kept none, or by another solver, the same as `solve`; so too in the plane, where corners are
+    /// treated (MultigridOptions::corner_functions) and solves are quick.
+    ///
+    ///   before       coordinates of the cage as it was; resolution and tolerance may differ
+    ///   old_handles  #handles: the number that each had before, or ~0 where it is new. Empty: the
+    ///                same numbers, which asks for as many handles as before
+    ///   memory       beside that of `solve`, about 100 bytes a cell inside the cage
+    Evaluation solve_from(const HarmonicCoordinates& before, std::span<const std::size_t> old_handles = {},
+                          const Running& running = {}) {
+        return with_solution([&](const auto& solution, SolverReport& report) {
+            const std::size_t count = cage().size(), old_count = before.cage().size();
+            using S = typename std::remove_cvref_t<decltype(*solution)>::Solver;
+            if (solution == kept_) return Status::ok;
+            const auto old = before.template kept_by<S>();
+            std::vector<std::size_t> same(old_handles.begin(), old_handles.end());
+            if (same.empty() && count == old_count) {
+                same.resize(count);
+                std::iota(same.begin(), same.end(), std::size_t{0});
+            }
+            bool fits = same.size() == count;
+            for (const std::size_t handle : same)
+                fits = fits && (handle < old_count || handle == ~std::size_t{0});
+            CAGEFORM_ASSERT(fits, "the old number of every handle, or none");
+            const Status status = old != nullptr && fits ? solution->solve_from(*old, same, report, running)
+                                                         : solution->solve(report, running);
+            if (status == Status::ok) kept_ = solution;
+            return status;
+        });
+    }
+
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                         const Running& running = {}) const {
         CAGEFORM_ASSERT(weights.rows == cage().size() && states.size() == points.points,
@@ -171,6 +205,17 @@ private:
         if (status == Status::ok) return problem;
         static const Problem none(Status::out_of_memory);
         return {std::shared_ptr<void>(), &none};
+    }
+
+    /// The solution kept, where it is one of that solver; else null.
+    template <class S>
+    std::shared_ptr<const detail::Solution<S>> kept_by() const {
+        std::shared_ptr<const detail::Solution<S>> found;
+        (void)Solvers::choose(options(), [&]<class R>(std::type_identity<R>) {
+            if constexpr (std::is_same_v<R, S>) found = std::static_pointer_cast<detail::Solution<S>>(kept_);
+            return Status::ok;
+        });
+        return found;
     }
 
     /// use(solution, report) with the functions kept, or with a solver that has none yet.

@@ -5,6 +5,7 @@
 #include <cageform/coordinates/detail/corner_samples.hpp>
 #include <cageform/coordinates/detail/cut_samples.hpp>
 #include <cageform/coordinates/detail/embedded_cage.hpp>
+#include <cageform/coordinates/detail/function_guess.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
 #include <cageform/grid/edge_errors.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
@@ -21,6 +22,7 @@ class MultigridSolver {
 
 public:
     using Problem = CageProblem<C, HarmonicOptions>;
+    using Guess = detail::FunctionGuess<MultigridSolver>;
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<MultigridSolver>& made) {
         if (!(problem.options.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
@@ -60,11 +62,20 @@ public:
     Block make_block() const { return {multigrid_.make_block(), {}}; }
 
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
+        return solve(group, block, work, nullptr);
+    }
+    /// Not where corners are treated: what is fitted to a guess there is farther off than what the
+    /// cycles begin with, and takes more of them.
+    bool takes_guess() const noexcept { return corners_.empty(); }
+    /// The same from functions of another cage; null: from nothing.
+    Status solve(std::size_t group, Block& block, grid::GroupWork& work, const Guess* guess) const {
         const std::size_t first = handles_of(group).first, count = handles_of(group).second;
         auto& source = block.cycled.source;
         for (auto& values : source) values.fill(0.0);
         grid_.add_data(first, count, slots_, std::span(source));
         block.at_corners = corners_.start(first, source);
+        if (guess != nullptr)
+            multigrid_.guess(block.cycled, [&](std::uint32_t node) { return guess->values(node, first); });
         const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
         const Status status = grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
             // The corners' coefficients follow the solution and the solution them.
@@ -80,6 +91,8 @@ public:
         }
         return status;
     }
+
+    const detail::EmbeddedCage<C>& grid() const noexcept { return grid_; }
 
     struct Functions {
         std::vector<typename grid::Multigrid<D>::Values> values; ///< by node

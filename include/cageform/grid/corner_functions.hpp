@@ -51,6 +51,7 @@ public:
 
     /// Of the corners with little room, and of those that are not treated.
     const CornerErrors<2>& errors() const noexcept { return errors_; }
+    bool empty() const noexcept { return corners_.empty(); }
 
     /// Nodes whose equations get a right-hand side; ascending, without repeats.
     std::vector<std::uint32_t> sources() const {

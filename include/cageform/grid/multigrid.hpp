@@ -69,6 +69,7 @@ public:
         std::vector<Values> source; ///< of the nodes that may have one (`source_node`)
 
     private:
+        bool guessed_ = false;  ///< u of the finest level is a guess
         bool refined_ = false;  ///< b of the finest level is set at every node
         bool u_is_zero_ = true; ///< on the finest level, whatever the memory holds
     };
@@ -126,10 +127,23 @@ public:
         return block;
     }
 
-    /// A first guess of a block whose `source` is set: full multigrid, from the coarsest level up.
+    /// What the next `start` begins with, and `Block::value` is until then: the values of a solution
+    /// near this one, value(node) a Row for every node.
+    template <class Value>
+    void guess(Block& block, const Value& value) const {
+        if constexpr (D == 1) return;
+        block.refined_part_.clear();
+        auto& u = block.fields_[0].u;
+        for (std::uint32_t node = 0; node < unknowns_; ++node) u[node] = value(node);
+        block.guessed_ = true;
+    }
+
+    /// A first solution of a block whose `source` is set: full multigrid, from the coarsest level
+    /// up; of a guess, what it misses.
     Error start(Block& block) const {
         if constexpr (D == 1) return solve_in_one_dimension(block);
         reset(block);
+        if (std::exchange(block.guessed_, false)) refine(block);
         restrict_source(block);
         for (std::size_t l = 1; l < coarsest(); ++l) pre_relax_and_restrict(block, l);
         solve_coarsest(block);
@@ -296,7 +310,7 @@ private:
     /// have one.
     void restrict_source(Block& block) const noexcept {
         if (coarsest() == 0) return;
-        if (!inner_neighbours_.empty()) {
+        if (has_source(block)) {
             pre_relax_and_restrict(block, 0);
             block.u_is_zero_ = false;
             return;

@@ -39,7 +39,9 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
         if (report.cycles > 1 && before > goal.tolerance)
             report.convergence_factor = std::max(report.convergence_factor, report.error_estimate / before);
         const double change = between();
-        if (block.is_refined() && std::max(report.error_estimate, change) <= goal.tolerance)
+        // Before the first cycle nothing is known of what a residual means.
+        if (report.cycles > 0 && block.is_refined() &&
+            std::max(report.error_estimate, change) <= goal.tolerance)
             return Status::ok;
         if (report.cycles == goal.max_cycles) {
             report.unconverged = goal.functions;

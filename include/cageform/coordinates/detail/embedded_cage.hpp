@@ -135,6 +135,15 @@ public:
         return stencil;
     }
 
+    /// What the value at any place is a mean of; outside, that at the nearest place of the boundary.
+    grid::CutStencil<D> stencil_near(const Vec<T, D>& p) const noexcept {
+        if (state_of(p) == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
+        grid::CutStencil<D> stencil;
+        Vec<T, D> place;
+        stencil.add(nearest_boundary_value(*cage_, p, place), 1.0);
+        return stencil;
+    }
+
 private:
     /// What hierarchy and block take at any resolution, by the cage's volume and surface.
     class GridMemory {

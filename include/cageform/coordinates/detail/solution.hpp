@@ -10,6 +10,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// A solver made for a problem and, once they are solved and kept, the functions.
 template <CageSolver S>
 struct Solution {
+    using Solver = S;
+
     std::shared_ptr<const typename S::Problem> problem;
     std::optional<S> solver;
     std::vector<typename S::Functions> functions; ///< by group, or none
@@ -26,7 +28,38 @@ struct Solution {
     }
 
     /// Solves all functions and keeps them.
-    Status solve(SolverReport& into, const Running& running) {
+    Status solve(SolverReport& into, const Running& running) { return solve_by(*solver, into, running); }
+
+    /// The same, beginning with the functions that a solution for another cage has kept.
+    Status solve_from(const Solution& before, std::span<const std::size_t> old_handles, SolverReport& into,
+                      const Running& running) {
+        if constexpr (WarmSolver<S>) {
+            if (!solver->takes_guess()) return solve(into, running);
+            const typename S::Guess guess(*solver, *before.solver, before.functions, old_handles);
+            return solve_by(FromGuess{*solver, guess}, into, running);
+        }
+        return solve(into, running);
+    }
+
+private:
+    /// A GroupSolver.
+    template <class Guess>
+    struct FromGuess {
+        using Block = typename S::Block;
+        const S& solver;
+        const Guess& guess;
+
+        std::size_t groups() const { return solver.groups(); }
+        Block make_block() const { return solver.make_block(); }
+        Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
+            return solver.solve(group, block, work, &guess);
+        }
+    };
+    template <class Guess>
+    FromGuess(const S&, const Guess&) -> FromGuess<Guess>;
+
+    template <class Groups>
+    Status solve_by(const Groups& groups, SolverReport& into, const Running& running) {
         // NOLINTNEXTLINE(bugprone-unchecked-optional-access): solved once it is made
         const double kept = 0.5 * double(solver->memory().block) * double(solver->groups());
         if (double(into.bytes) + kept > double(memory_limit(problem->options))) {
@@ -35,7 +68,7 @@ struct Solution {
         }
         functions.resize(solver->groups());
         const Status status = grid::solve_groups(
-            *solver, into,
+            groups, into,
             [&](std::size_t group, const auto& block) { functions[group] = solver->keep(block); }, running);
         report = into;
         return status;

@@ -1,0 +1,112 @@
+// A figure bound anew after an edit of its cage: vertices moved, added or removed.
+#pragma once
+
+#include <cageform/binding/bind_figure.hpp>
+
+#include <map>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D>
+struct CageRebindResult {
+    FigureBinding<T, D> figure; ///< empty unless the report's status is ok
+    FigureBindReport report;
+    /// #handles of the edited cage: the number that each had before, or `new_handle`.
+    std::vector<std::size_t> old_handles;
+};
+
+/// Stands in the place of the number that a handle had before an edit, where it had none.
+inline constexpr std::size_t new_handle = ~std::size_t{0};
+
+/// The handles of a cage before an edit: for every handle after it the number that it had, or
+/// `new_handle`. As many handles are the same ones, moved; of fewer or more, those are that stand
+/// where they stood.
+template <Scalar T, std::size_t D>
+std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const HandleView<T, D>& after) {
+    std::vector<std::size_t> numbers(after.count, new_handle);
+    if (before.count == after.count) {
+        for (std::size_t i = 0; i < after.count; ++i) numbers[i] = i;
+        return numbers;
+    }
+    std::map<std::array<T, D>, std::size_t> places;
+    const auto place = [](const Vec<T, D>& p) {
+        std::array<T, D> key{};
+        for (std::size_t k = 0; k < D; ++k) key[k] = p[k];
+        return key;
+    };
+    for (std::size_t i = before.count; i-- > 0;) places[place(before.rest[i])] = i;
+    for (std::size_t i = 0; i < after.count; ++i) {
+        if (const auto found = places.find(place(after.rest[i])); found != places.end())
+            numbers[i] = found->second;
+    }
+    return numbers;
+}
+
+namespace detail {
+
+/// The points or vectors of a binding at rest.
+template <Scalar T, std::size_t D>
+PointReader<T> read_rest(const BindingView<T, D>& binding) {
+    return {binding.point_count(), [binding](std::size_t block, Lanes<T>* rows) {
+                std::copy_n(binding.rest.block(block), D, rows);
+            }};
+}
+
+/// The labels of the handles that there were; others have none.
+template <Scalar T, std::size_t D>
+Status take_labels_over(const FigureBinding<T, D>& before, std::span<const std::size_t> old_handles,
+                        FigureBinding<T, D>& after) {
+    if (before.labels().begin == nullptr) return Status::ok;
+    std::vector<std::string_view> labels;
+    for (const std::size_t handle : old_handles)
+        labels.push_back(handle == new_handle ? std::string_view{} : before.labels()[handle]);
+    return after.set_labels(labels);
+}
+
+} // namespace detail
+
+/// Binds a figure anew to an edited cage: what `bind_figure` makes of its points, normals and
+/// tangents, to the bit, without asking for them again. Labels go with their handles.
+///
+///   figure       as it was bound to the cage before the edit
+///   coordinates  of the edited cage. Those of a solver may have been solved from the ones before
+///                (HarmonicCoordinates::solve_from), which takes fewer cycles
+///   old_handles  #handles of the edited cage: the number that each had before, or `new_handle`.
+///                Empty: as `match_handles` has them. Used for labels alone
+///   options      as for `bind`
+///   returns      the figure and its report; fails as `bind_figure`; labels_do_not_match, where
+///                old_handles are not as many as the handles, or name one that there was not
+template <CageCoordinates C>
+    requires GradientCoordinates<C> CageRebindResult<typename C::scalar, C::dimension>
+    rebind_cage(const FigureBinding<typename C::scalar, C::dimension>& figure, const C& coordinates,
+                std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
+                const Running& running = {}) {
+        using T = typename C::scalar;
+        constexpr std::size_t D = C::dimension;
+        CageRebindResult<T, D> result;
+        FigureBindResult<T, D> bound;
+        detail::run_into(bound.report, [&] {
+            if (coordinates.cage_report().status != Status::ok) {
+                bound.report.points.cage = coordinates.cage_report();
+                return bound.report.points.status = coordinates.cage_report().status;
+            }
+            const HandleView<T, D> before = figure.points.handle_view(), after = handle_view(coordinates);
+            result.old_handles.assign(old_handles.begin(), old_handles.end());
+            if (old_handles.empty()) result.old_handles = match_handles(before, after);
+            for (const std::size_t handle : result.old_handles) {
+                if (handle >= before.count && handle != new_handle) return Status::labels_do_not_match;
+            }
+            if (result.old_handles.size() != after.count) return Status::labels_do_not_match;
+            detail::FigureInput<T, D> input{detail::read_rest(figure.points.view()), {}, figure.handedness};
+            for (std::size_t k = 0; k + 1 < D && figure.has_normals(); ++k)
+                input.tangents[k] = detail::read_rest(figure.tangents[k].view());
+            const Status status = detail::bind_read_figure(coordinates, input, options, running, bound);
+            return status == Status::ok ? detail::take_labels_over(figure, result.old_handles, bound.figure)
+                                        : status;
+        });
+        result.report = std::move(bound.report);
+        if (result.report.status == Status::ok) result.figure = std::move(bound.figure);
+        return result;
+    }
+
+} // namespace cageform::inline CAGEFORM_ABI
