@@ -1,10 +1,10 @@
-// Feeds bytes to open_blob, and whatever opens to clones, in buffers exactly as long as promised: for libFuzzer.
+// Feeds bytes to open_blob and open_figure, and whatever opens to clones, in buffers exactly as long as promised: for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
 //     mkdir corpus && ./fuzz_open_blob --seeds=corpus && ./fuzz_open_blob -max_len=24576 corpus
 #include <cageform/binding/pack.hpp>
-#include <cageform/clone/clone.hpp>
+#include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/pose_handles.hpp>
 
 #include <cstdio>
@@ -160,7 +160,53 @@ void open_as(std::span<const std::byte> bytes) {
     }
 }
 
+/// The figure that opens, cloned; its labels and parts, read.
+template <class T, std::size_t D>
+void play(const cageform::PackedFigureView<T, D>& figure) {
+    std::size_t sum = 0;
+    for (std::size_t h = 0; h < figure.handle_count(); ++h) {
+        for (const char letter : figure.label(h)) sum += std::size_t(letter == 'x');
+    }
+    for (const auto& line : figure.table) {
+        for (const std::byte byte : figure.part(line.tag)) sum += std::size_t(byte == std::byte{1});
+    }
+    REQUIRE(sum + 1 > 0); // it is used
+    const std::size_t points = figure.point_count(), handles = figure.handle_count();
+    if (points > most || handles > most) return;
+    const Array<Vec<T, D>> pose(handles, Vec<T, D>{1, 2}), out(points, Vec<T, D>{}),
+        normals(points, Vec<T, D>{});
+    const auto check = [&](Status status, bool there) {
+        REQUIRE(status == Status::pose_not_finite ||
+                status == (there ? Status::ok : Status::vectors_missing));
+    };
+    check(clone(figure, pose, cageform::FigureOutput{out, normals}), figure.has_normals());
+    if constexpr (D == 3) {
+        const Array<Vec<T, 4>> tangents(points, Vec<T, 4>{});
+        check(clone(figure, pose, cageform::FigureOutput{out, normals, tangents}, BackwardFor{}),
+              figure.has_tangents());
+    }
+}
+
+template <class T, std::size_t D>
+void open_figure_as(std::span<const std::byte> bytes) {
+    for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
+        const auto opened = cageform::open_figure<T, D>(bytes, {.check = check});
+        if (opened.status != Status::ok) {
+            REQUIRE(opened.figure.point_count() == 0 && opened.figure.table.empty());
+            continue;
+        }
+        REQUIRE(opened.bytes <= bytes.size());
+        const auto again = [&](std::size_t size) {
+            return cageform::open_figure<T, D>(bytes.first(size), {.check = check}).status;
+        };
+        REQUIRE(again(opened.bytes) == Status::ok && again(opened.bytes - 1) != Status::ok);
+        if (check == BlobCheck::structure) play(opened.figure);
+    }
+}
+
 void open_as_all(std::span<const std::byte> bytes) {
+    open_figure_as<float, 3>(bytes);
+    open_figure_as<double, 2>(bytes);
     open_as<float, 3>(bytes);
     open_as<double, 2>(bytes);
     open_as<float, 2>(bytes);
@@ -278,6 +324,71 @@ void disturb(std::byte* at, Numbers& numbers, std::size_t limit) {
     std::memcpy(at, &x, sizeof(x));
 }
 
+/// A figure whose parts are one blob over and over, or now and then several.
+template <class T, std::size_t D>
+std::vector<std::byte> made_up_figure(Numbers& numbers) {
+    using cageform::FigureTags;
+    const auto blob = made_up<T, D>(numbers), other = made_up<T, D>(numbers);
+    const BlobHeader header = header_of(blob);
+    const auto any = [&]() -> const std::vector<std::byte>& { return numbers.below(16) == 0 ? other : blob; };
+    std::vector<std::int8_t> signs(std::size_t(header.points), std::int8_t(1));
+    std::vector<std::uint32_t> labels{0};
+    for (std::size_t h = 0; h < header.handles; ++h)
+        labels.push_back(labels.back() + std::uint32_t(numbers.below(3)));
+    labels.resize(labels.size() + (labels.back() + 3) / 4, 0x78787878u);
+    const auto& points = any();
+    const auto& tangents = any();
+    const auto& bitangents = any();
+    std::vector<cageform::FigurePartData> parts{{FigureTags::points, points}};
+    if (numbers.below(8) != 0) {
+        parts.push_back({FigureTags::tangents, tangents});
+        if (D == 3) parts.push_back({FigureTags::bitangents, bitangents});
+        if (numbers.below(4) != 0) parts.push_back({FigureTags::handedness, std::as_bytes(std::span(signs))});
+    }
+    if (numbers.below(4) != 0) parts.push_back({FigureTags::labels, std::as_bytes(std::span(labels))});
+    if (numbers.below(4) == 0) parts.push_back({"ELSE", std::as_bytes(std::span(signs))});
+    const cageform::PackedFigure<T, D> figure(parts);
+    return {figure.bytes().begin(), figure.bytes().end()};
+}
+
+/// Changes the table of a figure, or what its parts hold.
+void disturb_figure(std::span<std::byte> bytes, Numbers& numbers) {
+    cageform::FigureHeader header;
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    const std::size_t lines = std::min<std::size_t>(header.parts, 8);
+    for (std::size_t n = 1 + numbers.below(3); n > 0 && lines > 0; --n) {
+        const auto line_at = [](std::size_t line) {
+            return sizeof(header) + line * sizeof(cageform::FigurePart);
+        };
+        const std::size_t at = line_at(numbers.below(lines)), from = line_at(numbers.below(lines));
+        cageform::FigurePart part;
+        if (std::max(at, from) + sizeof(part) > bytes.size()) return;
+        std::memcpy(&part, bytes.data() + at, sizeof(part));
+        switch (numbers.below(5)) {
+        case 0: disturb<std::uint64_t>(bytes.data() + at + 8, numbers, bytes.size()); break;
+        case 1: disturb<std::uint64_t>(bytes.data() + at + 16, numbers, std::size_t(part.bytes | 1)); break;
+        case 2: std::memmove(bytes.data() + at + 8 * numbers.below(2), bytes.data() + from, 8); break;
+        case 3:
+            disturb<std::uint32_t>(bytes.data() + offsetof(cageform::FigureHeader, parts), numbers, 8);
+            break;
+        default: {
+            const std::size_t place = std::size_t(part.offset) + 4 * numbers.below(64);
+            if (part.offset < bytes.size() && place + 8 <= bytes.size())
+                numbers.below(2) == 0 ? disturb<std::uint32_t>(bytes.data() + place, numbers, bytes.size())
+                                      : disturb<std::uint64_t>(bytes.data() + place, numbers, bytes.size());
+        }
+        }
+    }
+    cageform::FigureHeader plausible;
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    plausible.bytes = numbers.below(8) == 0 ? header.bytes : bytes.size() / 64 * 64;
+    plausible.checksum = header.checksum;
+    plausible.parts = header.parts;
+    plausible.scalar_bytes = header.scalar_bytes;
+    plausible.dimension = header.dimension;
+    std::memcpy(bytes.data(), &plausible, sizeof(plausible));
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -294,9 +405,11 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     Numbers numbers(seed);
     const std::size_t way = numbers.below(8);
     if (way == 0 || size < sizeof(BlobHeader)) {
-        const std::size_t kind = numbers.below(3);
+        const std::size_t kind = numbers.below(6);
         const auto blob = kind == 0   ? made_up<float, 3>(numbers)
                           : kind == 1 ? made_up<double, 2>(numbers)
+                          : kind == 3 ? made_up_figure<double, 2>(numbers)
+                          : kind >= 4 ? made_up_figure<float, 3>(numbers)
                                       : made_up<float, 2>(numbers);
         if (blob.size() > max_size) return LLVMFuzzerMutate(data, size, max_size);
         std::memcpy(data, blob.data(), blob.size());
@@ -304,6 +417,10 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     }
     if (way == 1) return LLVMFuzzerMutate(data, size, max_size);
     auto* const bytes = reinterpret_cast<std::byte*>(data);
+    if (header_of({bytes, size}).magic == cageform::FigureHeader::magic_number) {
+        disturb_figure({bytes, size}, numbers);
+        return size;
+    }
     if (way == 2) { // what follows the header alone
         size = sizeof(BlobHeader) + LLVMFuzzerMutate(data + sizeof(BlobHeader), size - sizeof(BlobHeader),
                                                      max_size - sizeof(BlobHeader));
@@ -371,6 +488,8 @@ extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
                 write(packed<float, 3>(numbers, {.format = format, .largest = largest}));
                 write(packed<double, 2>(numbers, {.format = format, .largest = largest}));
                 write(packed<float, 2>(numbers, {.format = format, .largest = largest}));
+                write(made_up_figure<float, 3>(numbers));
+                write(made_up_figure<double, 2>(numbers));
             }
         }
         std::printf("%d blobs\n", written);
