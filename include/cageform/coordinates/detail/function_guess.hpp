@@ -48,7 +48,8 @@ public:
 
     /// The values of functions `first` … first + 15 at a node.
     NodeRow values(std::uint32_t node, std::size_t first) const {
-        NodeRow row{};
+        NodeRow row; // not set by itself
+        for (float& value : row.v) value = 0;
         const Ends begin = node == 0 ? Ends{0, 0} : ends_[node - 1], end = ends_[node];
         for (std::size_t k = 0; k < width && first + k < old_handles_.size(); ++k) {
             const std::size_t handle = old_handles_[first + k];
