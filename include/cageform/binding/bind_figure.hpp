@@ -192,6 +192,8 @@ Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C:
             report.points = input.points.size;
             report.solver = solution.solver;
             report.status = solution.status;
+            if (report.status == Status::out_of_memory) // of functions kept; there may be enough for a group
+                return bind_parts(coordinates, input, options, running, result);
             if (report.status != Status::ok) return report.status;
             return bind_parts(solved, input, options, running.part(0.7, 1), result);
         }
