@@ -149,6 +149,61 @@ TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
     CHECK(has(report, CageFaultKind::vertex_unused, data.vertices.size() - 1));
 }
 
+TEST_CASE("faces about a vertex of many faces cross where one by one they do", "[cage][mesh][status]") {
+    std::mt19937 random(20261122);
+    std::size_t sound = 0, crossing = 0;
+    for (int round = 0; round < 60; ++round) {
+        // Two cones over one rim, whose vertices now and then have changed places.
+        const auto rim = std::uint32_t(33 + random() % 60);
+        const double mess = round % 3 == 0 ? 0 : 4.0 / rim;
+        std::uniform_real_distribution<double> share(-1, 1);
+        Points3<double> vertices{{0, 0, -1}, {0.2 * share(random), 0.2 * share(random), 1}};
+        Faces faces;
+        for (std::uint32_t i = 0; i < rim; ++i) {
+            const double angle = 2 * std::numbers::pi / rim * i + mess * share(random);
+            const double radius = 2 + share(random);
+            vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.3 * share(random)});
+            const int a = int(2 + i), b = int(2 + (i + 1) % rim);
+            faces.push_back({0, b, a});
+            faces.push_back({1, a, b});
+        }
+        std::vector<std::array<std::size_t, 2>> expected, found;
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            for (std::size_t g = f + 1; g < faces.size(); ++g) {
+                const auto passes = [&](const auto& face, const auto& through) {
+                    cageform::detail::Corners<3> corner;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const auto& p = vertices[std::size_t(through[k])];
+                        corner[k] = {p[0], p[1], p[2]};
+                    }
+                    const auto has = [&](int i) {
+                        return std::find(through.begin(), through.end(), i) != through.end();
+                    };
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const int i = face[k], j = face[(k + 1) % 3];
+                        const auto &s = vertices[std::size_t(i)], &t = vertices[std::size_t(j)];
+                        if (!has(i) && !has(j) &&
+                            cageform::detail::pierces({s[0], s[1], s[2]}, {t[0], t[1], t[2]}, corner))
+                            return true;
+                    }
+                    return false;
+                };
+                if (passes(faces[f], faces[g]) || passes(faces[g], faces[f])) expected.push_back({f, g});
+            }
+        }
+        const auto report = report_of(vertices, faces);
+        for (const auto& fault : report.faults) {
+            if (fault.kind == CageFaultKind::faces_cross) found.push_back({fault.a, fault.b});
+        }
+        std::sort(found.begin(), found.end());
+        INFO("round " << round);
+        CHECK(found == expected);
+        ++(expected.empty() ? sound : crossing);
+    }
+    CHECK(sound >= 20);
+    CHECK(crossing >= 20);
+}
+
 TEST_CASE("small gaps are closed, with a warning that names their edges", "[cage][mesh][status]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);

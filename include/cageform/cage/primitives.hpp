@@ -285,19 +285,40 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
     return comes_near(a, b) || comes_near(b, a);
 }
 
-/// f(m, n), m < n, for all pairs of boxes that overlap, swept by x. Usually O(n log n), O(n²) at
-/// worst.
+/// The axis along which boxes are the shortest on average, in units of what they span together.
+template <std::size_t D>
+std::size_t sweep_axis(const std::vector<Bounds<double, D>>& boxes) noexcept {
+    std::size_t axis = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < D; ++k) {
+        double lower = std::numeric_limits<double>::max(), upper = -lower, sum = 0;
+        for (const auto& box : boxes) {
+            lower = std::fmin(lower, box.lower[k]);
+            upper = std::fmax(upper, box.upper[k]);
+            sum += box.upper[k] - box.lower[k];
+        }
+        if (!(sum / (upper - lower) < least)) continue;
+        least = sum / (upper - lower);
+        axis = k;
+    }
+    return axis;
+}
+
+/// f(m, n), m < n, for all pairs of boxes that overlap, swept along one axis. Usually O(n log n),
+/// O(n²) at worst.
 template <std::size_t D, class F>
 void for_each_overlap(const std::vector<Bounds<double, D>>& boxes, F&& f) {
+    const std::size_t axis = sweep_axis(boxes);
     std::vector<std::size_t> order(boxes.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
-              [&](std::size_t m, std::size_t n) { return boxes[m].lower[0] < boxes[n].lower[0]; });
+              [&](std::size_t m, std::size_t n) { return boxes[m].lower[axis] < boxes[n].lower[axis]; });
     std::vector<Bounds<double, D>> sorted; // read front to back
     sorted.reserve(boxes.size());
     for (const std::size_t m : order) sorted.push_back(boxes[m]);
     for (std::size_t m = 0; m < sorted.size(); ++m) {
-        for (std::size_t n = m + 1; n < sorted.size() && sorted[n].lower[0] <= sorted[m].upper[0]; ++n) {
+        const double end = sorted[m].upper[axis];
+        for (std::size_t n = m + 1; n < sorted.size() && sorted[n].lower[axis] <= end; ++n) {
             if (sorted[m].overlaps(sorted[n])) f(std::min(order[m], order[n]), std::max(order[m], order[n]));
         }
     }

@@ -306,14 +306,26 @@ public:
         }
     }
 
+    /// Boxes of faces that share a vertex overlap. About a vertex of many faces, a fan's apex, their
+    /// pairs are found by directions from it.
     void check_crossing_faces() {
         std::vector<Bounds<double, 3>> boxes;
         boxes.reserve(facets_.size());
         for (const auto& facet : facets_) boxes.push_back(facet.bounds().widened(tolerance_));
+        const auto apex = apexes();
         for_each_overlap(boxes, [&](std::size_t f, std::size_t g) {
-            if (passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]))
-                add_at_face(CageFaultKind::faces_cross, g, f, g);
+            if (apex[f] == no_apex || apex[f] != apex[g]) check_crossing(f, g);
         });
+        std::vector<std::size_t> fans; // faces that have an apex, by apex
+        for (std::size_t f = 0; f < apex.size(); ++f) {
+            if (apex[f] != no_apex) fans.push_back(f);
+        }
+        std::stable_sort(fans.begin(), fans.end(),
+                         [&](std::size_t f, std::size_t g) { return apex[f] < apex[g]; });
+        for (std::size_t begin = 0, end = 0; begin < fans.size(); begin = end) {
+            while (end < fans.size() && apex[fans[end]] == apex[fans[begin]]) ++end;
+            check_fan(apex[fans[begin]], std::span(fans).subspan(begin, end - begin));
+        }
     }
 
     void check_shells() {
@@ -335,6 +347,47 @@ private:
         if (is_given(face)) return report_.add(kind, a, b);
         report_.add(CageFaultKind::open_edge, facets_[face].vertex[1], facets_[face].vertex[2]);
     }
+    void check_crossing(std::size_t f, std::size_t g) {
+        if (passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]))
+            add_at_face(CageFaultKind::faces_cross, g, f, g);
+    }
+    /// Of every face, its vertex of the most faces where those are many.
+    std::vector<std::uint32_t> apexes() const {
+        std::vector<std::uint32_t> faces_at(mesh_.size());
+        for (const auto& facet : facets_) {
+            for (const auto i : facet.vertex) ++faces_at[i];
+        }
+        std::vector<std::uint32_t> apex(facets_.size(), no_apex);
+        for (std::size_t f = 0; f < facets_.size(); ++f) {
+            std::uint32_t most = few_faces;
+            for (const auto i : facets_[f].vertex) {
+                if (faces_at[i] <= most) continue;
+                most = faces_at[i];
+                apex[f] = i;
+            }
+        }
+        return apex;
+    }
+    /// Faces about a vertex cross where their directions from it do: arcs on the unit sphere, in the
+    /// box of their ends widened by the height of the arc.
+    void check_fan(std::uint32_t apex, std::span<const std::size_t> fan) {
+        constexpr double rounding = 1e-12;
+        const auto origin = vec_cast<double>(mesh_[apex]);
+        std::vector<Bounds<double, 3>> arcs;
+        for (const std::size_t f : fan) {
+            std::array<Vec<double, 3>, 2> ends{};
+            std::size_t n = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (facets_[f].vertex[k] == apex) continue;
+                const auto d = facets_[f].corner[k] - origin;
+                ends[n++] = (1 / length(d)) * d;
+            }
+            const double half_chord = 0.5 * length(ends[1] - ends[0]);
+            const double height = 1 - std::sqrt(std::fmax(1 - half_chord * half_chord, 0.0));
+            arcs.push_back(bounds_of(std::span<const Vec<double, 3>>(ends)).widened(height + rounding));
+        }
+        for_each_overlap(arcs, [&](std::size_t m, std::size_t n) { check_crossing(fan[m], fan[n]); });
+    }
     /// Whether an edge of `f` passes through `g`. Faces that share a vertex meet there rightly.
     static bool passes(const Facet<3>& f, const Facet<3>& g) noexcept {
         const std::array<bool, 3> shared{g.has(f.vertex[0]), g.has(f.vertex[1]), g.has(f.vertex[2])};
@@ -344,6 +397,8 @@ private:
         }
         return false;
     }
+
+    static constexpr std::uint32_t no_apex = ~std::uint32_t{0}, few_faces = 32;
 
     const TriangleMesh<T>& mesh_;
     CageReport& report_;
