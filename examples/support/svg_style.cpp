@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <set>
+#include <tuple>
 
 namespace cageform_examples {
 
@@ -111,8 +112,9 @@ StyleSheets::StyleSheets(pugi::xml_node root) {
         }
         read(css);
     }
-    std::stable_sort(rules_.begin(), rules_.end(),
-                     [](const Rule& a, const Rule& b) { return a.specificity < b.specificity; });
+    std::sort(rules_.begin(), rules_.end(), [](const Rule& a, const Rule& b) { // later blocks win
+        return std::tie(a.specificity, a.declarations) < std::tie(b.specificity, b.declarations);
+    });
     for (std::size_t i = 0; i < rules_.size(); ++i) {
         const Compound& last = rules_[i].selector.back();
         const std::string key = !last.id.empty()        ? '#' + last.id
@@ -260,8 +262,8 @@ std::map<std::string, StyleValue, std::less<>> StyleSheets::values(pugi::xml_nod
         if (node.attribute("id")) look_up('#' + attribute_text(node, "id"));
         const std::string classes = attribute_text(node, "class");
         for (std::string_view rest = trimmed(classes); !rest.empty(); rest = trimmed(rest)) {
-            const std::size_t size =
-                std::find_if(rest.begin(), rest.end(), is_space) - rest.begin(); // one class
+            const auto size =
+                std::size_t(std::find_if(rest.begin(), rest.end(), is_space) - rest.begin()); // one class
             look_up('.' + std::string(rest.substr(0, size)));
             rest.remove_prefix(size);
         }

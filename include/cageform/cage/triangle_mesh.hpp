@@ -320,8 +320,9 @@ public:
         for (std::size_t f = 0; f < apex.size(); ++f) {
             if (apex[f] != no_apex) fans.push_back(f);
         }
-        std::stable_sort(fans.begin(), fans.end(),
-                         [&](std::size_t f, std::size_t g) { return apex[f] < apex[g]; });
+        std::sort(fans.begin(), fans.end(), [&](std::size_t f, std::size_t g) {
+            return apex[f] != apex[g] ? apex[f] < apex[g] : f < g;
+        });
         for (std::size_t begin = 0, end = 0; begin < fans.size(); begin = end) {
             while (end < fans.size() && apex[fans[end]] == apex[fans[begin]]) ++end;
             check_fan(apex[fans[begin]], std::span(fans).subspan(begin, end - begin));
