@@ -42,9 +42,9 @@ int main() {
            "rows that are missing");
     const auto tangents = made_up::packed_binding<float, 3>(cageform::WeightFormat::half, true, 20, 4, 3);
     expect(cageform::clone_normals(std::array{tangents.view(), tangents.view().in_order()}, pose, out) ==
-               cageform::Status::ok,
-           "normals");
-    expect(failed_asserts == 2, "tangents and bitangents in different orders");
+                   cageform::Status::bindings_differ &&
+               failed_asserts == 1,
+           "tangents and bitangents in different orders: a status, not an assertion");
     if (failures == 0) std::printf("ok\n");
     return failures;
 }

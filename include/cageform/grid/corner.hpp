@@ -45,6 +45,9 @@ public:
     }
 
     std::size_t count() const noexcept { return count_; } ///< of the s_k; function 0 is w
+    /// The m of the s_m that is in w, whose exponent is closest to 1. With fewer functions the rest
+    /// would depend on which of the two edges is the first.
+    std::size_t least_count() const noexcept { return angle_ < 1.5 * std::numbers::pi ? 1 : 2; }
     /// Leaves out all s_k beyond the first `count`.
     void keep(std::size_t count) noexcept { count_ = std::min(count_, count); }
     bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }
@@ -81,8 +84,7 @@ public:
         // The s_k are the imaginary parts of the powers of z = (r e^{iθ})^(π/ω).
         const double size = std::pow(r, exponent_);
         const double re = size * std::cos(exponent_ * theta), im = size * std::sin(exponent_ * theta);
-        const std::size_t m =
-            angle_ < 1.5 * std::numbers::pi ? 1 : 2; // of the s_m whose exponent is closest to 1
+        const std::size_t m = least_count();
         double power_re = re, power_im = im, closest = im;
         for (std::size_t k = 1; k <= std::max(count_, m); ++k) {
             if (k <= count_) f[k] = power_im;

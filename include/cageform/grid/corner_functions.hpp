@@ -294,7 +294,7 @@ private:
                 t.around.push_back({node, t.corner.along(p), t.corner.functions(p)[0]});
         });
         t.corner.keep(t.around.size() / 2);
-        if (t.corner.count() == 0) return false;
+        if (t.corner.count() < t.corner.least_count()) return false;
         fit_to_nodes(t, nodes);
         t.first = coefficients_;
         coefficients_ += std::uint32_t(t.corner.count() + 1);
