@@ -22,7 +22,7 @@ public:
         const auto lattice = grid::lattice_about(bounds_of(problem.cage.vertices()), resolution);
         const double bytes = double(lattice.size()) * bytes_of_cell(width(problem));
         if (bytes > double(problem.options.memory_limit)) {
-            report.bytes = std::size_t(std::min(bytes, double(std::numeric_limits<std::size_t>::max() / 2)));
+            report.bytes = std::size_t(std::min(bytes, double(std::numeric_limits<std::ptrdiff_t>::max())));
             return Status::out_of_memory;
         }
         made.emplace(problem);

@@ -41,7 +41,7 @@ public:
             for (std::size_t n = 0; n + 1 < of_i.size(); ++n) {
                 const std::size_t after = of_i[n], before = of_i[n + 1];
                 const Corner corner(vertices_[i], vertices_[before], vertices_[after], radius);
-                Treated t{corner, {i, before, after}};
+                const Treated t{corner, {i, before, after}};
                 bool treated = corner.is_smooth() && radius >= ample_radius;
                 if (treat && !corner.is_smooth() && radius >= least_radius) treated = add(t, problem);
                 if (!treated || radius < ample_radius) watch(t, treated, treat, problem.nodes);

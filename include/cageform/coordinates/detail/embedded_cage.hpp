@@ -171,7 +171,7 @@ private:
     };
     static Status refuse_memory(const GridMemory& memory, std::size_t resolution, std::size_t limit,
                                 SolverReport& report) noexcept {
-        constexpr auto most = double(std::numeric_limits<std::size_t>::max() / 2);
+        constexpr auto most = double(std::numeric_limits<std::ptrdiff_t>::max());
         report.bytes = std::size_t(std::min(memory.bytes(resolution), most));
         std::size_t fits = resolution;
         while (fits >= least_resolution && memory.bytes(fits) > double(limit)) fits -= 1 + fits / 64;

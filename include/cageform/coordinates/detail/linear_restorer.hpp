@@ -27,6 +27,8 @@ public:
     explicit LinearRestorer(const HandleView<T, D>& handles)
         : rows_(handles, frame_of(handles)) {
         std::vector<Vec<double, D + 1>> rows;
+        rows.reserve(rows_.size());
+        basis_.reserve(rows_.size());
         for (std::size_t i = 0; i < rows_.size(); ++i) rows.push_back(vec_cast<double>(rows_[i]));
         const OrthonormalRows<D + 1> orthonormal(std::move(rows));
         for (std::size_t i = 0; i < rows_.size(); ++i) basis_.push_back(vec_cast<T>(orthonormal[i]));
