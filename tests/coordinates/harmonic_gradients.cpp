@@ -139,15 +139,46 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     CHECK(
         gradients_of<double, 2>(HarmonicCoordinates<double, 2>(cage, averaging), points).evaluation.status ==
         Status::solver_not_supported);
-    // Solved before, or on threads: the same bits.
-    Random random(1);
-    const std::vector<Vec<double, 2>> inside(20, random_inside(cage, random, 1e-3));
-    const auto expected = gradients_of<double, 2>(coordinates, inside);
+}
+
+TEMPLATE_TEST_CASE("gradients are the same bits on threads, solved before, or of a part of the points",
+                   "[coordinates][harmonic][gradients]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(2));
+    CAPTURE(seed);
+    const Polygon<T> cage(random_star<T>(std::uint64_t(seed)));
+    HarmonicCoordinates<T, 2> coordinates(cage, {.resolution = 40});
+    // More than a piece for each thread; inside, on edges, far outside, not finite.
+    Random random(std::uint64_t(seed) + 1);
+    std::vector<Vec<T, 2>> points;
+    while (points.size() < 1501) {
+        points.push_back(random_inside(cage, random, 1e-3));
+        const std::size_t i = points.size();
+        if (i % 7 == 0) points.push_back(cage[i % cage.size()]);
+        if (i % 11 == 0) points.push_back({T(1e9), T(0)});
+        if (i % 13 == 0) points.push_back({std::numeric_limits<T>::quiet_NaN(), T(0)});
+    }
+    const auto expected = gradients_of<T, 2>(coordinates, points);
+    REQUIRE(expected.evaluation.status == Status::ok);
+    const auto check = [&](const std::vector<Vec<T, 2>>& some, std::size_t first, const auto& running) {
+        const auto found = gradients_of<T, 2>(coordinates, some, running);
+        std::size_t differ = 0;
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const PointState state = found.states[i];
+            differ += state == expected.states[first + i] ? 0 : 1;
+            if (state != PointState::inside && state != PointState::on_boundary) continue;
+            for (std::size_t h = 0; h < cage.size(); ++h)
+                differ += found.rows[i][h] == expected.rows[first + i][h] ? 0 : 1;
+        }
+        CHECK(differ == 0);
+    };
     cageform::Running threaded;
     threaded.parallel = cageform::ThreadedFor{2};
+    check(points, 0, threaded);
     REQUIRE(coordinates.solve(threaded).status == Status::ok);
-    const auto again = gradients_of<double, 2>(coordinates, inside, threaded);
-    for (std::size_t h = 0; h < cage.size(); ++h) CHECK(again.rows[7][h] == expected.rows[7][h]);
+    check(points, 0, cageform::Running{});
+    check(points, 0, threaded);
+    check({points.begin() + 100, points.begin() + 153}, 100, threaded);
 }
 
 } // namespace harmonic_gradients_tests

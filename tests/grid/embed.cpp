@@ -1,5 +1,6 @@
 // A polygon laid into a lattice: nodes, cut links, data and what is sampled between them.
 #include "../catch.hpp"
+#include "../support/meshes.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/grid/box_boundary.hpp>
@@ -239,6 +240,56 @@ TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to"
         CHECK(problem.values[c].weight == fixed[0].value.weight);
     }
     CHECK(links > fixed.size());
+}
+
+namespace {
+
+/// From random places of the boundary's box, against a search of all facets.
+template <std::size_t D, class Cage>
+void check_free_distances(const Cage& cage, double cells, std::uint64_t seed) {
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    Lattice<double, D> lattice;
+    for (std::size_t k = 0; k < D; ++k) {
+        lattice.spacing = std::max(lattice.spacing * double(k > 0), (bounds.upper - bounds.lower)[k] / cells);
+        lattice.origin[k] = bounds.lower[k];
+        lattice.cells[k] = std::size_t(cells) + 1;
+    }
+    SimplexBoundary<D> boundary(cage, lattice);
+    boundary.index_cells(1e-6);
+    std::vector<cageform::detail::PlacedFacet<D>> facets;
+    const auto vertices = lattice.in_cells(cage.vertices());
+    cageform::for_each_facet(cage, [&](const auto& facet) {
+        facets.emplace_back(facet, std::span<const Vec<double, D>>(vertices), true);
+    });
+    Random random(seed);
+    std::size_t met = 0;
+    for (int n = 0; n < 2000; ++n) {
+        Vec<double, D> p;
+        for (std::size_t k = 0; k < D; ++k) p[k] = (lattice.in_cells(bounds.upper))[k] * random.uniform(0, 1);
+        if (n % 4 == 0) p[std::size_t(n / 4) % D] = std::floor(p[std::size_t(n / 4) % D]);
+        const std::size_t axis = std::size_t(n) % D;
+        const bool up = n / 8 % 2 == 0;
+        const double limit = n % 2 == 0 ? 1.0 : random.uniform(0, 2 * cells);
+        double least = limit;
+        for (const auto& facet : facets) {
+            const auto hit = cageform::detail::hit<D>(facet, {p, axis, up, least});
+            if (hit) least = std::fabs(hit->position - p[axis]);
+        }
+        met += least < limit ? 1 : 0;
+        CHECK(boundary.free_distance(p, axis, up, limit) == least);
+    }
+    CHECK(met > 100);
+}
+
+} // namespace
+
+TEST_CASE("free distances end at the nearest facet on the way", "[grid][embed][property]") {
+    const int seed = GENERATE(seeds(5));
+    const double cells = GENERATE(8.0, 21.0);
+    CAPTURE(seed, cells);
+    check_free_distances<2>(random_rings<double>(std::uint64_t(seed)), cells, std::uint64_t(seed));
+    const auto mesh = cageform_tests::random_mesh(std::uint64_t(seed));
+    check_free_distances<3>(mesh.mesh<double>(), cells, std::uint64_t(seed));
 }
 
 } // namespace embed_tests

@@ -160,7 +160,8 @@ public:
     ///              tolerance over h. Of order h² in the open, h within a cell of the boundary; for
     ///              a point on it that of a place half a cell inside (unreached where there is
     ///              none)
-    ///   cost       of evaluating 2D + 1 points for each, with the memory of their weights
+    ///   cost       of evaluating 2D + 1 points for each; unless `solve` has been called, with the
+    ///              memory of their weights
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,
@@ -168,9 +169,7 @@ public:
         return with_solution(
             [&]<class S>(const std::shared_ptr<detail::Solution<S>>& solution, SolverReport& report) {
                 if constexpr (DifferentiableSolver<S>) {
-                    const detail::DifferenceGradients<S> differences(*solution->solver,
-                                                                     {points, gradients, states});
-                    return differences.run(*solution, gradients, report, running);
+                    return detail::sample_gradients(*solution, {points, gradients, states}, report, running);
                 } else {
                     return Status::solver_not_supported;
                 }

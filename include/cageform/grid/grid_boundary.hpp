@@ -69,7 +69,8 @@ concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns
 ///   is_cut(low)         whether the boundary may pass the cell with this lower corner
 ///   sample(p, nodes)    the stencil of a place strictly inside, exact for linear functions
 ///   free_distance(p, axis, up, limit)
-///                       from `p` along an axis, up or down, to the boundary; at most `limit`
+///                       from `p`, a place of the lattice, along an axis, up or down, to the
+///                       boundary; at most `limit`
 template <class B>
 concept SampledBoundary = requires(B& prepared, const B& boundary,
                                    const typename NodeRuns<B::dimension>::Index& low,

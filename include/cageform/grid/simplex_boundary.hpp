@@ -103,10 +103,16 @@ public:
         return bone ? bone->value : value;
     }
 
-    /// O(parts).
+    /// O(cells on the way · parts that pass them).
     double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         AxisRay<D> ray{p, axis, up, limit};
-        for (std::uint32_t part = 0; part < facets_.size() + bones_.size(); ++part) shorten_to(part, ray);
+        Index low;
+        for (std::size_t k = 0; k < D; ++k) low[k] = std::int32_t(std::floor(p[k]));
+        const std::int32_t last = lattice_.counts()[axis];
+        for (; low[axis] >= -1 && low[axis] <= last; low[axis] += up ? 1 : -1) {
+            if (ray.distance(up ? low[axis] : low[axis] + 1) > ray.length) break;
+            for (const auto& pass : parts_.find(low)) shorten_to(pass.part, ray);
+        }
         return ray.length;
     }
 
