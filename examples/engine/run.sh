@@ -17,7 +17,7 @@ programs=build/engine/examples
 mkdir -p out
 "$programs/make_character" out
 "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
-  --largest 16 --format int16 -o out/character.figure --report
+  --max-distance 0.001 -o out/character.figure --report
 
 # OGRE 1.12 opens its windows in X only: one that nobody sees.
 in_x() { xvfb-run -a -s '-screen 0 1280x960x24' "$@"; }
