@@ -14,6 +14,7 @@
 #include "clip_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
+#include "csv.hpp"
 #include "figure_parts.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
@@ -29,7 +30,7 @@ using cageform::Status;
 using cageform::WeightFormat;
 
 struct Arguments {
-    std::string figure, cage, clip, out;
+    std::string figure, cage, clip, labels, out;
     std::vector<std::string> poses;
     double seconds = 1;
     std::optional<WeightFormat> format;
@@ -108,7 +109,9 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     return text;
 }
 
-int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage) {
+/// Binds, packs and writes. `labels` are of the cage's vertices, or none.
+int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+                const std::vector<std::string>& labels) {
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps("bind_mesh", cage.name, coordinates->cage_report);
     std::vector<cageform::PiecewiseCubic<float>> curves;
@@ -125,7 +128,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::BindOptions bind_options;
     bind_options.outside = cageform::OutsidePoints::keep_in_place;
     const std::vector<Point3> normals = normals_of(figure);
-    const auto bound = bind_figure(*coordinates, {figure.vertices, normals}, bind_options);
+    auto bound = bind_figure(*coordinates, {figure.vertices, normals}, bind_options);
     const cageform::BindReport& of_points = bound.report.points;
     if (bound.report.status != Status::ok) {
         const bool fault_of_points = of_points.status != Status::ok;
@@ -137,6 +140,10 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         return fail(std::to_string(of_points.outside.size()) + " vertices of " + figure.name +
                     " lie outside the cage " + cage.name + ", " + std::to_string(of_points.unreached.size()) +
                     " have no weights, first " + name_points(figure.vertices, first));
+    }
+    if (!labels.empty()) {
+        const Status status = bound.figure.set_labels(labels);
+        if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
     }
     cageform::FigurePackOptions options;
     options.weights.format = given.format;
@@ -150,7 +157,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     options.parts = parts;
     const auto [packed, report] = cageform::pack_figure(bound.figure, options);
     const std::pair<const char*, const cageform::PackReport&> reports[] = {
-        {"points", report.points}, {"tangents", report.vectors[0]}, {"tangents", report.vectors[1]}};
+        {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
     for (const auto& [name, part] : reports) {
         const bool is_vector = &part != &report.points;
         if (part.status == Status::format_too_coarse) {
@@ -168,6 +175,11 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                   << ", mean " << part.mean_error << '\n';
     }
     if (report.status != Status::ok) return fail(cageform::to_string(report.status));
+    if (given.report && !labels.empty()) {
+        std::cout << "labels: of "
+                  << labels.size() - std::size_t(std::count(labels.begin(), labels.end(), "")) << " of "
+                  << labels.size() << " vertices of the cage\n";
+    }
     AtomicFile out(given.out);
     out.write({reinterpret_cast<const char*>(packed.bytes().data()), packed.bytes().size()});
     if (const auto error = out.commit()) return fail(*error);
@@ -186,6 +198,7 @@ int run_program(int argc, char** argv) {
     line.add("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
         .excludes(clip);
     line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+    line.add("--labels", given.labels, "names of the cage's vertices, kept in the file: a text file");
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.add_options(line);
     line.add("--largest", given.largest,
@@ -201,7 +214,7 @@ int run_program(int argc, char** argv) {
         .one_of({"float", "half", "int16", "int8"})
         .show_default("float; with --max-distance, the one of the fewest bytes");
     line.add_flag("--report", given.report, "print sizes and errors");
-    line.set_footer(obj_format + std::string("\n") + pose_clip_format);
+    line.set_footer(obj_format + std::string("\n") + pose_clip_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value or harmonic alone");
@@ -218,7 +231,13 @@ int run_program(int argc, char** argv) {
     for (const auto* file : {&*figure, &*cage}) {
         if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
     }
-    return bind_figure(given, *figure, *cage);
+    std::vector<std::string> labels;
+    if (!given.labels.empty()) {
+        auto read = read_labels(given.labels, cage->vertices.size());
+        if (!read) return fail(to_string(read.error()));
+        labels = std::move(*read);
+    }
+    return bind_figure(given, *figure, *cage, labels);
 }
 
 } // namespace

@@ -14,7 +14,8 @@
 //
 // The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
 // weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
-// ones of chains and points. Points are read, bound and written in batches, so a file may have any length.
+// ones of chains and points; --labels names them. Points are read, bound and written in batches, so a file may have any
+// length.
 
 #include "atomic_file.hpp"
 #include "bind_report.hpp"
@@ -30,14 +31,15 @@
 #include <bit>
 #include <charconv>
 #include <iostream>
+#include <set>
 
 namespace {
 
 using namespace cageform_examples;
 
 struct Settings {
-    std::string cage_path, points_path, out_path, scalar = "double", outside = "extend",
-                                                  linear_precision = "restore";
+    std::string cage_path, points_path, labels_path, out_path, scalar = "double", outside = "extend",
+                                                               linear_precision = "restore";
     bool report = false;
     CoordinatesChoice choice;
 };
@@ -71,10 +73,39 @@ void merge(cageform::BindReport& total, const cageform::BindReport& part, std::s
     total.cage = part.cage;
 }
 
+/// "status" and a column for each handle: its label, or its number. Fails where two have one name.
+SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles) {
+    std::vector<std::string> labels(handles);
+    if (!labels_path.empty()) {
+        auto read = read_labels(labels_path, handles);
+        if (!read) return read.error();
+        labels = std::move(*read);
+    }
+    std::string text = "status";
+    std::set<std::string> names{text};
+    for (std::size_t h = 0; h < handles; ++h) {
+        const std::string name = labels[h].empty() ? "w" + std::to_string(h) : labels[h];
+        if (!names.insert(name).second)
+            return SvgError{labels_path + ": two columns would have the name " + detail::quoted(name)};
+        text += ',';
+        if (name.find_first_of(",\"") == std::string::npos) {
+            text += name;
+            continue;
+        }
+        text += '"'; // as RFC 4180 has it
+        for (const char c : name) text += c == '"' ? "\"\"" : std::string(1, c);
+        text += '"';
+    }
+    return text + '\n';
+}
+
 template <class T, std::size_t D>
 int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
     PointReader<D, T> reader(settings.points_path);
     if (!reader.error().empty()) return fail(reader.error());
+    auto header = header_line(settings.labels_path, coordinates.handles);
+    if (!header) return fail(to_string(header.error()));
+    std::string text = std::move(*header);
     AtomicFile out(settings.out_path);
     if (const auto error = out.error()) return fail(*error);
 
@@ -100,11 +131,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
         warn_of_coarse_grid("cage_weights", settings.cage_path, total.solver);
         total.seconds = evaluation.solver.seconds;
     }
-    std::string text = "status";
     const std::size_t handles = coordinates.handles;
-    for (std::size_t h = 0; h < handles; ++h) text += ",w" + std::to_string(h);
-    text += '\n';
-
     const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
     const bool weights_outside =
         settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
@@ -189,10 +216,13 @@ int run_program(int argc, char** argv) {
     line.add("--cage", settings.cage_path, "in the plane a CSV or an SVG, in space an OBJ of a closed mesh")
         .required();
     line.add("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space").required();
+    line.add("--labels", settings.labels_path, "names of the cage's vertices, for the columns: a text file");
     line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required().ends_with({".csv"});
     line.set_footer(cage_formats + std::string("\n") + obj_format +
                     "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
-                    "of chains and points, as they come in the file; nan where a point has no weights.\n");
+                    "of chains and points, as they come in the file; nan where a point has no weights.\n"
+                    "\n" +
+                    labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
     line.add("--outside", settings.outside,
              "points outside: extend (where the coordinates are defined), keep or nearest")

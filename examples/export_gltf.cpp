@@ -18,6 +18,7 @@
 #include "bind_report.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
+#include "csv.hpp"
 #include "gltf_file.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
@@ -36,7 +37,7 @@ using cageform::Status;
 using Use = GltfDocument::Use;
 
 struct Arguments {
-    std::string figure, cage, clip, out;
+    std::string figure, cage, clip, labels, out;
     std::vector<std::string> poses;
     std::string weights = "float";
     OutsideChoice outside{.can_extend = false};
@@ -56,7 +57,8 @@ int fail(const std::string& message) {
 struct Scene {
     ObjFile figure, cage;
     GltfMesh mesh;
-    PoseClip clip; // without keys: no motion
+    PoseClip clip;                   // without keys: no motion
+    std::vector<std::string> labels; // of the cage's vertices, empty where one has none; or none at all
 };
 
 /// A skin as the file stores it.
@@ -215,8 +217,9 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     std::vector<std::array<float, 16>> inverse;
     for (std::size_t j = 0; j < joints; ++j) {
         const auto at = j < handles ? rounded(scene.cage.vertices[j]) : std::array<double, 3>{};
-        document.append(
-            "nodes", {{"name", j < handles ? "handle " + std::to_string(j) : "still"}, {"translation", at}});
+        std::string name = j < handles ? "handle " + std::to_string(j) : "still";
+        if (j < scene.labels.size() && !scene.labels[j].empty()) name = scene.labels[j];
+        document.append("nodes", {{"name", name}, {"translation", at}});
         inverse.push_back(
             {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(at[0]), -float(at[1]), -float(at[2]), 1});
     }
@@ -388,6 +391,9 @@ int run_program(int argc, char** argv) {
     line.add("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
         .excludes(clip);
     line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+    const CommandOption labels =
+        line.add("--labels", given.labels,
+                 "of a skin: names of the joints, which are the cage's vertices: a text file");
     const CommandOption skin =
         line.add("--skin", given.influences, "a skin of at most so many joints a vertex").range(1, 16);
     const CommandOption distance =
@@ -397,7 +403,10 @@ int run_program(int argc, char** argv) {
                  "without --skin, 4, 8, 12 or 16 joints, as few as do. 0: no bound")
             .range(0.0, 1.0)
             .show_default();
-    line.add_flag("--morph", given.morph, "morph targets, one a pose").excludes(skin).excludes(distance);
+    line.add_flag("--morph", given.morph, "morph targets, one a pose")
+        .excludes(skin)
+        .excludes(distance)
+        .excludes(labels);
     line.add("--weights", given.weights, "of a skin: float, unorm8 or unorm16 (normalised integers)")
         .one_of({"float", "unorm8", "unorm16"})
         .show_default();
@@ -414,7 +423,7 @@ int run_program(int argc, char** argv) {
         obj_format +
         std::string("Vertices keep the order of the file: a vertex that needs several normals or\n"
                     "texture coordinates is there once more, behind all others.\n\n") +
-        pose_clip_format);
+        pose_clip_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!given.morph && given.influences == 0 && given.distance == 0)
         return fail("--skin, --max-distance or --morph says what to write");
@@ -428,6 +437,11 @@ int run_program(int argc, char** argv) {
     if (!mesh) return fail(to_string(mesh.error()));
     auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
+    if (!given.labels.empty()) {
+        auto read = read_labels(given.labels, cage->vertices.size());
+        if (!read) return fail(to_string(read.error()));
+        scene.labels = std::move(*read);
+    }
     if (!given.clip.empty() || !given.poses.empty()) {
         auto motion = given.clip.empty() ? clip_through_poses(*cage, given.poses, given.seconds)
                                          : load_pose_clip(given.clip, cage->vertices.size());

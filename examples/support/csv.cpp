@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace cageform_examples {
@@ -119,6 +120,35 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const st
 SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path) {
     const auto text = read_file(path);
     return text ? parse_cage_csv(*text, path) : text.error();
+}
+
+SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::size_t count) {
+    const auto file = read_file(path);
+    if (!file) return file.error();
+    std::vector<std::string> labels;
+    std::map<std::string_view, std::size_t> lines; // of each label
+    std::string_view text = *file;
+    std::size_t number = 0;
+    for (std::string_view line; take_line(text, line);) {
+        ++number;
+        const std::string_view label = detail::trim(line);
+        if (label.starts_with('#')) continue;
+        labels.emplace_back(label);
+        if (label.empty()) continue;
+        const auto refuse = [&](const std::string& why) {
+            return SvgError{path + ":" + std::to_string(number) + ": the label " + detail::quoted(label) +
+                            why};
+        };
+        if (std::any_of(label.begin(), label.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; }))
+            return refuse(" holds a control character");
+        if (const auto [first, is_new] = lines.emplace(label, number); !is_new)
+            return refuse(" stands in line " + std::to_string(first->second) + " already");
+    }
+    if (lines.empty()) return SvgError{path + ": holds no labels"};
+    if (labels.size() != count)
+        return SvgError{path + ": has " + std::to_string(labels.size()) + " lines of labels, the cage " +
+                        std::to_string(count) + " vertices"};
+    return labels;
 }
 
 } // namespace cageform_examples

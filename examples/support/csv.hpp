@@ -1,7 +1,7 @@
 #pragma once
 
 // Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of any
-// length. And cages: blocks of such lines.
+// length. And cages: blocks of such lines; and labels of their vertices.
 
 #include "input_file.hpp"
 #include "svg_path.hpp"
@@ -138,5 +138,17 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const st
 
 /// As parse_cage_csv(), from a file; fails also where it cannot be read.
 SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path);
+
+/// For --help: how the labels of a cage's vertices are given.
+inline constexpr const char* labels_format =
+    "Labels are a text file of a line for every vertex of the cage, in its order. A\n"
+    "vertex whose line is empty has no label; lines that begin with # are comments.\n";
+
+/// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines that begin
+/// with '#' are skipped, blanks at both ends of a line are left out.
+///
+///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice or holds a
+///           control character
+SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::size_t count);
 
 } // namespace cageform_examples

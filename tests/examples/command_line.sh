@@ -259,7 +259,7 @@ printf 'v 0 1 0\nv 0 1 0.01\nv 0 1.01 0\nv 0.01 1 0\n' >points.obj
 bind="$programs/bind_mesh"
 works "a packed character" "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv \
   --largest 8 --format int16 -o character.figure --report
-grep -q '^points: ' log && [ "$(grep -c '^tangents: ' log)" = 2 ] && ok=yes || ok=no
+grep -q '^points: ' log && grep -q '^tangents: ' log && grep -q '^bitangents: ' log && ok=yes || ok=no
 report $ok "the report tells the sizes"
 grep -q 'warning: character.obj: what is packed is off by at most .* poses of the motion' log && ok=yes || ok=no
 report $ok "more than a hundredth of the size is warned of"
@@ -288,6 +288,41 @@ refuses 'no normals' "$bind" points.obj --cage character_cage.obj -o out.figure
 refuses 'points.obj: holds no faces (lines "f a b c"); a cage is a closed mesh' "$bind" character.obj --cage points.obj -o out.figure
 refuses 'normals are bound by mean-value or harmonic alone' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
+# Labels of the cage's vertices: columns of weights, joints, and a part of the figure's file.
+printf '# corners\r\nlow left\r\n\r\nhigh, "right"\r\nhigh left\r\n' >labels.txt
+works "labels of columns" "$weights" --cage square.csv --points points.csv --labels labels.txt -o labelled.csv
+[ "$(head -1 labelled.csv)" = 'status,low left,w1,"high, ""right""",high left' ] && ok=yes || ok=no
+report $ok "columns have the labels, or numbers"
+awk 'BEGIN { print "nose"; for (i = 1; i < 112; ++i) print (i % 2 ? "" : "vertex " i) }' >character.txt
+works "labels of a figure" "$bind" character.obj --cage character_cage.obj --labels character.txt -o labelled.figure --report
+grep -q '^labels: of 56 of 112 vertices of the cage$' log && grep -aq 'nosevertex 2vertex 4vertex 6' labelled.figure && ok=yes || ok=no
+report $ok "labels are kept"
+works "labels of joints" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --labels character.txt -o labelled.gltf
+[ "$(grep -c '"name": "nose"\|"name": "vertex [0-9]*"' labelled.gltf)" = 56 ] && [ "$(grep -c '"name": "handle [0-9]*"' labelled.gltf)" = 56 ] && ok=yes || ok=no
+report $ok "joints have the labels, or numbers"
+refuses_labels() { # MESSAGE [MESSAGE]   of labels.txt, for the square, and for the character
+  refuses "labels.txt$1" "$weights" --cage square.csv --points points.csv --labels labels.txt -o out.csv
+  [ $# -gt 1 ] || return 0
+  refuses "labels.txt$2" "$bind" character.obj --cage character_cage.obj --labels labels.txt -o out.figure
+  refuses "labels.txt$2" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --labels labels.txt -o out.glb
+}
+printf 'a\nb\nc\n' >labels.txt
+refuses_labels ': has 3 lines of labels, the cage 4 vertices' ': has 3 lines of labels, the cage 112 vertices'
+printf 'a\nb\nc\n\n\n' >labels.txt
+refuses_labels ': has 5 lines of labels, the cage 4 vertices' ': has 5 lines of labels, the cage 112 vertices'
+printf 'a\nb\n# c\n a\nd\n' >labels.txt
+refuses_labels ':4: the label "a" stands in line 1 already' ':4: the label "a" stands in line 1 already'
+printf 'a\nb\001\nc\nd\n' >labels.txt
+refuses_labels ':2: the label "b?" holds a control character' ':2: the label "b?" holds a control character'
+printf '# none\n\n\n\n\n' >labels.txt
+refuses_labels ': holds no labels' ': holds no labels'
+: >labels.txt
+refuses_labels ': holds no labels' ': holds no labels'
+rm labels.txt
+refuses_labels ': no such file' ': no such file'
+printf 'w1\n\n\n\n' >labels.txt
+refuses_labels ': two columns would have the name "w1"'
+refuses '--labels' "$programs/export_gltf" character.obj --cage character_cage.obj --pose character_pose.obj --morph --labels character.txt -o out.glb
 # A figure file and glTF hold single precision.
 huge() { # LINE FILE   the line's first 0.xxx, or the number at its beginning, is 1e39 in huge.*
   sed "$1s/-\\{0,1\\}[0-9.]*[0-9]/-1e39/" "$2" >"huge.${2##*.}"

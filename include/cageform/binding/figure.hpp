@@ -120,6 +120,8 @@ struct PackedFigureView {
     std::size_t handle_count() const noexcept { return points.handle_count(); }
     std::size_t point_count() const noexcept { return points.point_count(); }
     HandleView<T, D> handle_view() const noexcept { return points.handle_view(); }
+    /// Where the handles are in the pose at rest, #handles: a pose to begin with.
+    std::span<const Vec<T, D>> rest_handles() const noexcept { return {points.rest_handles, handle_count()}; }
     bool has_normals() const noexcept { return tangents[0].rest_handles != nullptr; }
     bool has_tangents() const noexcept { return handedness != nullptr; }
 
