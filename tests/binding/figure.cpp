@@ -290,6 +290,40 @@ TEST_CASE("the progress of a figure goes up from 0 to 1", "[figure][progress]") 
     check();
 }
 
+TEST_CASE("tangents keep a tolerance of their own, with points that have one or none", "[figure][tolerance]") {
+    const auto figure = small_figure(3);
+    for (const double of_points : {0.0, 0.02}) {
+        const auto [packed, report] =
+            pack_figure(figure, {.weights = {.tolerance = of_points}, .tangent_tolerance = 0.01});
+        REQUIRE(report.status == Status::ok);
+        CHECK(open_figure<float, 3>(packed.bytes()).status == Status::ok);
+        CHECK(report.points.distance.value <= (of_points == 0 ? 1e-6 : of_points));
+        for (const auto& part : report.vectors) {
+            CHECK(part.distance.value <= 0.01);
+            CHECK(part.distance.value > 0.001); // or nothing was dropped
+        }
+    }
+    for (const double none : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+        const auto report = pack_figure(figure, {.tangent_tolerance = none}).report;
+        CHECK(report.status == Status::value_not_finite);
+        CHECK(report.culprit == FigureTags::tangents);
+    }
+}
+
+TEST_CASE("a figure of one point, or of one place, is packed by a distance", "[figure][tolerance]") {
+    const auto mesh = random_mesh(5).mesh<float>();
+    const auto place = points_in(mesh, 1, 5);
+    for (const std::size_t count : {1u, 20u}) {
+        const std::vector points(count, place[0]);
+        const auto normals = random_directions<float, 3>(count, 5);
+        const auto bound = bind_figure(Mean3<float>(mesh), FigurePoints{points, normals});
+        REQUIRE(bound.report.status == Status::ok);
+        const auto [packed, report] = pack_figure(bound.figure, {.weights = {.tolerance = 0.01}});
+        REQUIRE(report.status == Status::ok);
+        CHECK(open_figure<float, 3>(packed.bytes()).status == Status::ok);
+    }
+}
+
 TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][labels]") {
     const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {2, 1, 3}};
     const std::array notes{std::byte{7}, std::byte{8}, std::byte{9}};

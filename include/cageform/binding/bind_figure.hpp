@@ -104,9 +104,10 @@ struct FigurePackOptions {
     /// Of the weights. The order and the tolerance are those of the points; tangents take the order
     /// over.
     PackOptions weights{};
-    /// The largest change of a unit tangent, in radians where it turns. 0: ten times the tolerance
-    /// of the points over the size of the figure, since a point that is off by d beside others that
-    /// are not turns a surface whose features are a tenth of the figure by ten times d.
+    /// The largest change of a unit tangent, in radians where it turns; with points that have a
+    /// tolerance or none. 0: ten times that of the points over the size of the figure, 1 at most,
+    /// since a point that is off by d beside others that are not turns a surface whose features are
+    /// a tenth of the figure by ten times d; none where the points have none.
     double tangent_tolerance = 0;
     /// What else is to be in the figure, under tags of its own.
     std::span<const FigurePartData> parts{};
@@ -290,17 +291,22 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
     const auto part = [&](std::size_t n) {
         return running.part(double(n) / double(vectors + 1), double(n + 1) / double(vectors + 1));
     };
+    const bool own_tolerance = vectors > 0 && options.tangent_tolerance != 0;
+    if (own_tolerance && how.tolerance == 0) // sparse, for an order that tangents can take over
+        how.threshold = std::max(how.threshold, std::numeric_limits<double>::min());
     auto points = pack(figure.points, how, part(0));
+    how.threshold = options.weights.threshold;
     report.points = std::move(points.report);
     report.culprit = FigureTags::points;
     if (report.points.status != Status::ok) return report.points.status;
     parts.push_back({report.culprit, points.binding.bytes()});
     const auto view = points.binding.view();
     if (view.order != nullptr) how.order = {view.order, view.points};
-    const double size = report.points.size;
-    how.tolerance = how.tolerance == 0 || size == 0  ? 0
-                    : options.tangent_tolerance != 0 ? options.tangent_tolerance
-                                                     : 10 * how.tolerance / size;
+    const double size = report.points.size, widest = 10 * how.tolerance;
+    if (own_tolerance)
+        how.tolerance = options.tangent_tolerance;
+    else if (how.tolerance > 0)
+        how.tolerance = widest < size ? widest / size : 1;
     std::array<PackedBinding<T, D>, D - 1> tangents;
     for (std::size_t k = 0; k < vectors; ++k) {
         report.culprit = k == 0 ? FigureTags::tangents : FigureTags::bitangents;
