@@ -218,12 +218,14 @@ Status read_tangents(const Figure& figure, const Read& read) {
     }
 }
 
-/// Whether figures of these types can be bound by coordinates.
-template <class C, class P, class N, class G>
-concept FigureOf = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dimension == 3) &&
-                   (!is_wanted<N> || (GradientCoordinates<C> && PointRangeIn<N, C::dimension>)) &&
-                   (!is_wanted<G> ||
-                    (is_wanted<N> && C::dimension == 3 && (PointRangeIn<G, 3> || PointRangeIn<G, 4>)));
+// What a figure may have, apart: compilers name the one that is not met.
+template <class P, class C>
+concept PointsFor = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dimension == 3);
+template <class N, class C>
+concept NormalsFor = !is_wanted<N> || (GradientCoordinates<C> && PointRangeIn<N, C::dimension>);
+template <class G, class N, class C>
+concept TangentsFor =
+    !is_wanted<G> || (is_wanted<N> && C::dimension == 3 && (PointRangeIn<G, 3> || PointRangeIn<G, 4>));
 
 } // namespace detail
 
@@ -239,29 +241,31 @@ concept FigureOf = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dime
 ///            each group)
 ///   fails    vectors_do_not_match; as `bind` and `bind_vectors`
 template <CageCoordinates C, class P, class N, class G>
-    requires detail::FigureOf<C, P, N, G> FigureBindResult<typename C::scalar, C::dimension>
-    bind_figure(const C& coordinates, const FigurePoints<P, N, G>& figure, const BindOptions& options = {},
-                const Running& running = {}) {
-        using T = typename C::scalar;
-        FigureBindResult<T, C::dimension> result;
-        detail::run_into(result.report, [&] {
-            detail::FigureInput<T, C::dimension> input{detail::read_points<T>(figure.points), {}, {}};
-            const auto bind_input = [&] {
-                return detail::bind_read_figure(coordinates, input, options, running, result);
-            };
-            if constexpr (detail::is_wanted<N>) {
-                return detail::read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
-                    for (std::size_t k = 0; k < tangents.size(); ++k)
-                        input.tangents[k] = detail::read_points<T>(tangents[k]);
-                    input.handedness = std::move(handedness);
-                    return bind_input();
-                });
-            } else {
+    requires(detail::PointsFor<P, C>&& detail::NormalsFor<N, C>&& detail::TangentsFor<G, N, C>)
+FigureBindResult<typename C::scalar, C::dimension> bind_figure(const C& coordinates,
+                                                               const FigurePoints<P, N, G>& figure,
+                                                               const BindOptions& options = {},
+                                                               const Running& running = {}) {
+    using T = typename C::scalar;
+    FigureBindResult<T, C::dimension> result;
+    detail::run_into(result.report, [&] {
+        detail::FigureInput<T, C::dimension> input{detail::read_points<T>(figure.points), {}, {}};
+        const auto bind_input = [&] {
+            return detail::bind_read_figure(coordinates, input, options, running, result);
+        };
+        if constexpr (detail::is_wanted<N>) {
+            return detail::read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
+                for (std::size_t k = 0; k < tangents.size(); ++k)
+                    input.tangents[k] = detail::read_points<T>(tangents[k]);
+                input.handedness = std::move(handedness);
                 return bind_input();
-            }
-        });
-        return result;
-    }
+            });
+        } else {
+            return bind_input();
+        }
+    });
+    return result;
+}
 
 namespace detail {
 
