@@ -290,7 +290,8 @@ TEST_CASE("the progress of a figure goes up from 0 to 1", "[figure][progress]") 
     check();
 }
 
-TEST_CASE("tangents keep a tolerance of their own, with points that have one or none", "[figure][tolerance]") {
+TEST_CASE("tangents keep a tolerance of their own, with points that have one or none",
+          "[figure][tolerance]") {
     const auto figure = small_figure(3);
     for (const double of_points : {0.0, 0.02}) {
         const auto [packed, report] =
