@@ -23,6 +23,8 @@ extern "C" void remove_temporaries_and_end(int number) {
     std::raise(number); // takes effect when this handler returns
 }
 
+static constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU};
+
 /// Once: signals that would end the program do so by way of the handler. Those that are ignored stay so.
 static void catch_signals() {
     static const bool done = [] {
@@ -31,8 +33,7 @@ static void catch_signals() {
             if (sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_DFL)
                 std::signal(number, handler);
         };
-        for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU})
-            set(number, remove_temporaries_and_end);
+        for (const int number : ending_signals) set(number, remove_temporaries_and_end);
         set(SIGXFSZ, SIG_IGN); // a write beyond the limit of a file's size fails instead
         return true;
     }();
@@ -114,9 +115,47 @@ std::optional<std::string> AtomicFile::commit() {
         refuse(error.message());
         return error_;
     }
+    in_place_ = true;
     forget_temporary(registered_.c_str());
     registered_.clear();
     return std::nullopt;
+}
+
+void AtomicFile::keep_old() {
+    if (!std::filesystem::exists(status_)) return;
+    std::filesystem::path name = temporary_;
+    name += ".old";
+    std::error_code error;
+    std::filesystem::create_hard_link(target_, name, error);
+    if (!error) old_ = name;
+}
+
+std::optional<std::string> AtomicFile::undo() {
+    if (!in_place_) {
+        drop_old();
+        return std::nullopt;
+    }
+    std::error_code error;
+    if (!old_.empty()) {
+        std::filesystem::rename(old_, target_, error);
+    } else if (!std::filesystem::exists(status_)) {
+        std::filesystem::remove(target_, error);
+    } else {
+        return path_.string() + " stays in its place";
+    }
+    if (error) {
+        const std::string kept = old_.empty() ? "" : "; the old file is " + old_.string();
+        return path_.string() + " stays in its place (" + error.message() + ")" + kept;
+    }
+    old_.clear();
+    in_place_ = false;
+    return std::nullopt;
+}
+
+void AtomicFile::drop_old() {
+    std::error_code ignored;
+    if (!old_.empty()) std::filesystem::remove(old_, ignored);
+    old_.clear();
 }
 
 void AtomicFile::refuse(const std::string& why) {
@@ -132,6 +171,23 @@ void AtomicFile::abandon() {
     forget_temporary(registered_.c_str());
     registered_.clear();
 }
+
+/// Holds back the signals that would end the program, so that it does not end between two files.
+class SignalsWait {
+public:
+    SignalsWait() {
+        sigset_t ending;
+        sigemptyset(&ending);
+        for (const int number : ending_signals) sigaddset(&ending, number);
+        pthread_sigmask(SIG_BLOCK, &ending, &before_);
+    }
+    SignalsWait(const SignalsWait&) = delete;
+    SignalsWait& operator=(const SignalsWait&) = delete;
+    ~SignalsWait() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+private:
+    sigset_t before_{};
+};
 
 AtomicFile& OutputFiles::add(const std::filesystem::path& path) {
     AtomicFile& file = files_.emplace_back(path);
@@ -153,12 +209,22 @@ std::optional<std::string> OutputFiles::commit() {
     for (AtomicFile& file : files_) {
         if (auto why = file.finish()) return why;
     }
-    std::string in_place;
-    for (AtomicFile& file : files_) {
-        if (auto why = file.commit()) return in_place.empty() ? why : *why + "; in place already:" + in_place;
-        in_place += ' ' + file.path().string();
+    const SignalsWait wait;
+    if (files_.size() > 1) {
+        for (AtomicFile& file : files_) file.keep_old();
     }
+    for (AtomicFile& file : files_) {
+        if (const auto why = file.commit()) return undo(*why);
+    }
+    for (AtomicFile& file : files_) file.drop_old();
     return std::nullopt;
+}
+
+std::string OutputFiles::undo(std::string why) {
+    for (AtomicFile& file : files_) {
+        if (const auto stays = file.undo()) why += "; " + *stays;
+    }
+    return why;
 }
 
 std::optional<std::string> write_file_atomically(const std::filesystem::path& path,

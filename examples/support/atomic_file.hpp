@@ -46,6 +46,13 @@ public:
     /// Finishes the file and puts it in its place; returns nothing, or the reason of the failure.
     [[nodiscard]] std::optional<std::string> commit();
 
+    /// Before commit(): gives the old file a second name, from which undo() brings it back; not where the
+    /// file system has no hard links.
+    void keep_old();
+    /// After commit() or a failure: the place is as it was. Nothing, or the reason why it is not.
+    [[nodiscard]] std::optional<std::string> undo();
+    void drop_old(); ///< removes the second name, if there is one
+
 private:
     void open();
     void abandon();
@@ -53,6 +60,8 @@ private:
     std::filesystem::path path_;
     std::filesystem::path target_;
     std::filesystem::path temporary_;
+    std::filesystem::path old_; // second name of the file that was there, while it is kept
+    bool in_place_ = false;
     std::string registered_; // the temporary's name, for the signal handler
     std::filesystem::file_status status_;
     std::FILE* file_ = nullptr;
@@ -69,9 +78,13 @@ public:
     std::optional<std::string> error() const;
 
     /// Finishes all files, then puts them in their places; returns nothing, or the reason of the failure.
+    /// Where one cannot be put in its place, the others leave theirs, and what was there is there again
+    /// (where the file system has hard links: else the reason names the files that stay). Signals wait.
     [[nodiscard]] std::optional<std::string> commit();
 
 private:
+    std::string undo(std::string why); // adds the files that stay
+
     std::deque<AtomicFile> files_;
 };
 

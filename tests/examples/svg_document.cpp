@@ -794,6 +794,36 @@ TEST_CASE("outputs appear together or not at all", "[examples][save]") {
     CHECK(folder.count() == 4);
 }
 
+TEST_CASE("a file that cannot take its place takes the others out of theirs", "[examples][save]") {
+    const Folder folder;
+    const fs::path old = folder.path() / "old", fresh = folder.path() / "fresh", bad = folder.path() / "bad";
+    for (const std::size_t last : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) { // which fails
+        CAPTURE(last);
+        put(old, "old");
+        fs::permissions(old, fs::perms::owner_read);
+        const auto time = fs::last_write_time(old);
+        std::vector<fs::path> paths{old, fresh};
+        paths.insert(paths.begin() + std::ptrdiff_t(last), bad);
+        {
+            OutputFiles outputs;
+            for (const fs::path& path : paths) outputs.add(path).write("new");
+            REQUIRE_FALSE(outputs.error());
+            fs::create_directory(bad); // after it was looked at
+            const auto why = outputs.commit();
+            REQUIRE(why);
+            CHECK(contains(*why, "cannot write " + bad.string()));
+            CHECK_FALSE(contains(*why, old.string()));
+            CHECK_FALSE(contains(*why, fresh.string()));
+        }
+        CHECK(content_of(old) == "old");
+        CHECK(fs::last_write_time(old) == time);
+        CHECK(fs::status(old).permissions() == fs::perms::owner_read);
+        CHECK(folder.count() == 2); // old and bad
+        fs::remove(bad);
+        fs::remove(old);
+    }
+}
+
 TEST_CASE("depth and size have limits, not consequences", "[examples][svg_document][robust]") {
     const auto nested = [](std::size_t depth) {
         std::string text = "<svg>";
