@@ -66,14 +66,17 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
         if (report.solver.sufficient_resolution != 0)
             text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " fits";
     }
-    std::size_t count = 0;
+    std::size_t listed = 0;
     for (const auto& fault : report.cage.faults) {
-        if (cageform::status_of(fault.kind) == cageform::Status::ok || ++count > most_listed) continue;
+        if (cageform::status_of(fault.kind) == cageform::Status::ok || listed == most_listed) continue;
+        ++listed;
         text += "\n  " + describe_fault(fault);
         if (fault.kind == cageform::CageFaultKind::interior_cells_not_supported)
             text += ": --coordinates harmonic takes them";
     }
-    return count > most_listed ? text + "\n  and " + std::to_string(count - most_listed) + " more" : text;
+    if (report.cage.fault_count > listed)
+        text += "\n  and " + std::to_string(report.cage.fault_count - listed) + " more";
+    return text;
 }
 
 std::string describe_corners(const cageform::SolverReport& solver) {
@@ -114,9 +117,12 @@ std::string describe(const cageform::BindReport& report) {
     };
     text << "status: " << cageform::to_string(report.status) << '\n';
     const auto& faults = report.cage.faults;
-    for (std::size_t i = 0; i < std::min(faults.size(), most_listed); ++i)
-        text << "  cage: " << describe_fault(faults[i]) << '\n';
-    if (faults.size() > most_listed) text << "  cage: and " << faults.size() - most_listed << " more\n";
+    const std::size_t listed = std::min(faults.size(), most_listed);
+    for (std::size_t i = 0; i < listed; ++i) text << "  cage: " << describe_fault(faults[i]) << '\n';
+    const std::size_t warnings =
+        faults.size() - std::min(report.cage.fault_count, cageform::CageReport::most_listed);
+    const std::size_t count = warnings + report.cage.fault_count;
+    if (count > listed) text << "  cage: and " << count - listed << " more\n";
     text << "points: " << report.points << '\n';
     list("on the boundary", report.on_boundary);
     list("outside", report.outside);

@@ -18,6 +18,7 @@ using cageform::epsilon;
 using cageform::Polygon;
 using cageform::Status;
 using cageform::Vec;
+using cageform::detail::FacetPairs;
 using cageform_tests::Points2;
 using cageform_tests::Random;
 using cageform_tests::random_star;
@@ -172,6 +173,69 @@ Faults brute_force(const IntegerPolygon& polygon) {
         if ((area < 0) != (std::fabs(winding) > 1)) faults.emplace(CageFaultKind::loop_turns_otherwise, k, 0);
     }
     return faults;
+}
+
+/// Facets of all sizes: scattered, slivers about a few places that they share, parallel slivers.
+template <std::size_t D>
+std::vector<cageform::detail::Facet<D>> random_facets(Random& random, std::vector<std::uint32_t>& groups) {
+    std::vector<Vec<double, D>> vertices;
+    const auto place = [&](const Vec<double, D>& about, double size) {
+        Vec<double, D> p = about;
+        for (std::size_t k = 0; k < D; ++k) p[k] += size * random.uniform(-1, 1);
+        return std::uint32_t((vertices.push_back(p), vertices.size() - 1));
+    };
+    const Vec<double, D> zero{};
+    std::vector<std::array<std::uint32_t, D>> corners;
+    const std::size_t scattered = random.below(80), fans = random.below(4);
+    const double flat = random.below(2) == 0 ? 0 : 1;
+    for (std::size_t n = 0; n < scattered; ++n) {
+        const auto first = place(zero, 1);
+        const double size = std::pow(10.0, random.uniform(-3, 0.5));
+        std::array<std::uint32_t, D> facet{first};
+        for (std::size_t k = 1; k < D; ++k) facet[k] = place(vertices[first], size);
+        corners.push_back(facet);
+        groups.push_back(FacetPairs<D>::no_group);
+    }
+    for (std::uint32_t fan = 0; fan < fans; ++fan) {
+        const std::uint32_t apex = place(zero, 1);
+        for (std::size_t n = 0; n < 60; ++n) {
+            std::array<std::uint32_t, D> facet{apex, place(zero, 1)};
+            vertices[facet[1]][D - 1] *= flat;
+            if (D == 3) facet[D - 1] = place(vertices[facet[1]], 0.01);
+            corners.push_back(facet);
+            groups.push_back(fan);
+        }
+    }
+    std::vector<cageform::detail::Facet<D>> facets;
+    for (const auto& facet : corners) facets.emplace_back(facet, std::span<const Vec<double, D>>(vertices));
+    return facets;
+}
+
+/// Returns how many meet.
+template <std::size_t D>
+std::size_t find_as_all_pairs_do(int seed) {
+    Random random{std::uint64_t(seed)};
+    std::vector<std::uint32_t> groups;
+    const auto facets = random_facets<D>(random, groups);
+    const double margin = 1e-15;
+    std::set<std::pair<std::size_t, std::size_t>> expected, found;
+    const auto meet = [&](std::size_t m, std::size_t n) {
+        return facets_touch(facets[m], facets[n], margin);
+    };
+    for (std::size_t m = 0; m < facets.size(); ++m) {
+        for (std::size_t n = m + 1; n < facets.size(); ++n) {
+            const bool in_group = groups[m] == groups[n] && groups[m] != FacetPairs<D>::no_group;
+            if (!in_group && meet(m, n)) expected.insert({m, n});
+        }
+    }
+    std::size_t calls = 0;
+    FacetPairs<D>(facets, groups, margin).for_each(meet, [&](std::size_t m, std::size_t n) {
+        found.insert({m, n});
+        ++calls;
+    });
+    CHECK(found == expected);
+    CHECK(calls == found.size()); // each once
+    return calls;
 }
 
 } // namespace
@@ -457,6 +521,86 @@ TEMPLATE_TEST_CASE("check says the same of a cage moved by a power of two", "[ca
             CHECK(faults_of(check(Polygon<TestType>(moved, integers.sizes))) == faults);
         }
     }
+}
+
+TEST_CASE("facets that meet are found as by testing all pairs", "[cage][check][oracle]") {
+    std::size_t edges = 0, faces = 0;
+    for (int seed = 0; seed < 10; ++seed) {
+        CAPTURE(seed);
+        edges += find_as_all_pairs_do<2>(seed);
+        faces += find_as_all_pairs_do<3>(seed);
+    }
+    CHECK(edges > 5000);
+    CHECK(faces > 200);
+}
+
+TEST_CASE("slivers of two caps are told apart by few tests", "[cage][check]") {
+    const bool corner_fan = GENERATE(false, true);
+    const std::uint32_t n = 1000;
+    std::vector<Vec<double, 3>> vertices;
+    for (const double z : {0.0, 1.0}) {
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const double angle = 2 * std::numbers::pi / n * i;
+            vertices.push_back({std::cos(angle), std::sin(angle), z});
+        }
+    }
+    vertices.push_back({0, 0, 0});
+    vertices.push_back({0, 0, 1});
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    std::vector<std::uint32_t> apex;
+    const auto add = [&](const std::array<std::uint32_t, 3>& face, std::uint32_t at) {
+        faces.push_back(face);
+        apex.push_back(at);
+    };
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t j = (i + 1) % n, bottom = corner_fan ? 0 : 2 * n,
+                            top = corner_fan ? n : 2 * n + 1;
+        for (const auto& wall : {std::array{i, j, n + j}, std::array{i, n + j, n + i}}) {
+            const bool at_apex = corner_fan && (i == 0 || j == 0);
+            add(wall, at_apex && wall[0] == 0 ? 0 : FacetPairs<3>::no_group);
+        }
+        if (i != bottom && j != bottom) add({bottom, j, i}, bottom);
+        if (n + i != top && n + j != top) add({top, n + i, n + j}, top);
+    }
+    std::vector<cageform::detail::Facet<3>> facets;
+    for (const auto& face : faces) facets.emplace_back(face, std::span<const Vec<double, 3>>(vertices));
+    std::size_t tests = 0;
+    FacetPairs<3>(facets, apex, 1e-15)
+        .for_each(
+            [&](std::size_t, std::size_t) {
+                ++tests;
+                return false;
+            },
+            [](std::size_t, std::size_t) {});
+    CHECK(tests >= 2 * n);              // neighbours in the wall at least
+    CHECK(tests <= 20 * facets.size()); // all pairs would be 2,000 each
+}
+
+TEST_CASE("of faults without number the first are listed and all are counted", "[cage][check][status]") {
+    Random random(7);
+    Points2<double> points(300);
+    for (auto& p : points) p = {random.uniform(0, 1), random.uniform(0, 1)};
+    const auto report = check(Polygon<double>(points));
+    CHECK(report.status == Status::cage_self_crossing);
+    std::size_t crossings = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            const auto next = [&](std::size_t k) { return (k + 1) % points.size(); };
+            if (next(j) == i || next(i) == j) continue;
+            crossings +=
+                cageform::detail::segments_touch(points[i], points[next(i)], points[j], points[next(j)]);
+        }
+    }
+    CHECK(report.fault_count == crossings);
+    CHECK(crossings > CageReport::most_listed);
+    CHECK(report.faults.size() == CageReport::most_listed);
+    CHECK(faults_of(report).size() == report.faults.size());
+
+    CageReport warnings;
+    for (std::size_t i = 0; i < 5000; ++i) warnings.add(CageFaultKind::collinear_vertex, i);
+    CHECK(warnings.faults.size() == 5000); // no more than the cage has vertices
+    CHECK(warnings.fault_count == 0);
+    CHECK(warnings.status == Status::ok);
 }
 
 } // namespace check_tests

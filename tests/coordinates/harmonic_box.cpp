@@ -96,6 +96,22 @@ TEST_CASE("a box has the vertices of its divided faces, and data that is right o
 
 TEST_CASE("boxes without volume or with corners that are no numbers are named", "[cage][box][status]") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::size_t many = 1'000'000, all = std::numeric_limits<std::size_t>::max();
+    for (const Box<double>::Divisions& divisions :
+         {Box<double>::Divisions{many, many, many}, {1, all, 1}, {all, all, all}, {4096, 1, 2048}}) {
+        const Box<double> box({0, 0, 0}, {1, 1, 1}, divisions);
+        CHECK(box.status() == Status::too_many_handles);
+        CHECK(box.size() == 0);
+        CHECK(check(box).status == Status::too_many_handles);
+        CHECK(Harmonic<double>(box).solve().status == Status::too_many_handles);
+    }
+    for (const std::size_t axis : {0, 1, 2}) {
+        Box<double>::Divisions divisions{many, many, many};
+        divisions[axis] = 0;
+        const auto report = check(Box<double>({0, 0, 0}, {1, 1, 1}, divisions));
+        CHECK(report.status == Status::cage_has_no_volume);
+        CHECK(report.faults.front().a == axis);
+    }
     const auto flat = check(Box<double>({0, 1, 0}, {1, 1, 1}));
     REQUIRE(flat.status == Status::cage_has_no_volume);
     CHECK(flat.faults.front().kind == CageFaultKind::no_volume);

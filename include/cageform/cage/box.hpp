@@ -10,8 +10,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// into, the first axis fastest: two divisions along each axis make 26 vertices. Between the
 /// vertices of a rectangle boundary data is bilinear.
 ///
-/// `check` tells whether the box can serve as a cage. Takes memory for every place of the lattice
-/// of divisions.
+/// `check` tells whether the box can serve as a cage. Memory and time are those of the vertices.
 template <Scalar T>
 class Box {
 public:
@@ -25,13 +24,15 @@ public:
         , upper_(upper)
         , divisions_(divisions)
         , status_(detail::guard_memory([&] { return fill(); })) {
-        if (status_ == Status::ok) return;
-        vertices_.clear();
-        numbers_.clear();
+        if (status_ != Status::ok) vertices_.clear();
     }
 
-    /// out_of_memory where there was none for the vertices: there are none then. `check` reports
-    /// it. (A copy throws as one of a std::vector does.)
+    /// A bind keeps a weight of each vertex for each point.
+    static constexpr std::size_t most_vertices = std::size_t{1} << 24;
+
+    /// too_many_handles beyond `most_vertices`, which is found before any memory is taken;
+    /// out_of_memory where there was none for the vertices. There are no vertices then, and `check`
+    /// reports it. (A copy throws as one of a std::vector does.)
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
@@ -60,8 +61,7 @@ public:
             auto index = low;
             index[a] += n & 1u;
             index[b] += n >> 1;
-            value.handle[n] =
-                numbers_[(index[2] * (divisions_[1] + 1) + index[1]) * (divisions_[0] + 1) + index[0]];
+            value.handle[n] = std::uint32_t(number_of(index));
             value.weight[n] =
                 ((n & 1u) != 0 ? beyond[a] : 1 - beyond[a]) * ((n >> 1) != 0 ? beyond[b] : 1 - beyond[b]);
         }
@@ -78,30 +78,44 @@ public:
 
 private:
     Status fill() {
+        const auto [a, b, c] = divisions_;
+        if (a == 0 || b == 0 || c == 0) return Status::ok; // refused by `check`
+        const double x = double(a), y = double(b), z = double(c);
+        if (2 * (x * y + y * z + z * x + 1) > double(most_vertices)) return Status::too_many_handles;
         std::array<std::size_t, 3> index{};
-        for (index[2] = 0; index[2] <= divisions_[2]; ++index[2]) {
-            for (index[1] = 0; index[1] <= divisions_[1]; ++index[1]) {
-                for (index[0] = 0; index[0] <= divisions_[0]; ++index[0]) {
-                    bool surface = false;
-                    Vec<T, 3> p;
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        surface = surface || index[k] == 0 || index[k] == divisions_[k];
-                        const double t = double(index[k]) / double(divisions_[k]);
-                        p[k] = static_cast<T>((1 - t) * double(lower_[k]) + t * double(upper_[k]));
-                    }
-                    numbers_.push_back(std::uint32_t(vertices_.size()));
-                    if (surface) vertices_.push_back(p);
-                }
+        for (index[2] = 0; index[2] <= c; ++index[2]) {
+            for (index[1] = 0; index[1] <= b; ++index[1]) {
+                const bool whole = index[2] == 0 || index[2] == c || index[1] == 0 || index[1] == b;
+                const std::size_t step = whole ? 1 : a; // over the inside
+                for (index[0] = 0; index[0] <= a; index[0] += step) vertices_.push_back(place(index));
             }
         }
         return Status::ok;
+    }
+    Vec<T, 3> place(const std::array<std::size_t, 3>& index) const noexcept {
+        Vec<T, 3> p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double t = double(index[k]) / double(divisions_[k]);
+            p[k] = static_cast<T>((1 - t) * double(lower_[k]) + t * double(upper_[k]));
+        }
+        return p;
+    }
+    /// The number of the vertex at a place of the surface: of those before it.
+    std::size_t number_of(const std::array<std::size_t, 3>& index) const noexcept {
+        const auto [a, b, c] = divisions_;
+        const auto [i, j, k] = index;
+        const std::size_t layer = (a + 1) * (b + 1), ring = 2 * (a + b);
+        if (k == 0) return j * (a + 1) + i;
+        const std::size_t before = layer + (k - 1) * ring;
+        if (k == c) return before + j * (a + 1) + i;
+        if (j == 0) return before + i;
+        const std::size_t row = before + (a + 1) + 2 * (j - 1);
+        return row + (j == b ? i : std::min<std::size_t>(i, 1));
     }
 
     Vec<T, 3> lower_{}, upper_{};
     Divisions divisions_{};
     std::vector<Vec<T, 3>> vertices_;
-    std::vector<std::uint32_t>
-        numbers_;                ///< of the vertex at each place of the lattice of divisions, if it is one
     Status status_ = Status::ok; // last: what fills the others is its initialiser
 };
 
@@ -147,16 +161,19 @@ BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, V
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Whether a box can serve as a cage: its corners are finite, and along every axis the divisions of
-/// its extent are longer than coincidence_tolerance.
+/// Whether a box can serve as a cage: its corners are finite, and along every axis there are
+/// divisions, which are longer than coincidence_tolerance.
 template <Scalar T>
 CageReport check(const Box<T>& box) {
     return detail::report_on(box.status(), [&](CageReport& report) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (box.divisions()[k] == 0) report.add(CageFaultKind::no_volume, k);
+        }
+        if (report.status != Status::ok) return;
         for (std::size_t i = 0; i < box.size(); ++i) {
             if (!is_finite(box.vertices()[i])) report.add(CageFaultKind::vertex_not_finite, i);
         }
         if (report.status != Status::ok) return;
-        if (box.size() == 0) return report.add(CageFaultKind::no_volume, 0);
         const double tolerance = coincidence_tolerance(bounds_of(box.vertices()));
         for (std::size_t k = 0; k < 3; ++k) {
             if (double(box.upper()[k]) - double(box.lower()[k]) <= tolerance * double(box.divisions()[k]))

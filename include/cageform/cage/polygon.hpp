@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/facet_pairs.hpp>
 #include <cageform/cage/report.hpp>
 #include <cageform/core/view.hpp>
 
@@ -256,12 +257,11 @@ inline bool is_flat_loop(std::span<const Facet<2>> edges, double tolerance) {
 }
 
 inline void check_crossing_edges(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
-    std::vector<Bounds<double, 2>> boxes;
-    for (const auto& edge : edges) boxes.push_back(edge.bounds().widened(tolerance));
-    for_each_overlap(boxes, [&](std::size_t m, std::size_t n) {
-        if (facets_touch(edges[m], edges[n], tolerance))
-            report.add(CageFaultKind::edges_cross, edges[m].vertex[0], edges[n].vertex[0]);
-    });
+    FacetPairs<2>(edges, {}, tolerance)
+        .for_each([&](std::size_t m, std::size_t n) { return facets_touch(edges[m], edges[n], tolerance); },
+                  [&](std::size_t m, std::size_t n) {
+                      report.add(CageFaultKind::edges_cross, edges[m].vertex[0], edges[n].vertex[0]);
+                  });
 }
 
 /// Vertices between collinear edges of a loop.
@@ -311,8 +311,8 @@ void check_polygon(const Polygon<T>& polygon, CageReport& report) {
 
 /// Whether a polygon can serve as a cage: every loop has three vertices and an area, consecutive
 /// vertices are apart, and no two edges touch except neighbours at their common vertex. What
-/// "apart" means is the cage's coincidence_tolerance. Usually O(#V log #V) (edges are swept by x),
-/// O(#V²) at worst.
+/// "apart" means is the cage's coincidence_tolerance. Usually O(#V log #V), O(#V²) at
+/// worst.
 template <Scalar T>
 CageReport check(const Polygon<T>& polygon) {
     return detail::report_on(polygon.status(),

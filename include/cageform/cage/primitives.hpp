@@ -40,6 +40,12 @@ struct Bounds {
         }
         return b;
     }
+    bool covers(const Bounds& b) const noexcept {
+        for (std::size_t k = 0; k < D; ++k) {
+            if (b.lower[k] < lower[k] || upper[k] < b.upper[k]) return false;
+        }
+        return true;
+    }
     bool overlaps(const Bounds& b) const noexcept {
         for (std::size_t k = 0; k < D; ++k) {
             if (b.upper[k] < lower[k] || upper[k] < b.lower[k]) return false;
@@ -285,20 +291,24 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
     return comes_near(a, b) || comes_near(b, a);
 }
 
-/// The axis along which boxes are the shortest on average, in units of what they span together.
+/// The axis along which boxes are the shortest on average, in units of the standard deviation of
+/// their middles: few that lie far off do not make all others look short.
 template <std::size_t D>
 std::size_t sweep_axis(const std::vector<Bounds<double, D>>& boxes) noexcept {
     std::size_t axis = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < D; ++k) {
-        double lower = std::numeric_limits<double>::max(), upper = -lower, sum = 0;
+        double lengths = 0, mean = 0, variance = 0; // Welford 1962
+        double count = 0;
         for (const auto& box : boxes) {
-            lower = std::fmin(lower, box.lower[k]);
-            upper = std::fmax(upper, box.upper[k]);
-            sum += box.upper[k] - box.lower[k];
+            lengths += box.upper[k] - box.lower[k];
+            const double middle = 0.5 * box.lower[k] + 0.5 * box.upper[k], off = middle - mean;
+            mean += off / ++count;
+            variance += off * (middle - mean);
         }
-        if (!(sum / (upper - lower) < least)) continue;
-        least = sum / (upper - lower);
+        const double ratio = lengths / std::sqrt(variance);
+        if (!(ratio < least)) continue;
+        least = ratio;
         axis = k;
     }
     return axis;

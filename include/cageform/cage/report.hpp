@@ -95,16 +95,22 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     return detail::text_of(kind).text;
 }
 
-/// All faults of a cage. `status` is that of the first fault that is not a warning; out_of_memory
+/// The faults of a cage. `status` is that of the first fault that is not a warning; out_of_memory
 /// where the cage or its check found none.
 struct CageReport {
+    /// A tangle has as many crossings as pairs of edges.
+    static constexpr std::size_t most_listed = 1000;
+
     Status status = Status::ok;
-    std::vector<CageFault> faults;
+    std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` of the others
+    std::size_t fault_count = 0;   ///< of all that are no warnings, listed or not
 
     void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {
+        const Status fault = status_of(kind);
+        if (fault != Status::ok && ++fault_count > most_listed) return;
         const Status listed = detail::guard_memory([&] {
             faults.push_back({kind, a, b});
-            return status_of(kind);
+            return fault;
         });
         if (status == Status::ok) status = listed;
     }
@@ -122,7 +128,7 @@ CageReport report_on(Status made, const Steps& steps) {
         steps(report);
         return report.status;
     });
-    if (status == Status::out_of_memory) report = {status, {}};
+    if (status == Status::out_of_memory) report = {status, {}, 0};
     return report;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/facet_pairs.hpp>
 #include <cageform/cage/gaps.hpp>
 #include <cageform/cage/report.hpp>
 #include <cageform/core/view.hpp>
@@ -306,16 +307,12 @@ public:
         }
     }
 
-    /// Boxes of faces that share a vertex overlap. About a vertex of many faces, a fan's apex, their
-    /// pairs are found by directions from it.
+    /// About a vertex of many faces, a fan's apex, their pairs are found by directions from it.
     void check_crossing_faces() {
-        std::vector<Bounds<double, 3>> boxes;
-        boxes.reserve(facets_.size());
-        for (const auto& facet : facets_) boxes.push_back(facet.bounds().widened(tolerance_));
         const auto apex = apexes();
-        for_each_overlap(boxes, [&](std::size_t f, std::size_t g) {
-            if (apex[f] == no_apex || apex[f] != apex[g]) check_crossing(f, g);
-        });
+        FacetPairs<3>(facets_, apex, tolerance_)
+            .for_each([&](std::size_t f, std::size_t g) { return cross_each_other(f, g); },
+                      [&](std::size_t f, std::size_t g) { add_crossing(f, g); });
         std::vector<std::size_t> fans; // faces that have an apex, by apex
         for (std::size_t f = 0; f < apex.size(); ++f) {
             if (apex[f] != no_apex) fans.push_back(f);
@@ -348,10 +345,10 @@ private:
         if (is_given(face)) return report_.add(kind, a, b);
         report_.add(CageFaultKind::open_edge, facets_[face].vertex[1], facets_[face].vertex[2]);
     }
-    void check_crossing(std::size_t f, std::size_t g) {
-        if (passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]))
-            add_at_face(CageFaultKind::faces_cross, g, f, g);
+    bool cross_each_other(std::size_t f, std::size_t g) const noexcept {
+        return passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]);
     }
+    void add_crossing(std::size_t f, std::size_t g) { add_at_face(CageFaultKind::faces_cross, g, f, g); }
     /// Of every face, its vertex of the most faces where those are many.
     std::vector<std::uint32_t> apexes() const {
         std::vector<std::uint32_t> faces_at(mesh_.size());
@@ -387,7 +384,9 @@ private:
             const double height = 1 - std::sqrt(std::fmax(1 - half_chord * half_chord, 0.0));
             arcs.push_back(bounds_of(std::span<const Vec<double, 3>>(ends)).widened(height + rounding));
         }
-        for_each_overlap(arcs, [&](std::size_t m, std::size_t n) { check_crossing(fan[m], fan[n]); });
+        for_each_overlap(arcs, [&](std::size_t m, std::size_t n) {
+            if (cross_each_other(fan[m], fan[n])) add_crossing(fan[m], fan[n]);
+        });
     }
     /// Whether an edge of `f` passes through `g`. Faces that share a vertex meet there rightly.
     static bool passes(const Facet<3>& f, const Facet<3>& g) noexcept {
@@ -399,7 +398,7 @@ private:
         return false;
     }
 
-    static constexpr std::uint32_t no_apex = ~std::uint32_t{0}, few_faces = 32;
+    static constexpr std::uint32_t no_apex = FacetPairs<3>::no_group, few_faces = 32;
 
     const TriangleMesh<T>& mesh_;
     CageReport& report_;

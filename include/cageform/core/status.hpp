@@ -61,7 +61,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(input_malformed, "the text or the arrays are not as their format asks for")                 \
     X(handle_not_allowed, "a handle lies where the format allows none")                           \
     /* binding/: bind, pack, rebind, skins */                                                     \
-    X(too_many_handles, "more handles than the format can count")                                 \
+    X(too_many_handles, "more handles than can be counted or kept")                               \
     X(handles_not_points, "some handles are vectors, and only points will do")                    \
     X(too_few_weights, "linear precision takes more weights a point")                             \
     X(too_few_influences, "a skin needs at least one influence a point")                          \
