@@ -65,8 +65,9 @@ public:
         items.reserve(facets_.size());
         for (std::uint32_t n = 0; n < facets_.size(); ++n) items.push_back({n, facets_[n].bounds()});
         // Groups side by side: what is taken out of the list later keeps them so.
-        std::stable_sort(items.begin(), items.end(),
-                         [&](const Item& a, const Item& b) { return group(a) < group(b); });
+        std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
+            return group(a) != group(b) ? group(a) < group(b) : a.facet < b.facet;
+        });
         divide(std::move(items), meet, found);
     }
 
