@@ -125,7 +125,7 @@ public:
             if constexpr (D == 2) {
                 if (i < batch.points.points && batch.states[i] == PointState::inside)
                     samples.at_corners.add(corners_, i, grid_.in_cells(block_point<D>(batch.points, i)),
-                                           stencil, grid_.problem().nodes);
+                                           stencil);
             }
         }
         samples.at_corners.reserve(grid_.cage().size());

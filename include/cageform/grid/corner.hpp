@@ -39,6 +39,7 @@ public:
         angle_ = std::atan2(dot(back, y_), dot(back, x_));
         if (before == after) angle_ = 0; // whatever rounding says
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
+        sine_ = std::sin(angle_);
         exponent_ = std::numbers::pi / angle_;
         // As many as the nodes around can tell apart; r⁴ and beyond differences do well enough.
         count_ = std::min(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
@@ -52,11 +53,12 @@ public:
     void keep(std::size_t count) noexcept { count_ = std::min(count_, count); }
     bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }
     double radius() const noexcept { return radius_; }
+    const Vec<double, 2>& vertex() const noexcept { return vertex_; }
     double distance(const Vec<double, 2>& p) const noexcept {
         return std::sqrt(dot(p - vertex_, p - vertex_));
     }
-    /// Whether a place is no farther than the radius, up to rounding.
-    bool reaches(const Vec<double, 2>& p) const noexcept { return distance(p) <= (1 + 1e-9) * radius_; }
+    double reach() const noexcept { return (1 + 1e-9) * radius_; } ///< the radius, up to rounding
+    bool reaches(const Vec<double, 2>& p) const noexcept { return distance(p) <= reach(); }
     /// Whether a place is between the edges, or on one of them up to rounding.
     bool holds(const Vec<double, 2>& p) const noexcept {
         constexpr double rounding = 1e-9;
@@ -94,9 +96,9 @@ public:
             power_re = next;
         }
         // (y − s_m)/sin ω: bounded even where ω is a multiple of π.
-        const double e = double(m) * exponent_, sine = std::sin(angle_);
-        if (std::fabs(sine) > 1e-5) {
-            f[0] = (y - radius_ * closest) / sine;
+        const double e = double(m) * exponent_;
+        if (std::fabs(sine_) > 1e-5) {
+            f[0] = (y - radius_ * closest) / sine_;
         } else {
             const double between = 0.5 * (1 + e);
             const double slope = std::pow(r, between) * (std::log(r) * std::sin(between * theta) +
@@ -109,7 +111,7 @@ public:
 private:
     Vec<double, 2> vertex_, x_{}, y_{}; ///< x along the edge to the next vertex, y to the inside
     double radius_, length_before_ = 0, length_after_ = 0;
-    double angle_ = 0, exponent_ = 1;
+    double angle_ = 0, sine_ = 0, exponent_ = 1;
     std::size_t count_ = 0;
 };
 

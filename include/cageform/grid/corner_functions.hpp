@@ -57,7 +57,7 @@ public:
     std::vector<std::uint32_t> sources() const {
         std::vector<std::uint32_t> nodes;
         for (const auto& corner : corners_) {
-            for (const auto& defect : corner.defects) nodes.push_back(defect.node);
+            nodes.insert(nodes.end(), corner.defects.nodes.begin(), corner.defects.nodes.end());
         }
         std::sort(nodes.begin(), nodes.end());
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
@@ -66,7 +66,7 @@ public:
     /// slots[node]: the place of a source node in Block::source.
     void set_slots(std::span<const std::uint32_t> slots) {
         for (auto& corner : corners_) {
-            for (auto& defect : corner.defects) defect.node = slots[defect.node];
+            for (auto& node : corner.defects.nodes) node = slots[node];
         }
     }
 
@@ -148,38 +148,20 @@ public:
         std::uint32_t first = none; ///< the corner's in Coefficients
         std::array<double, Corner::most + 1> missed{};
     };
-    template <class NodePlace>
-    Correction correction(const Vec<double, 2>& p, const CutStencil<2>& stencil,
-                          const NodePlace& place) const {
-        // f(place, share) for all that the value at `p` is a mean of.
-        const auto for_each_place = [&](const auto& f) {
-            for (std::uint32_t i = 0; i < stencil.node_count; ++i)
-                f(place(stencil.nodes[i].node), stencil.nodes[i].share);
-            for (std::uint32_t i = 0; i < stencil.place_count; ++i) {
-                const auto& [handle, weight] = stencil.places[i].value;
-                f(weight[0] * vertices_[handle[0]] + weight[1] * vertices_[handle[1]],
-                  stencil.places[i].share);
-            }
-        };
+    Correction correction(const Vec<double, 2>& p, const CutStencil<2>& stencil) const {
         Correction result;
-        const Treated* of = nullptr;
         double nearest = std::numeric_limits<double>::max();
-        for (const Treated& t : corners_) {
-            const double d = t.corner.distance(p);
-            if (!t.corner.reaches(p) || d >= nearest || !t.corner.holds(p)) continue;
-            bool reaches_all = true;
-            for_each_place([&](const auto& q, double) { reaches_all = reaches_all && t.corner.reaches(q); });
-            if (!reaches_all) continue;
-            nearest = d;
-            of = &t;
+        for (std::size_t n = 0; n < discs_.size(); ++n) {
+            const auto d = p - discs_[n].centre;
+            const double square = dot(d, d);
+            if (square > discs_[n].reach_squared || square >= nearest) continue;
+            if (!corners_[n].corner.holds(p) || !interpolate(corners_[n], stencil, result.missed)) continue;
+            nearest = square;
+            result.first = corners_[n].first;
+            const auto here = corners_[n].corner.functions(p);
+            for (std::size_t k = 0; k <= corners_[n].corner.count(); ++k)
+                result.missed[k] = here[k] - result.missed[k];
         }
-        if (of == nullptr) return result;
-        result.first = of->first;
-        result.missed = of->corner.functions(p);
-        for_each_place([&](const auto& q, double share) {
-            const auto f = of->corner.functions(q);
-            for (std::size_t k = 0; k < f.size(); ++k) result.missed[k] -= share * f[k];
-        });
         return result;
     }
     static void apply(const Correction& correction, const Coefficients& all,
@@ -196,22 +178,43 @@ private:
     static constexpr double least_radius = 1, most_radius = 24;
     static constexpr double ample_radius = 10; ///< errors are then a few times 1e-4 at most
 
-    struct Defect {
-        std::uint32_t node;                        ///< then the slot
-        std::array<double, Corner::most + 1> of{}; ///< A applied to each function
+    using Functions = std::array<double, Corner::most + 1>;
+    struct Disc {
+        Vec<double, 2> centre;
+        double reach_squared;
     };
     struct Around {
         std::uint32_t node;
         double along, w;
     };
+    /// A row of numbers for each of some nodes: w, s_1, … or what the equations make of them.
+    struct NodeRows {
+        std::vector<std::uint32_t> nodes{}; ///< ascending
+        std::vector<double> numbers{};      ///< as many for each as the corner has functions
+
+        void add(std::uint32_t node, const Functions& row, std::size_t count) {
+            nodes.push_back(node);
+            numbers.insert(numbers.end(), row.begin(), row.begin() + std::ptrdiff_t(count));
+        }
+    };
     struct Treated {
         Corner corner;
         std::array<std::size_t, 3> handles; ///< at the corner, before it, after it
         std::uint32_t first = 0;            ///< of its Coefficients
-        std::vector<Defect> defects{};
-        std::vector<Around> around{}; ///< nodes of the fit
-        std::vector<double> fit{};    ///< of each of them, its share in each coefficient
-        std::array<double, Corner::most + 1> largest_defect{};
+        std::size_t columns = 0;            ///< of both tables: the functions before some were left out
+        NodeRows functions{};               ///< at the nodes of the disc
+        NodeRows defects{};                 ///< A applied to them, in rows `nodes`; then slots
+        std::vector<Around> around{};       ///< nodes of the fit
+        std::vector<double> fit{};          ///< of each of them, its share in each coefficient
+        Functions largest_defect{};
+
+        /// The functions at a node of the disc; null elsewhere.
+        const double* find(std::uint32_t node) const noexcept {
+            const auto& nodes = functions.nodes;
+            const auto found = std::lower_bound(nodes.begin(), nodes.end(), node);
+            if (found == nodes.end() || *found != node) return nullptr;
+            return functions.numbers.data() + std::size_t(found - nodes.begin()) * columns;
+        }
     };
 
     /// Slopes of a handle's hat along the edge after the corner and the one before it, away from
@@ -225,9 +228,10 @@ private:
     }
     static void add_defects(const Treated& t, std::size_t k, const Row& coefficients,
                             std::span<Row> source) noexcept {
-        for (const Defect& defect : t.defects) {
+        for (std::size_t i = 0; i < t.defects.nodes.size(); ++i) {
+            const double defect = t.defects.numbers[i * t.columns + k];
             for (std::size_t lane = 0; lane < width; ++lane)
-                source[defect.node][lane] += defect.of[k] * coefficients[lane];
+                source[t.defects.nodes[i]][lane] += defect * coefficients[lane];
         }
     }
 
@@ -285,23 +289,32 @@ private:
     /// Treats a corner, if there are nodes for a fit: two for every function. Returns whether.
     bool add(Treated t, const EmbeddedProblem<2>& problem) {
         const double radius = t.corner.radius();
-        const auto& nodes = problem.nodes;
-        for_each_node_within(radius, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
-            if (!t.corner.holds(p)) return;
-            const double r = t.corner.distance(p);
-            if (r < radius) add_defect(t, node, p, problem);
-            if (r > 0.3 * radius && r < std::max(0.8 * radius, std::min(radius, 8.0)))
-                t.around.push_back({node, t.corner.along(p), t.corner.functions(p)[0]});
-        });
+        t.columns = t.corner.count() + 1;
+        std::vector<Vec<double, 2>> places;
+        for_each_node_within(t.corner.reach(), t.corner.vertex(), problem.nodes,
+                             [&](std::uint32_t node, const auto& p) {
+                                 if (!t.corner.reaches(p) || !t.corner.holds(p)) return;
+                                 t.functions.add(node, t.corner.functions(p), t.columns);
+                                 places.push_back(p);
+                             });
+        std::vector<const double*> fitted;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const double r = t.corner.distance(places[i]);
+            if (r < radius) add_defect(t, t.functions.nodes[i], places[i], problem);
+            if (!(r > 0.3 * radius && r < std::max(0.8 * radius, std::min(radius, 8.0)))) continue;
+            fitted.push_back(t.functions.numbers.data() + i * t.columns);
+            t.around.push_back({t.functions.nodes[i], t.corner.along(places[i]), fitted.back()[0]});
+        }
         t.corner.keep(t.around.size() / 2);
         if (t.corner.count() < t.corner.least_count()) return false;
-        fit_to_nodes(t, nodes);
+        fit_to_nodes(t, fitted);
         t.first = coefficients_;
         coefficients_ += std::uint32_t(t.corner.count() + 1);
-        for (const Defect& defect : t.defects) {
-            for (std::size_t k = 0; k < defect.of.size(); ++k)
-                t.largest_defect[k] = std::max(t.largest_defect[k], std::fabs(defect.of[k]));
+        for (std::size_t n = 0; n < t.defects.numbers.size(); ++n) {
+            double& largest = t.largest_defect[n % t.columns];
+            largest = std::max(largest, std::fabs(t.defects.numbers[n]));
         }
+        discs_.push_back({t.corner.vertex(), t.corner.reach() * t.corner.reach()});
         corners_.push_back(std::move(t));
         return true;
     }
@@ -353,13 +366,10 @@ private:
 
     /// Least squares: the share of each node around in every coefficient, (SᵀS)⁻¹ Sᵀ, S the
     /// functions at the nodes.
-    static void fit_to_nodes(Treated& t, const NodeRuns<2>& nodes) {
+    static void fit_to_nodes(Treated& t, std::span<const double* const> functions) {
         const std::size_t count = t.corner.count();
-        std::vector<Vec<double, Corner::most>> s;
-        for (const Around& node : t.around) {
-            const auto f = t.corner.functions(node_position<2>(nodes.index(node.node)));
-            std::copy(f.begin() + 1, f.begin() + 1 + std::ptrdiff_t(count), s.emplace_back().v);
-        }
+        std::vector<Vec<double, Corner::most>> s(functions.size());
+        for (std::size_t i = 0; i < s.size(); ++i) std::copy_n(functions[i] + 1, count, s[i].v);
         const detail::OrthonormalRows<Corner::most> rows(std::move(s));
         for (std::size_t i = 0; i < t.around.size(); ++i) {
             const auto shares = detail::coefficients(rows.triangle(), rows[i]);
@@ -371,25 +381,51 @@ private:
     /// it knows exactly. Nothing where the equation reaches beyond them.
     static void add_defect(Treated& t, std::uint32_t node, const Vec<double, 2>& p,
                            const EmbeddedProblem<2>& problem) {
-        Defect defect{node};
-        const auto here = t.corner.functions(p);
         auto cut = std::lower_bound(problem.cuts.begin(), problem.cuts.end(), node,
                                     [](const CutLink& a, std::uint32_t n) { return a.node < n; });
-        std::array<double, 4> weight{1, 1, 1, 1};
+        std::array<double, 4> weight{}; // of cut links
         for (; cut != problem.cuts.end() && cut->node == node; ++cut) weight[cut->direction] = cut->weight;
+        Functions defect{}, there{};
+        const double* const here = t.find(node);
         for (std::size_t direction = 0; direction < 4; ++direction) {
+            const bool is_cut = weight[direction] != 0;
+            const double w = is_cut ? weight[direction] : 1;
             auto q = p;
-            q[direction / 2] += ((direction & 1) != 0 ? 1 : -1) / weight[direction];
+            q[direction / 2] += ((direction & 1) != 0 ? 1 : -1) / w;
             if (!t.corner.reaches(q)) return;
-            const auto there = t.corner.functions(q);
-            for (std::size_t k = 0; k < here.size(); ++k)
-                defect.of[k] += weight[direction] * (here[k] - there[k]);
+            const double* const at_node =
+                is_cut ? nullptr : t.find(problem.nodes.find({std::int32_t(q[0]), std::int32_t(q[1])}));
+            if (at_node == nullptr) there = t.corner.functions(q);
+            const double* const f = at_node == nullptr ? there.data() : at_node;
+            for (std::size_t k = 0; k < t.columns; ++k) defect[k] += w * (here[k] - f[k]);
         }
-        t.defects.push_back(defect);
+        t.defects.add(node, defect, t.columns);
+    }
+
+    /// The mean of each function that a stencil takes; false where it reaches beyond them.
+    bool interpolate(const Treated& t, const CutStencil<2>& stencil, Functions& mean) const noexcept {
+        Functions sum{};
+        const auto add = [&](const double* f, double share) {
+            for (std::size_t k = 0; k <= t.corner.count(); ++k) sum[k] += share * f[k];
+        };
+        for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
+            const double* const f = t.find(stencil.nodes[i].node);
+            if (f == nullptr) return false;
+            add(f, stencil.nodes[i].share);
+        }
+        for (std::uint32_t i = 0; i < stencil.place_count; ++i) {
+            const auto& [handle, weight] = stencil.places[i].value;
+            const auto q = weight[0] * vertices_[handle[0]] + weight[1] * vertices_[handle[1]];
+            if (!t.corner.reaches(q)) return false;
+            add(t.corner.functions(q).data(), stencil.places[i].share);
+        }
+        mean = sum;
+        return true;
     }
 
     std::vector<Vec<double, 2>> vertices_;
     std::vector<Treated> corners_;
+    std::vector<Disc> discs_; ///< of them: few are near a point
     CornerErrors<2> errors_;
     std::uint32_t coefficients_ = 0; ///< of all corners, of one function
 };

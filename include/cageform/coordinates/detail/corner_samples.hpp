@@ -13,9 +13,8 @@ class CornerSamples {
 public:
     /// Of point `i`, at `p` in units of the lattice, that `stencil` is of.
     void add(const grid::CornerFunctions& corners, std::size_t i, const Vec<double, 2>& p,
-             const grid::CutStencil<2>& stencil, const grid::NodeRuns<2>& nodes) {
-        const auto place = [&](std::uint32_t node) { return node_position<2>(nodes.index(node)); };
-        const auto correction = corners.correction(p, stencil, place);
+             const grid::CutStencil<2>& stencil) {
+        const auto correction = corners.correction(p, stencil);
         if (correction.first != grid::CornerFunctions::Correction::none) points_.push_back({i, correction});
     }
     /// Makes place for the corrections of all functions.
