@@ -196,6 +196,10 @@ private:
             nodes.push_back(node);
             numbers.insert(numbers.end(), row.begin(), row.begin() + std::ptrdiff_t(count));
         }
+        void shrink() { // they are kept as long as the solver
+            nodes.shrink_to_fit();
+            numbers.shrink_to_fit();
+        }
     };
     struct Treated {
         Corner corner;
@@ -297,6 +301,7 @@ private:
                                  t.functions.add(node, t.corner.functions(p), t.columns);
                                  places.push_back(p);
                              });
+        t.functions.shrink();
         std::vector<const double*> fitted;
         for (std::size_t i = 0; i < places.size(); ++i) {
             const double r = t.corner.distance(places[i]);
@@ -305,6 +310,7 @@ private:
             fitted.push_back(t.functions.numbers.data() + i * t.columns);
             t.around.push_back({t.functions.nodes[i], t.corner.along(places[i]), fitted.back()[0]});
         }
+        t.defects.shrink();
         t.corner.keep(t.around.size() / 2);
         if (t.corner.count() < t.corner.least_count()) return false;
         fit_to_nodes(t, fitted);
@@ -371,6 +377,7 @@ private:
         std::vector<Vec<double, Corner::most>> s(functions.size());
         for (std::size_t i = 0; i < s.size(); ++i) std::copy_n(functions[i] + 1, count, s[i].v);
         const detail::OrthonormalRows<Corner::most> rows(std::move(s));
+        t.fit.reserve(t.around.size() * count);
         for (std::size_t i = 0; i < t.around.size(); ++i) {
             const auto shares = detail::coefficients(rows.triangle(), rows[i]);
             t.fit.insert(t.fit.end(), shares.v, shares.v + count);

@@ -136,10 +136,13 @@ public:
         Cell cell{nodes, {}, {}, {}, stencil};
         for (std::size_t k = 0; k < D; ++k) cell.low[k] = std::int32_t(std::floor(p[k]));
         cell.parts = parts_.find(cell.low);
-        const std::size_t orders = cell.parts.empty() ? 1 : D;
-        for (std::size_t first = 0; first < orders; ++first) {
+        if (cell.parts.empty()) {
+            add_corners(cell.low, p, nodes, stencil);
+            return stencil;
+        }
+        for (std::size_t first = 0; first < D; ++first) {
             for (std::size_t k = 0; k < D; ++k) cell.axes[k] = (first + k) % D;
-            gather(cell, p, 1.0 / double(orders));
+            gather(cell, p, 1.0 / double(D));
         }
         return stencil;
     }
@@ -168,6 +171,27 @@ private:
             if (const auto hit = shorten_to(pass.part, ray)) first = hit;
         }
         return first;
+    }
+
+    /// Of a cell that nothing passes, whose corners are all unknowns: multilinear. Those along axis 0
+    /// are neighbours in a run.
+    static void add_corners(const Index& low, const Vec<double, D>& p, const NodeRuns<D>& nodes,
+                            CutStencil<D>& stencil) noexcept {
+        for (std::size_t row = 0; row < CutStencil<D>::most_nodes / 2; ++row) {
+            Index index = low;
+            double share = 1;
+            for (std::size_t k = 1; k < D; ++k) {
+                const auto up = std::int32_t((row >> (k - 1)) & 1u);
+                const double at = p[k] - low[k];
+                index[k] += up;
+                share *= up != 0 ? at : 1 - at;
+            }
+            if (share == 0) continue;
+            const std::uint32_t node = nodes.find(index);
+            const double at = p[0] - low[0];
+            if (at < 1) stencil.nodes[stencil.node_count++] = {node, share * (1 - at)};
+            if (at > 0) stencil.nodes[stencil.node_count++] = {node + 1, share * at};
+        }
     }
 
     /// Adds a share of the value at `p` to the cell's stencil: linear along one axis after the
