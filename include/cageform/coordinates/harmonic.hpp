@@ -38,9 +38,9 @@ struct HarmonicSolverChoice {
 ///
 /// With the multigrid (the default), solved to the digits of double whatever `T`:
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
-///   accuracy  of order h² in the open and around corners with two cells of room
-///             (grid/corner_functions.hpp); next to an untreated corner of interior angle ω, or
-///             edge in space, of order h^(π/ω)
+///   accuracy  of order h² in the open and around corners with one cell of room (two where that
+///             holds too few nodes for a fit; grid/corner_functions.hpp); next to an untreated
+///             corner of interior angle ω, or edge in space, of order h^(π/ω)
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel shares the sixteens out; each thread
 ///             needs `solver_memory().block` bytes, every point about 80 bytes in the plane and 150

@@ -44,7 +44,7 @@ public:
                 const Treated t{corner, {i, before, after}};
                 bool treated = corner.is_smooth() && radius >= ample_radius;
                 if (treat && !corner.is_smooth() && radius >= least_radius) treated = add(t, problem);
-                if (!treated || radius < ample_radius) watch(t, treated, treat, problem.nodes);
+                if (!treated || radius < ample_radius) add_estimate(t, treated, treat, problem.nodes);
             }
         }
     }
@@ -325,32 +325,33 @@ private:
         return true;
     }
 
-    /// Has the errors about a corner estimated. They fall with the room about treated corners, which
-    /// on a finer grid it may be, and about those that differences know what to do with.
-    void watch(const Treated& t, bool treated, bool treat, const NodeRuns<2>& nodes) {
-        double bend = 0; // largest coefficient of w
+    /// Has the error about a corner estimated: one that is treated or not, where corners are to be or
+    /// not. The error falls with the room about treated corners, which on a finer grid it may be, and
+    /// about those that differences know what to do with.
+    void add_estimate(const Treated& t, bool treated, bool treat, const NodeRuns<2>& nodes) {
+        double slope_of_w = 0;
         std::array<double, 3> along{}, w{};
         for (std::size_t k = 0; k < 3; ++k) {
             const auto slope = slopes(t, t.handles[k]);
             along[k] = slope[0];
             w[k] = slope[1] - slope[0] * t.corner.cosine();
-            bend = std::max(bend, std::fabs(w[k]));
+            slope_of_w = std::max(slope_of_w, std::fabs(w[k]));
         }
         const double room = t.corner.radius();
-        const bool well_done = treated || t.corner.is_smooth();
-        auto site = CornerErrors<2>::treated(t.handles, room);
-        if (!well_done) site = CornerErrors<2>::untreated(t.handles, t.corner, bend);
-        if (treat) site.order = CornerErrors<2>::treated_order;
-        site.room = room;
+        const bool resolved = treated || t.corner.is_smooth();
+        auto estimate = CornerErrors<2>::treated(t.handles, room);
+        if (!resolved) estimate = CornerErrors<2>::untreated(t.handles, t.corner, slope_of_w);
+        if (treat) estimate.order = CornerErrors<2>::treated_order;
+        estimate.room = room;
         std::vector<CornerErrors<2>::Node> around;
-        const double reach = std::clamp(room, 1.5, well_done ? 2.5 : 1.5);
+        const double reach = std::clamp(room, 1.5, resolved ? 2.5 : 1.5);
         for_each_node_within(reach, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
             if (t.corner.distance(p) > reach || !t.corner.holds(p)) return;
             const double x = t.corner.along(p), f = t.corner.functions(p)[0];
             around.push_back(
                 {node, {1 + along[0] * x + w[0] * f, along[1] * x + w[1] * f, along[2] * x + w[2] * f}});
         });
-        errors_.add(site, around);
+        errors_.add(estimate, around);
     }
 
     /// f(node, position) for the nodes of a square about a place.

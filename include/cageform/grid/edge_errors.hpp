@@ -1,5 +1,5 @@
-// The edges of a mesh, and of faces inside it, as places that a grid is too coarse for: across an
-// edge things are as about a corner in the plane.
+// Estimates of the error beside the edges of a mesh, and of faces inside it. In the plane across an
+// edge the solution is as about a corner in the plane (grid/corner.hpp).
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -11,17 +11,17 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Two neighbouring faces about an edge and what lies between them, all in units of the lattice.
+/// Two neighbouring faces about an edge and what lies between them. Lengths in cells.
 struct EdgeSector {
     using Point = Vec<double, 3>;
 
-    /// A face as seen from its edge.
-    struct Wing {
+    /// A face beside the edge.
+    struct AdjacentFace {
         Point across;    ///< unit vector in the face, away from the edge
         double distance; ///< of the face's third vertex from the edge's line
         double along;    ///< the foot of that, from the edge's first vertex
 
-        Wing(const Point& origin, const Point& direction, const Point& third) noexcept
+        AdjacentFace(const Point& origin, const Point& direction, const Point& third) noexcept
             : along(dot(third - origin, direction)) {
             const auto d = third - origin - along * direction;
             distance = std::sqrt(dot(d, d));
@@ -32,7 +32,7 @@ struct EdgeSector {
     std::array<std::size_t, 4> handles; ///< the edge, the third vertices of the faces
     Point origin, direction;            ///< of the edge
     double length;
-    Wing first, second;
+    AdjacentFace first, second;
     grid::Corner corner; ///< across the edge, from the first face to the second
 
     /// A vector, in the frame of `corner`.
@@ -40,23 +40,24 @@ struct EdgeSector {
         return {dot(d, first.across), dot(d, cross(direction, first.across))};
     }
     /// Per length across the edge, the change of the data of each handle in a face.
-    std::array<double, 4> slopes(const Wing& face, std::size_t third) const noexcept {
+    std::array<double, 4> slopes(const AdjacentFace& face, std::size_t third) const noexcept {
         std::array<double, 4> slope{};
         slope[third] = 1 / face.distance;
         slope[1] = -face.along / (length * face.distance);
         slope[0] = -slope[third] - slope[1];
         return slope;
     }
-    /// The coefficients of w.
-    std::array<double, 4> bends() const noexcept {
+    /// The coefficient of w in the data of each handle, per cell.
+    std::array<double, 4> coefficients_of_w() const noexcept {
         const auto here = slopes(first, 2);
-        auto bend = slopes(second, 3);
-        for (std::size_t k = 0; k < 4; ++k) bend[k] -= here[k] * corner.cosine();
-        return bend;
+        auto coefficient = slopes(second, 3);
+        for (std::size_t k = 0; k < 4; ++k) coefficient[k] -= here[k] * corner.cosine();
+        return coefficient;
     }
     double slope_of_w() const noexcept {
         double largest = 0;
-        for (const double bend : bends()) largest = std::max(largest, std::fabs(bend));
+        for (const double coefficient : coefficients_of_w())
+            largest = std::max(largest, std::fabs(coefficient));
         return largest;
     }
     /// The share of each handle in the data, continued to a place.
@@ -64,9 +65,9 @@ struct EdgeSector {
         const auto d = p - origin;
         const auto xy = across(d);
         const double z = dot(d, direction) / length, x = corner.along(xy), w = corner.functions(xy)[0];
-        const auto slope = slopes(first, 2), bend = bends();
+        const auto slope = slopes(first, 2), of_w = coefficients_of_w();
         std::array<double, 4> share{1 - z, z, 0, 0};
-        for (std::size_t k = 0; k < 4; ++k) share[k] += slope[k] * x + bend[k] * w;
+        for (std::size_t k = 0; k < 4; ++k) share[k] += slope[k] * x + of_w[k] * w;
         return share;
     }
 
@@ -93,7 +94,7 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
                           std::span<const std::array<std::uint32_t, 3>> faces, F&& f) {
     struct Face {
         std::size_t third;
-        EdgeSector::Wing wing;
+        EdgeSector::AdjacentFace face;
         double angle; // about the edge, from the first one
     };
     const auto half_edges = half_edges_of(faces);
@@ -106,23 +107,23 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
         for (const HalfEdge& half : about) {
             const auto& [a, b, c] = faces[half.face];
             const std::size_t third = std::size_t(a) + b + c - i - j;
-            const EdgeSector::Wing wing(vertices[i], direction, vertices[third]);
-            const auto& x = fan.empty() ? wing.across : fan[0].wing.across;
-            const double angle = std::atan2(dot(wing.across, cross(direction, x)), dot(wing.across, x));
-            fan.push_back({third, wing, angle < 0 ? angle + 2 * std::numbers::pi : angle});
+            const EdgeSector::AdjacentFace face(vertices[i], direction, vertices[third]);
+            const auto& x = fan.empty() ? face.across : fan[0].face.across;
+            const double angle = std::atan2(dot(face.across, cross(direction, x)), dot(face.across, x));
+            fan.push_back({third, face, angle < 0 ? angle + 2 * std::numbers::pi : angle});
         }
         std::sort(fan.begin(), fan.end(), [](const Face& a, const Face& b) { return a.angle < b.angle; });
         for (std::size_t n = 0; n < fan.size(); ++n) {
             const Face &a = fan[n], &b = fan[(n + 1) % fan.size()];
             const Vec<double, 2> after{1, 0};
-            const Vec<double, 2> before{dot(b.wing.across, a.wing.across),
-                                        dot(b.wing.across, cross(direction, a.wing.across))};
+            const Vec<double, 2> before{dot(b.face.across, a.face.across),
+                                        dot(b.face.across, cross(direction, a.face.across))};
             f(EdgeSector{{i, j, a.third, b.third},
                          vertices[i],
                          direction,
                          length,
-                         a.wing,
-                         b.wing,
+                         a.face,
+                         b.face,
                          grid::Corner({0, 0}, fan.size() == 1 ? after : before, after, 1)});
         }
     });
@@ -131,7 +132,8 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
 } // namespace detail
 namespace grid {
 
-/// Of a TriangleMesh or a CellComplex: of all edges, none of which is treated apart.
+/// The estimates of all edges of a TriangleMesh or a CellComplex that have an inside between their
+/// faces; none is treated. Handles are the cage's. O(#edges · 16 places · 64 nodes) at most.
 template <class Cage>
 CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
                             const EmbeddedProblem<3>& problem) {
