@@ -19,32 +19,96 @@ SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_c
     return text ? parse_pose_clip(*text, path, vertex_count) : text.error();
 }
 
+namespace {
+
+/// The fields of a line, between commas.
+std::vector<std::string> fields_of(std::string_view text) {
+    std::vector<std::string> fields;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        fields.emplace_back(detail::trim(text.substr(at, end - at)));
+        at = end + 1;
+    }
+    return fields;
+}
+
+/// Field k as a finite number; `why` becomes the reason where it is none, and stays what it is if it is one already.
+double field_number(const std::vector<std::string>& fields, std::size_t k, std::string& why) {
+    double x = 0;
+    const std::string fault = k < fields.size() ? detail::parse_number(fields[k], x) : "a number is missing";
+    if (why.empty()) why = !fault.empty() ? fault : std::isfinite(x) ? "" : "a number is not finite";
+    return x;
+}
+
+/// "vertices,11:0.5,10"; an empty reason is success.
+std::string add_shares(const std::vector<std::string>& fields, std::size_t vertex_count,
+                       ClipControl& control) {
+    for (std::size_t k = 1; k < fields.size(); ++k) {
+        const std::size_t colon = fields[k].find(':');
+        double vertex = 0, weight = 1;
+        std::string why = detail::parse_number(fields[k].substr(0, colon), vertex);
+        if (why.empty() && colon != std::string::npos)
+            why = detail::parse_number(fields[k].substr(colon + 1), weight);
+        if (!why.empty()) return why;
+        if (!(vertex >= 0 && vertex < double(vertex_count)) || vertex != std::floor(vertex))
+            return "the cage has no vertex " + detail::quoted(fields[k]);
+        control.shares.push_back({std::size_t(vertex), weight});
+    }
+    return {};
+}
+
+/// "TIME,X,Y,TURN,KIND"; an empty reason is success.
+std::string add_row(const std::vector<std::string>& fields, ClipControl& control) {
+    std::string why;
+    const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
+    ClipControl::Row row{value(0), {value(1), value(2), value(3)}};
+    if (!why.empty()) return why;
+    row.move[2] *= std::numbers::pi / 180;
+    const std::string kind = fields.size() > 4 ? fields[4] : "";
+    if (kind == "ease")
+        row.kind = cageform::KeyKind::bezier;
+    else if (kind == "hold")
+        row.kind = cageform::KeyKind::hold;
+    else if (kind == "linear")
+        row.kind = cageform::KeyKind::linear;
+    else if (kind != "automatic")
+        return "a key is hold, linear, automatic or ease, not " + detail::quoted(kind);
+    if (!control.rows.empty() && !(row.time > control.rows.back().time))
+        return "a key is not later than the one before it";
+    control.rows.push_back(row);
+    return {};
+}
+
+/// Why the keys of a control do not go into a clip of that length; empty where they do.
+std::string fault_of_rows(const ClipControl& control, double length) {
+    if (control.rows.size() < 2) return "fewer than two keys";
+    const double begin = control.rows.front().time, period = control.rows.back().time - begin;
+    const double turns = length / period, keys = turns * double(control.rows.size() - 1);
+    if (!(std::fabs(turns - std::round(turns)) <= 1e-9) || turns < 0.5)
+        return "its time is no part of the clip's";
+    if (keys > 1e5)
+        return "repeated through the clip it has " + detail::short_number(keys) + " keys; 100000 at most";
+    // Moved into the clip by whole periods, its times would lose their digits.
+    if (std::fabs(begin) > 1e6 * period)
+        return "its first key, at " + detail::short_number(begin) +
+               ", is a million of its periods from the clip's begin";
+    return {};
+}
+
+} // namespace
+
 SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, std::size_t vertex_count) {
     ClipFile clip;
     clip.name = path;
     std::size_t number = 0;
-    const auto refuse = [&](const std::string& why) {
-        return SvgError{path + ":" + std::to_string(number) + ": " + why};
-    };
     for (std::string_view line; take_line(file, line);) {
         ++number;
         const std::string_view text = detail::trim(line);
         if (text.empty() || text.front() == '#') continue;
-        std::vector<std::string> fields;
-        for (std::size_t at = 0; at <= text.size();) {
-            const std::size_t end = std::min(text.find(',', at), text.size());
-            fields.emplace_back(detail::trim(text.substr(at, end - at)));
-            at = end + 1;
-        }
+        const std::vector<std::string> fields = fields_of(text);
         const std::string& word = fields.front();
         std::string why;
-        const auto value = [&](std::size_t k) {
-            double x = 0;
-            const std::string fault =
-                k < fields.size() ? detail::parse_number(fields[k], x) : "a number is missing";
-            if (why.empty()) why = !fault.empty() ? fault : std::isfinite(x) ? "" : "a number is not finite";
-            return x;
-        };
+        const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
         if (word == "length") {
             clip.length = value(1);
             if (why.empty() && !(clip.length > 0)) why = "the length is not positive";
@@ -57,52 +121,18 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
         } else if (clip.controls.empty()) {
             why = "\"control,NAME\" is missing before";
         } else if (ClipControl& control = clip.controls.back(); word == "vertices") {
-            for (std::size_t k = 1; k < fields.size(); ++k) {
-                const std::size_t colon = fields[k].find(':');
-                double vertex = 0, weight = 1;
-                if (why.empty()) why = detail::parse_number(fields[k].substr(0, colon), vertex);
-                if (why.empty() && colon != std::string::npos)
-                    why = detail::parse_number(fields[k].substr(colon + 1), weight);
-                if (why.empty() &&
-                    (!(vertex >= 0 && vertex < double(vertex_count)) || vertex != std::floor(vertex)))
-                    why = "the cage has no vertex " + detail::quoted(fields[k]);
-                if (why.empty()) control.shares.push_back({std::size_t(vertex), weight});
-            }
+            why = add_shares(fields, vertex_count, control);
         } else if (word == "pivot") {
             control.pivot = {value(1), value(2)};
         } else if (word != "time") {
-            ClipControl::Row row{value(0), {value(1), value(2), value(3)}};
-            row.move[2] *= std::numbers::pi / 180;
-            const std::string kind = fields.size() > 4 ? fields[4] : "";
-            if (kind == "ease")
-                row.kind = cageform::KeyKind::bezier;
-            else if (kind == "hold")
-                row.kind = cageform::KeyKind::hold;
-            else if (kind == "linear")
-                row.kind = cageform::KeyKind::linear;
-            else if (kind != "automatic" && why.empty())
-                why = "a key is hold, linear, automatic or ease, not " + detail::quoted(kind);
-            if (why.empty() && !control.rows.empty() && !(row.time > control.rows.back().time))
-                why = "a key is not later than the one before it";
-            control.rows.push_back(row);
+            why = add_row(fields, control);
         }
-        if (!why.empty()) return refuse(why);
+        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
     }
     if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
     for (const ClipControl& control : clip.controls) {
-        const std::string name = detail::quoted(control.name);
-        if (control.rows.size() < 2) return SvgError{path + ": " + name + ": fewer than two keys"};
-        const double begin = control.rows.front().time, period = control.rows.back().time - begin;
-        const double turns = clip.length / period, keys = turns * double(control.rows.size() - 1);
-        if (!(std::fabs(turns - std::round(turns)) <= 1e-9) || turns < 0.5)
-            return SvgError{path + ": " + name + ": its time is no part of the clip's"};
-        if (keys > 1e5)
-            return SvgError{path + ": " + name + ": repeated through the clip it has " +
-                            detail::short_number(keys) + " keys; 100000 at most"};
-        // Moved into the clip by whole periods, its times would lose their digits.
-        if (std::fabs(begin) > 1e6 * period)
-            return SvgError{path + ": " + name + ": its first key, at " + detail::short_number(begin) +
-                            ", is a million of its periods from the clip's begin"};
+        const std::string why = fault_of_rows(control, clip.length);
+        if (!why.empty()) return SvgError{path + ": " + detail::quoted(control.name) + ": " + why};
     }
     return clip;
 }
