@@ -18,6 +18,7 @@
 #include "figure_parts.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
+#include "progress_bar.hpp"
 
 #include <iomanip>
 #include <iostream>
@@ -37,6 +38,7 @@ struct Arguments {
     std::size_t largest = 0;
     double distance = 0; // share of the figure's size; 0: no promise
     bool report = false;
+    OutsideChoice outside;
     CoordinatesChoice choice;
 };
 
@@ -126,20 +128,27 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         poses = sample_poses(*clip);
     }
     cageform::BindOptions bind_options;
-    bind_options.outside = cageform::OutsidePoints::keep_in_place;
+    bind_options.outside = given.outside.policy(*coordinates);
     const std::vector<Point3> normals = normals_of(figure);
-    auto bound = bind_figure(*coordinates, {figure.vertices, normals}, bind_options);
+    cageform::FigureBindResult<float, 3> bound;
+    {
+        ProgressBar bar("binding");
+        bound =
+            bind_figure(*coordinates, {figure.vertices, normals}, bind_options, {.progress = bar.callback()});
+    }
     const cageform::BindReport& of_points = bound.report.points;
     if (bound.report.status != Status::ok) {
         const bool fault_of_points = of_points.status != Status::ok;
         return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
     warn_of_coarse_grid("bind_mesh", cage.name, of_points.solver);
-    if (!of_points.outside.empty() || !of_points.unreached.empty()) {
-        const auto& first = of_points.outside.empty() ? of_points.unreached : of_points.outside;
-        return fail(std::to_string(of_points.outside.size()) + " vertices of " + figure.name +
-                    " lie outside the cage " + cage.name + ", " + std::to_string(of_points.unreached.size()) +
-                    " have no weights, first " + name_points(figure.vertices, first));
+    const auto outside =
+        given.outside.judge(*coordinates, of_points, figure.vertices, figure.name, cage.name);
+    if (!outside.fault.empty()) return fail(outside.fault);
+    if (!outside.warning.empty()) std::cerr << "bind_mesh: warning: " << outside.warning << '\n';
+    if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
+        std::cerr << "bind_mesh: warning: " << figure.name << ": no pose turns the normals of "
+                  << still.size() << " vertices, first " << name_points(figure.vertices, still) << '\n';
     }
     if (!labels.empty()) {
         const Status status = bound.figure.set_labels(labels);
@@ -155,7 +164,12 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
                                               {"CLIP", clip}};
     options.parts = parts;
-    const auto [packed, report] = cageform::pack_figure(bound.figure, options);
+    cageform::FigurePackResult<float, 3> made;
+    {
+        ProgressBar bar("packing");
+        made = cageform::pack_figure(bound.figure, options, {.progress = bar.callback()});
+    }
+    const auto& [packed, report] = made;
     const std::pair<const char*, const cageform::PackReport&> reports[] = {
         {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
     for (const auto& [name, part] : reports) {
@@ -201,6 +215,7 @@ int run_program(int argc, char** argv) {
     line.add("--labels", given.labels, "names of the cage's vertices, kept in the file: a text file");
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.add_options(line);
+    given.outside.add_option(line);
     line.add("--largest", given.largest,
              "weights of its place that a vertex keeps at least, 4 or more; 0: all")
         .show_default();

@@ -114,10 +114,14 @@ OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordina
 
 template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 2>&) const;
 template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 3>&) const;
+template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<float, 3>&) const;
 template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 2>&,
                                                      const cageform::BindReport&, std::span<const Point2>,
                                                      const std::string&, const std::string&) const;
 template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 3>&,
+                                                     const cageform::BindReport&, std::span<const Point3>,
+                                                     const std::string&, const std::string&) const;
+template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<float, 3>&,
                                                      const cageform::BindReport&, std::span<const Point3>,
                                                      const std::string&, const std::string&) const;
 

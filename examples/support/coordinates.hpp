@@ -81,6 +81,6 @@ struct OutsideChoice {
 cageform::FigureBindResult<float, 3>
 bind_figure(const AnyCoordinates<float, 3>& coordinates,
             const cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>& figure,
-            const cageform::BindOptions& options);
+            const cageform::BindOptions& options, const cageform::Running& running);
 
 } // namespace cageform_examples

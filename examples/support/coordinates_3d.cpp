@@ -21,12 +21,12 @@ template std::unique_ptr<AnyCoordinates<double, 3>> make_coordinates(const Coord
 cageform::FigureBindResult<float, 3>
 bind_figure(const AnyCoordinates<float, 3>& coordinates,
             const cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>& figure,
-            const cageform::BindOptions& options) {
+            const cageform::BindOptions& options, const cageform::Running& running) {
     using Harmonic = CoordinatesModel<cageform::HarmonicCoordinates<float, 3>>;
     using MeanValue = CoordinatesModel<cageform::MeanValueCoordinates<float, 3>>;
     if (const auto* harmonic = dynamic_cast<const Harmonic*>(&coordinates))
-        return cageform::bind_figure(harmonic->own, figure, options);
-    return cageform::bind_figure(dynamic_cast<const MeanValue&>(coordinates).own, figure, options);
+        return cageform::bind_figure(harmonic->own, figure, options, running);
+    return cageform::bind_figure(dynamic_cast<const MeanValue&>(coordinates).own, figure, options, running);
 }
 
 } // namespace cageform_examples

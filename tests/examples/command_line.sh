@@ -288,6 +288,19 @@ refuses 'no normals' "$bind" points.obj --cage character_cage.obj -o out.figure
 refuses 'points.obj: holds no faces (lines "f a b c"); a cage is a closed mesh' "$bind" character.obj --cage points.obj -o out.figure
 refuses 'normals are bound by mean-value or harmonic alone' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
+# Vertices outside are treated as in all programs.
+sed '0,/^v /s/^v .*/v 9 9 9/' character.obj >stray_character.obj
+for type in mean-value harmonic; do
+  [ $type = harmonic ] && follows='the nearest points of the boundary' || follows='the extension of the coordinates'
+  works "a vertex outside a game's cage, $type" "$bind" stray_character.obj --cage character_cage.obj --coordinates $type --resolution 16 -o stray.figure
+  [ "$(grep -c "warning: 1 of 8066 vertices of stray_character.obj lie outside the cage character_cage.obj, first v 1 (9, 9, 9); they follow $follows" log)" = 1 ] && ok=yes || ok=no
+  report $ok "it is told of, $type"
+done
+works "it is kept in place" "$bind" stray_character.obj --cage character_cage.obj --outside keep -o stray.figure
+! grep -q warning log && ok=yes || ok=no
+report $ok "what was asked for is not warned of"
+refuses '1 of 8066 vertices of stray_character.obj lie outside the cage' "$bind" stray_character.obj --cage character_cage.obj --outside refuse -o out.figure
+refuses 'not defined outside' "$bind" stray_character.obj --cage character_cage.obj --coordinates harmonic --resolution 16 --outside extend -o out.figure
 # Labels of the cage's vertices: columns of weights, joints, and a part of the figure's file.
 printf '# corners\r\nlow left\r\n\r\nhigh, "right"\r\nhigh left\r\n' >labels.txt
 works "labels of columns" "$weights" --cage square.csv --points points.csv --labels labels.txt -o labelled.csv

@@ -8,7 +8,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// What is bound of a figure: `FigurePoints{points, normals, tangents}`, the last or the last two
-/// left out where there are none. Refers to what it is given.
+/// left out where there are none. Refers to what it is given, and keeps what is given as a
+/// temporary.
 ///
 ///   points    as for `bind`
 ///   normals   of any length, one for every point

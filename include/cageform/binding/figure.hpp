@@ -127,7 +127,8 @@ struct PackedFigureView {
 
     /// The label of a handle; empty where it has none.
     std::string_view label(std::size_t handle) const noexcept { return labels[handle]; }
-    /// The first handle of that label; #handles where there is none. O(#handles).
+    /// The first handle of that label; #handles where there is none. An empty label is that of the
+    /// first handle without one. O(#handles).
     std::size_t find_handle(std::string_view label) const noexcept {
         std::size_t handle = 0;
         while (handle < handle_count() && labels[handle] != label) ++handle;

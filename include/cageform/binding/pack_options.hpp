@@ -38,7 +38,8 @@ struct PackOptions {
     std::uint64_t figure_hash = 0; ///< kept in the blob; 0: `hash_memory` of the points at rest, as Vec<T, D>
 };
 
-/// Appends a pose of the handles to those of PackOptions::poses. May throw std::bad_alloc.
+/// Appends a pose to those of PackOptions::poses: a point for every handle of the binding, vectors
+/// included, in their order and units. May throw std::bad_alloc.
 template <PointRange Pose>
 void append_pose(std::vector<double>& poses, const Pose& pose) {
     for (std::size_t i = 0; i < std::size(pose); ++i) {
@@ -48,9 +49,8 @@ void append_pose(std::vector<double>& poses, const Pose& pose) {
 }
 
 /// How packing went. The error of a point is Σ |w' − w| over all handles, w' the weights that
-/// clones by the packed binding have in effect: a pose whose handles all lie within d of an affine
-/// image of those at rest moves a point by no more than that times d beside where the binding had
-/// it.
+/// clones by the packed binding have in effect. In a pose whose handles all lie within d of an
+/// affine image of those at rest, a point is at most error · d from where the binding puts it.
 struct PackReport {
     Status status = Status::ok;
     std::size_t culprit =

@@ -7,6 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+/// What `rebind_cage` makes.
 template <Scalar T, std::size_t D>
 struct CageRebindResult {
     FigureBinding<T, D> figure; ///< empty unless the report's status is ok
@@ -19,8 +20,12 @@ struct CageRebindResult {
 inline constexpr std::size_t new_handle = ~std::size_t{0};
 
 /// The handles of a cage before an edit: for every handle after it the number that it had, or
-/// `new_handle`. As many handles are the same ones, moved; of fewer or more, those are that stand
-/// where they stood.
+/// `new_handle`.
+///
+///   as many       handles after it: each is the one of the same number, wherever it has moved
+///   more or less  the one that stood at the same place, to the bit; `new_handle` where none did. Of
+///                 several at one place the first
+///   cost          O(#handles log #handles); may throw std::bad_alloc
 template <Scalar T, std::size_t D>
 std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const HandleView<T, D>& after) {
     std::vector<std::size_t> numbers(after.count, new_handle);
@@ -72,7 +77,8 @@ Status take_labels_over(const FigureBinding<T, D>& before, std::span<const std::
 ///   coordinates  of the edited cage. Those of a solver may have been solved from the ones before
 ///                (HarmonicCoordinates::solve_from), which takes fewer cycles
 ///   old_handles  #handles of the edited cage: the number that each had before, or `new_handle`.
-///                Empty: as `match_handles` has them. Used for labels alone
+///                Empty: as `match_handles` has them, which takes a vertex removed and another one
+///                added for a move. Used for labels alone
 ///   options      as for `bind`
 ///   returns      the figure and its report; fails as `bind_figure`; labels_do_not_match, where
 ///                old_handles are not as many as the handles, or name one that there was not
