@@ -6,6 +6,7 @@
 #include "workloads.hpp"
 
 #include <cageform/cageform.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 
 #include <benchmark/benchmark.h>
 
@@ -215,7 +216,10 @@ void bind_harmonic(benchmark::State& state) {
     options.solver = Solver;
     options.resolution = std::size_t(state.range(2));
     options.averaging.tolerance = 1e-5;
-    run_bind(state, cageform::HarmonicCoordinates<T, 2>(cage, options),
+    using Solvers = std::conditional_t<Solver == cageform::HarmonicSolver::multigrid,
+                                       cageform::HarmonicSolverChoice<cageform::Polygon<T>>,
+                                       cageform::WithAveragingPyramid<T>>;
+    run_bind(state, cageform::HarmonicCoordinates<T, 2, cageform::Polygon<T>, Solvers>(cage, options),
              points_inside(cage, std::size_t(state.range(0))));
 }
 

@@ -1,8 +1,8 @@
 #include "coordinates_model.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 
 namespace cageform_examples {
 
@@ -10,8 +10,14 @@ template <class T>
 std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice,
                                                        const CageFile& file) {
     return file.visit<T>([&](const auto& cage) -> std::unique_ptr<AnyCoordinates<T, 2>> {
-        if (choice.name == "harmonic")
-            return model_of(cageform::HarmonicCoordinates(cage, choice.harmonic_options(2)));
+        if (choice.name == "harmonic") {
+            using Cage = std::remove_cvref_t<decltype(cage)>;
+            using Solvers =
+                std::conditional_t<std::is_same_v<Cage, cageform::Polygon<T>>,
+                                   cageform::WithAveragingPyramid<T>, cageform::HarmonicSolverChoice<Cage>>;
+            return model_of(
+                cageform::HarmonicCoordinates<T, 2, Cage, Solvers>(cage, choice.harmonic_options(2)));
+        }
         if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 2>(cage));
         return model_of(cageform::BarycentricCoordinates<T, 2>(cage));
     });

@@ -8,8 +8,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <array>
@@ -35,14 +35,14 @@ template <class T>
 using Mean = cageform::MeanValueCoordinates<T, 2>;
 /// Harmonic coordinates on a coarse grid unless told otherwise, by the solver that leaves something to restore.
 template <class T>
-struct Harmonic : cageform::HarmonicCoordinates<T, 2> {
+struct Harmonic : cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid<T>> {
     template <class Cage>
     explicit Harmonic(
         const Cage& cage,
         const cageform::HarmonicOptions& options = {.solver = cageform::HarmonicSolver::averaging_pyramid,
                                                     .resolution = 32,
                                                     .averaging = {.tolerance = 1e-6}})
-        : cageform::HarmonicCoordinates<T, 2>(cage, options) {}
+        : Harmonic::HarmonicCoordinates(cage, options) {}
 };
 
 using Indices = std::vector<std::size_t>;

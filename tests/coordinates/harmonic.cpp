@@ -5,7 +5,7 @@
 #include "support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 
 #include <array>
 
@@ -20,7 +20,7 @@ using cageform::grid::Interpolation;
 namespace {
 
 template <class T>
-using Harmonic = cageform::HarmonicCoordinates<T, 2>;
+using Harmonic = cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid<T>>;
 
 constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
 
@@ -446,7 +446,7 @@ TEMPLATE_TEST_CASE("harmonic weights at the ends of the scalar's range", "[coord
 TEST_CASE("restoring linear precision turns no harmonic weight more negative than it says",
           "[coordinates][harmonic][binding]") {
     const Polygon<double> cage(random_star<double>(5));
-    const cageform::HarmonicCoordinates2d coordinates(cage, {.solver = pyramid, .resolution = 64});
+    const Harmonic<double> coordinates(cage, {.solver = pyramid, .resolution = 64});
     Random random(5);
     Points2<double> points(300);
     for (auto& p : points) p = random_inside(cage, random);

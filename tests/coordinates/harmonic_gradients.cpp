@@ -5,7 +5,7 @@
 #include "../support/oracle.hpp"
 #include "../support/weights.hpp"
 
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace harmonic_gradients_tests {
@@ -136,9 +136,10 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     CHECK(gradients.states[1] == PointState::not_finite);
     HarmonicOptions averaging;
     averaging.solver = cageform::HarmonicSolver::averaging_pyramid;
-    CHECK(
-        gradients_of<double, 2>(HarmonicCoordinates<double, 2>(cage, averaging), points).evaluation.status ==
-        Status::solver_not_supported);
+    using WithPyramid =
+        HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid<double>>;
+    CHECK(gradients_of<double, 2>(WithPyramid(cage, averaging), points).evaluation.status ==
+          Status::solver_not_supported);
 }
 
 TEMPLATE_TEST_CASE("gradients are the same bits on threads, solved before, or of a part of the points",

@@ -5,7 +5,7 @@
 #include "support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <numeric>
@@ -21,6 +21,8 @@ namespace {
 
 template <class T>
 using Harmonic = cageform::HarmonicCoordinates<T, 2>;
+using WithPyramid =
+    cageform::HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid<double>>;
 
 template <class T>
 Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t seed) {
@@ -206,7 +208,7 @@ TEST_CASE("a grid that takes more than the limit is refused before it is tried",
         GENERATE(cageform::HarmonicSolver::multigrid, cageform::HarmonicSolver::averaging_pyramid);
     CAPTURE(seed, solver);
     HarmonicOptions options{.solver = solver, .resolution = 16384};
-    const auto most = evaluate_all(Harmonic<double>(cage, options), points);
+    const auto most = evaluate_all(WithPyramid(cage, options), points);
     CHECK(most.status() == Status::out_of_memory);
     CHECK(most.evaluation.solver.bytes > options.memory_limit);
     if (solver == cageform::HarmonicSolver::averaging_pyramid) return;
@@ -421,16 +423,15 @@ TEST_CASE("without functions to begin with a solve is as any other", "[coordinat
     const auto star = random_star<double>(3);
     const HarmonicOptions options{.resolution = 64};
     const auto points = points_in(Polygon<double>(star), 40, 3);
-    Harmonic<double> cold(star, options), warm(star, options);
-    const Harmonic<double> unsolved(star, options);
-    Harmonic<double> by_pyramid(star,
-                                {.solver = cageform::HarmonicSolver::averaging_pyramid, .resolution = 64});
+    constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
+    WithPyramid cold(star, options), by_pyramid(star, {.solver = pyramid, .resolution = 64});
+    const WithPyramid unsolved(star, options);
     REQUIRE(by_pyramid.solve().status == Status::ok);
     REQUIRE(cold.solve().status == Status::ok);
     const auto expected = all_weights(cold, points);
     // Neither does one of treated corners begin with functions.
-    for (const auto* before : std::initializer_list<const Harmonic<double>*>{&unsolved, &by_pyramid, &cold}) {
-        Harmonic<double> other(star, options);
+    for (const auto* before : std::initializer_list<const WithPyramid*>{&unsolved, &by_pyramid, &cold}) {
+        WithPyramid other(star, options);
         REQUIRE(other.solve_from(*before).status == Status::ok);
         const auto found = all_weights(other, points);
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -439,11 +440,12 @@ TEST_CASE("without functions to begin with a solve is as any other", "[coordinat
         }
     }
     // Another resolution is no hindrance, and by the pyramid nothing is begun with.
-    Harmonic<double> finer(star, {.resolution = 128});
+    WithPyramid finer(star, {.resolution = 128});
     CHECK(finer.solve_from(cold).status == Status::ok);
     CHECK(by_pyramid.solve_from(cold).status == Status::ok);
-    CHECK(Harmonic<double>(star, {.resolution = 2}).solve_from(cold).status ==
-          Status::resolution_not_supported);
+    // Coordinates that have no pyramid say so.
+    CHECK(Harmonic<double>(star, {.solver = pyramid}).solve().status == Status::solver_not_supported);
+    CHECK(WithPyramid(star, {.resolution = 2}).solve_from(cold).status == Status::resolution_not_supported);
 }
 
 } // namespace harmonic_multigrid_tests

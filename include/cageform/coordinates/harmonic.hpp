@@ -1,18 +1,18 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
 //
-// Two solvers: the multigrid of this library, and the papers' own as the baseline it is measured
-// against.
+// The solver is the multigrid of this library. The papers' own, the baseline it is measured against,
+// is in coordinates/pyramid_solver.hpp.
 #pragma once
 
 #include <cageform/coordinates/detail/difference_gradients.hpp>
 #include <cageform/coordinates/multigrid_solver.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
 
 #include <numeric>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The library's solvers for a kind of cage; HarmonicOptions::solver names one.
+/// The solver for a kind of cage. WithAveragingPyramid (coordinates/pyramid_solver.hpp) has both that
+/// HarmonicOptions::solver can name.
 template <class C>
 struct HarmonicSolverChoice {
     using Options = HarmonicOptions;
@@ -20,12 +20,8 @@ struct HarmonicSolverChoice {
     /// use(std::type_identity<the solver>{}), or solver_not_supported.
     template <class Use>
     static Status choose(const Options& options, const Use& use) {
-        if (options.solver == HarmonicSolver::multigrid) return use(std::type_identity<MultigridSolver<C>>{});
-        if constexpr (std::is_same_v<C, Polygon<typename C::scalar>>) {
-            if (options.solver == HarmonicSolver::averaging_pyramid)
-                return use(std::type_identity<PyramidSolver<typename C::scalar>>{});
-        }
-        return Status::solver_not_supported;
+        if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
+        return use(std::type_identity<MultigridSolver<C>>{});
     }
 };
 
@@ -36,7 +32,7 @@ struct HarmonicSolverChoice {
 /// 2007), sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are
 /// exact there.
 ///
-/// With the multigrid (the default), solved to the digits of double whatever `T`:
+/// Solved to the digits of double whatever `T`:
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
 ///   accuracy  of order h² in the open and around corners with one cell of room (two where that
 ///             holds too few nodes for a fit; grid/corner_functions.hpp); next to an untreated
@@ -47,21 +43,9 @@ struct HarmonicSolverChoice {
 ///             in space, and next to treated corners #V scalars. The progress is asked before every
 ///             cycle on the calling thread, which has to take part in the work
 ///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse;
-///             not_converged; cancelled; out_of_memory
+///             not_converged; cancelled; out_of_memory; solver_not_supported
 ///
-/// With the averaging pyramid (polygons only; solver_not_supported for others):
-///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear
-///             precision; sum to 1 as far as the solver got: its tolerance is on the change of a
-///             sweep, not on the error
-///   accuracy  cells on the boundary are a staircase, which leaves a residual Σwc − p of about half
-///             a cell; `bind` restores linear precision, the report says by how much
-///   cost      groups of handles_at_once functions, one function after the other; on each thread
-///             handles_at_once scalars and 3 words a cell, after `solve` #V scalars a cell
-///   fails     the same, but for grid_too_coarse
-///
-/// Outside the cage they are not defined (no extension). With the averaging pyramid a point inside
-/// none of whose surrounding cells has a value is unreached; with the multigrid every point inside
-/// has one.
+/// Outside the cage they are not defined (no extension); every point inside has values.
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
           class Solvers = HarmonicSolverChoice<C>>
     requires(D == 2 || D == 3)

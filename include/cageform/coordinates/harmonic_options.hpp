@@ -9,7 +9,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Which solver makes the functions.
 enum class HarmonicSolver : std::uint8_t {
     multigrid,         ///< sixteen functions at a time, boundary where it is
-    averaging_pyramid, ///< the papers' own, the historical baseline (grid/pyramid/)
+    averaging_pyramid, ///< the papers' own, the historical baseline: of coordinates with
+                       ///< WithAveragingPyramid alone (coordinates/pyramid_solver.hpp)
 };
 
 struct MultigridOptions {

@@ -2,14 +2,24 @@
 // others are measured against.
 #pragma once
 
-#include <cageform/coordinates/cage_solver.hpp>
-#include <cageform/coordinates/harmonic_options.hpp>
+#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/grid/pyramid/rasterise.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A CageSolver; groups are of HarmonicOptions::handles_at_once functions, one solved after the
 /// other.
+///
+///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear
+///             precision; sum to 1 as far as the solver got: its tolerance is on the change of a
+///             sweep, not on the error
+///   accuracy  cells on the boundary are a staircase, which leaves a residual Σwc − p of about half
+///             a cell; `bind` restores linear precision, the report says by how much
+///   cost      on each thread handles_at_once scalars and 3 words a cell, after `solve` #V scalars a
+///             cell
+///   fails     as HarmonicCoordinates, but for grid_too_coarse. A point inside none of whose
+///             surrounding cells has a value is unreached; there are no gradients
+///             (solver_not_supported)
 template <Scalar T>
 class PyramidSolver {
 public:
@@ -142,6 +152,20 @@ private:
 
     const Problem& problem_;
     grid::GridDomain<T, 2> domain_;
+};
+
+/// Both solvers for a polygon, of which HarmonicOptions::solver names one:
+///     HarmonicCoordinates<T, 2, Polygon<T>, WithAveragingPyramid<T>>
+template <Scalar T>
+struct WithAveragingPyramid {
+    using Options = HarmonicOptions;
+
+    template <class Use>
+    static Status choose(const Options& options, const Use& use) {
+        if (options.solver == HarmonicSolver::multigrid)
+            return use(std::type_identity<MultigridSolver<Polygon<T>>>{});
+        return use(std::type_identity<PyramidSolver<T>>{});
+    }
 };
 
 } // namespace cageform::inline CAGEFORM_ABI
