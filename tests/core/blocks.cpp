@@ -2,6 +2,7 @@
 #include "../support/cages.hpp"
 
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/buffer.hpp>
 
 #include <type_traits>
 #include <vector>
@@ -95,6 +96,80 @@ TEST_CASE("block views give up constness, never gain it", "[core][blocks]") {
     STATIC_REQUIRE(!std::is_convertible_v<BlockView<float>, BlockView<const double>>);
     const BlockView<float> empty;
     CHECK((empty.data == nullptr && empty.points == 0 && empty.blocks() == 0));
+}
+
+TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buffer][property]") {
+    struct Element { // of a size that is no power of two
+        int value[3];
+    };
+    using Vector = std::vector<Element>;
+    const auto make = [](int n) { return Element{{n, 2 * n, -n}}; };
+    const auto same = [](const Element& a, const Element& b) {
+        return std::equal(std::begin(a.value), std::end(a.value), std::begin(b.value));
+    };
+    const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
+    CAPTURE(seed);
+    Random random(seed);
+    cageform::Buffer<Element> buffer;
+    Vector expected;
+    for (int step = 0; step < 400; ++step) {
+        const std::size_t count = random.below(20);
+        switch (random.below(9)) {
+        case 0:
+            buffer.resize(count);
+            expected.resize(count);
+            break;
+        case 1: buffer.reserve(count); break;
+        case 2:
+            buffer.shrink_to_fit();
+            CHECK(buffer.capacity() == buffer.size());
+            break;
+        case 3: {
+            const Vector more(count, make(step));
+            buffer.append(more.data(), more.data() + count);
+            expected.insert(expected.end(), more.begin(), more.end());
+            break;
+        }
+        case 4:
+            buffer.erase_from(buffer.begin() + std::ptrdiff_t(buffer.size() / 2));
+            expected.resize(expected.size() / 2);
+            break;
+        case 5: { // a copy, given back by a move
+            cageform::Buffer<Element> copy = buffer;
+            buffer.clear();
+            CHECK(copy.size() == expected.size());
+            buffer = std::move(copy);
+            break;
+        }
+        case 6: {
+            cageform::Buffer<Element> other(count, make(-1));
+            other = buffer;
+            buffer = cageform::Buffer<Element>(std::move(other));
+            CHECK(other.size() <= count + expected.size()); // NOLINT(bugprone-use-after-move): valid still
+            break;
+        }
+        case 7: // an element of its own, when there is no room left
+            if (buffer.empty()) break;
+            buffer.shrink_to_fit();
+            expected.push_back(expected.front());
+            CHECK(same(buffer.push_back(buffer.front()), expected.back()));
+            break;
+        default: buffer.push_back(make(step)); expected.push_back(make(step));
+        }
+        REQUIRE(buffer.size() == expected.size());
+        CHECK(buffer.empty() == expected.empty());
+        CHECK(buffer.capacity() >= buffer.size());
+        CHECK(std::equal(buffer.begin(), buffer.end(), expected.begin(), same));
+    }
+}
+
+TEST_CASE("a buffer aligns its elements and refuses what no memory holds", "[core][buffer]") {
+    cageform::Buffer<Lanes<float>> rows(3);
+    CHECK(reinterpret_cast<std::uintptr_t>(rows.data()) % alignof(Lanes<float>) == 0);
+    constexpr std::size_t most = ~std::size_t{0};
+    CHECK_THROWS_AS(rows.reserve(most / 2), std::bad_alloc);
+    CHECK_THROWS_AS(rows.resize(most), std::bad_alloc);
+    CHECK(rows.size() == 3);
 }
 
 } // namespace blocks_tests

@@ -4,6 +4,7 @@
 #include <cageform/cage/bones.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/core/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -269,11 +270,12 @@ public:
         , report_(report)
         , rounding_(coincidence_tolerance(bounds_of(cage.vertices())))
         , tolerance_(double(rounding_)) {
-        for (const auto& facet : cage.cells().facets) facets_.emplace_back(facet, cage.vertices());
+        for (const auto& facet : cage.cells().facets) facets_.push_back({facet, cage.vertices()});
         for (const auto& bone : cage.cells().bones) bones_.push_back(placed_bone(cage, bone));
         inner_ = facets_.size();
-        for_each_facet(cage.boundary(),
-                       [&](const auto& facet) { facets_.emplace_back(facet, cage.vertices()); });
+        for_each_facet(cage.boundary(), [&](const auto& facet) {
+            facets_.push_back({facet, cage.vertices()});
+        });
     }
 
     /// Vertices of cells are apart from all others and inside, unless the boundary has them too.
@@ -366,9 +368,9 @@ private:
     CageReport& report_;
     T rounding_;
     double tolerance_;
-    std::vector<Facet<D>> facets_; ///< those of the cells, then those of the boundary
-    std::size_t inner_ = 0;        ///< facets of cells
-    std::vector<PlacedBone<D>> bones_;
+    Buffer<Facet<D>> facets_; ///< those of the cells, then those of the boundary
+    std::size_t inner_ = 0;   ///< facets of cells
+    Buffer<PlacedBone<D>> bones_;
 };
 
 } // namespace detail

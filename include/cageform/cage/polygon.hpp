@@ -5,6 +5,7 @@
 #include <cageform/cage/boundary_value.hpp>
 #include <cageform/cage/facet_pairs.hpp>
 #include <cageform/cage/report.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -90,7 +91,7 @@ private:
     }
 
     std::vector<Vec<T, 2>> vertices_;
-    std::vector<Loop> loops_;
+    Buffer<Loop> loops_;
     bool loops_match_ = true;
     Status status_ = Status::ok; // last: what fills the others is its initialiser
 };
@@ -283,8 +284,8 @@ void check_polygon(const Polygon<T>& polygon, CageReport& report) {
     if (report.status != Status::ok) return;
 
     const double tolerance = coincidence_tolerance(bounds_of(polygon.vertices()));
-    std::vector<Facet<2>> edges; // edge i starts at vertex i
-    for_each_facet(polygon, [&](const auto& edge) { edges.emplace_back(edge, polygon.vertices()); });
+    Buffer<Facet<2>> edges; // edge i starts at vertex i
+    for_each_facet(polygon, [&](const auto& edge) { edges.push_back({edge, polygon.vertices()}); });
     const auto edges_of = [&](std::size_t k) {
         return std::span(edges).subspan(polygon.loops()[k].begin, polygon.loops()[k].size());
     };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/orientation.hpp>
+#include <cageform/core/buffer.hpp>
 
 #include <algorithm>
 #include <array>
@@ -294,7 +295,7 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
 /// The axis along which boxes are the shortest on average, in units of the standard deviation of
 /// their middles: few that lie far off do not make all others look short.
 template <std::size_t D>
-std::size_t sweep_axis(const std::vector<Bounds<double, D>>& boxes) noexcept {
+std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
     std::size_t axis = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < D; ++k) {
@@ -317,13 +318,13 @@ std::size_t sweep_axis(const std::vector<Bounds<double, D>>& boxes) noexcept {
 /// f(m, n), m < n, for all pairs of boxes that overlap, swept along one axis. Usually O(n log n),
 /// O(n²) at worst.
 template <std::size_t D, class F>
-void for_each_overlap(const std::vector<Bounds<double, D>>& boxes, F&& f) {
+void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
     const std::size_t axis = sweep_axis(boxes);
     std::vector<std::size_t> order(boxes.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t m, std::size_t n) { return boxes[m].lower[axis] < boxes[n].lower[axis]; });
-    std::vector<Bounds<double, D>> sorted; // read front to back
+    Buffer<Bounds<double, D>> sorted; // read front to back
     sorted.reserve(boxes.size());
     for (const std::size_t m : order) sorted.push_back(boxes[m]);
     for (std::size_t m = 0; m < sorted.size(); ++m) {

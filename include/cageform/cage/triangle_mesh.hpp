@@ -5,6 +5,7 @@
 #include <cageform/cage/facet_pairs.hpp>
 #include <cageform/cage/gaps.hpp>
 #include <cageform/cage/report.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -246,11 +247,11 @@ public:
         : mesh_(mesh)
         , report_(report)
         , tolerance_(coincidence_tolerance(bounds_of(mesh.vertices()))) {
-        for (const auto& face : mesh.faces()) facets_.emplace_back(face, mesh.vertices());
+        for (const auto& face : mesh.faces()) facets_.push_back({face, mesh.vertices()});
     }
 
     void check_duplicate_vertices() {
-        std::vector<Bounds<double, 3>> boxes;
+        Buffer<Bounds<double, 3>> boxes;
         for (const auto& v : mesh_.vertices())
             boxes.push_back(Bounds<double, 3>{vec_cast<double>(v), vec_cast<double>(v)}.widened(tolerance_));
         for_each_overlap(boxes, [&](std::size_t i, std::size_t j) {
@@ -371,7 +372,7 @@ private:
     void check_fan(std::uint32_t apex, std::span<const std::size_t> fan) {
         constexpr double rounding = 1e-12;
         const auto origin = vec_cast<double>(mesh_[apex]);
-        std::vector<Bounds<double, 3>> arcs;
+        Buffer<Bounds<double, 3>> arcs;
         for (const std::size_t f : fan) {
             std::array<Vec<double, 3>, 2> ends{};
             std::size_t n = 0;
@@ -403,7 +404,7 @@ private:
     const TriangleMesh<T>& mesh_;
     CageReport& report_;
     double tolerance_;
-    std::vector<Facet<3>> facets_;
+    Buffer<Facet<3>> facets_;
 };
 
 /// Numbers of vertices and faces, and whether all are there and finite.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/orthonormal_rows.hpp>
 #include <cageform/core/detail/simd.hpp>
 
@@ -17,7 +18,7 @@ namespace detail {
 template <std::size_t D>
 OrthonormalRows<D> edges_of_simplex(std::span<const Vec<double, D>> vertices, std::size_t from,
                                     std::span<const std::size_t> to) {
-    std::vector<Vec<double, D>> rows(D);
+    Buffer<Vec<double, D>> rows(D);
     for (std::size_t k = 0; k < to.size(); ++k) {
         for (std::size_t axis = 0; axis < D; ++axis)
             rows[axis][k] = vertices[to[k]][axis] - vertices[from][axis];

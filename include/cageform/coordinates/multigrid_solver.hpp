@@ -7,6 +7,7 @@
 #include <cageform/coordinates/detail/embedded_cage.hpp>
 #include <cageform/coordinates/detail/function_guess.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/edge_errors.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
 
@@ -95,7 +96,7 @@ public:
     const detail::EmbeddedCage<C>& grid() const noexcept { return grid_; }
 
     struct Functions {
-        std::vector<typename grid::Multigrid<D>::Values> values; ///< by node
+        Buffer<typename grid::Multigrid<D>::Values> values; ///< by node
         grid::CornerFunctions::Coefficients at_corners;
 
         const typename grid::Multigrid<D>::Values& value(std::uint32_t node) const noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/grid_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -50,8 +51,8 @@ public:
     }
 
     /// The nodes within a bone, each once. O(nodes in the bones' boxes · bones).
-    std::vector<FixedNode<D>> nodes() const {
-        std::vector<FixedNode<D>> all;
+    Buffer<FixedNode<D>> nodes() const {
+        Buffer<FixedNode<D>> all;
         for (const PlacedBone<D>& bone : bones_) {
             for_each_node_about(bone, D, [&](const Index& index) {
                 if (const auto hit = nearest(node_position<D>(index), on_boundary_distance))
@@ -61,7 +62,7 @@ public:
         const auto by_index = [](const FixedNode<D>& a, const FixedNode<D>& b) { return a.index < b.index; };
         const auto same = [](const FixedNode<D>& a, const FixedNode<D>& b) { return a.index == b.index; };
         std::sort(all.begin(), all.end(), by_index);
-        all.erase(std::unique(all.begin(), all.end(), same), all.end());
+        all.erase_from(std::unique(all.begin(), all.end(), same));
         return all;
     }
 
@@ -176,7 +177,7 @@ private:
     }
 
     Lattice<double, D> lattice_;
-    std::vector<PlacedBone<D>> bones_;
+    Buffer<PlacedBone<D>> bones_;
 };
 
 } // namespace grid

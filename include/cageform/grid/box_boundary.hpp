@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/box.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/grid_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -42,7 +43,7 @@ public:
         return all;
     }
 
-    std::vector<FixedNode<3>> fixed_nodes() const { return {}; } // a box has no interior cells
+    Buffer<FixedNode<3>> fixed_nodes() const { return {}; } // a box has no interior cells
     std::optional<std::uint32_t> too_thin_bone() const noexcept { return std::nullopt; }
 
     BoundaryValue<3> nearest(const Index& node) const noexcept {

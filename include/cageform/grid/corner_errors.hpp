@@ -9,6 +9,7 @@
 // nineteen of twenty, never less, 65 times at most. Bones have no estimate.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/corner.hpp>
 #include <cageform/grid/evaluation.hpp>
 
@@ -67,7 +68,7 @@ public:
 
     /// Adds a corner or edge with the nodes about it. May throw std::bad_alloc.
     void add(const Estimate& estimate, std::span<const Node> nodes) {
-        nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+        nodes_.append(nodes.data(), nodes.data() + nodes.size());
         estimates_.push_back(estimate);
         ends_.push_back(nodes_.size());
     }
@@ -112,9 +113,9 @@ private:
         return enough <= double(resolution[1]) ? std::size_t(enough) : 0;
     }
 
-    std::vector<Estimate> estimates_;
+    Buffer<Estimate> estimates_;
     std::vector<std::size_t> ends_; ///< of each in `nodes_`
-    std::vector<Node> nodes_;
+    Buffer<Node> nodes_;
 };
 
 } // namespace grid

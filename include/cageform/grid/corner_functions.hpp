@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/orthonormal_rows.hpp>
 #include <cageform/grid/corner_errors.hpp>
 #include <cageform/grid/embed.hpp>
@@ -23,7 +24,7 @@ public:
     using Row = Multigrid<2>::Values;
 
     /// Coefficients of sixteen functions, corner by corner: of w, then of s_1, …, s_count.
-    using Coefficients = std::vector<Row>;
+    using Coefficients = Buffer<Row>;
 
     CornerFunctions() = default;
 
@@ -208,7 +209,7 @@ private:
         std::size_t columns = 0;            ///< of both tables: the functions before some were left out
         NodeRows functions{};               ///< at the nodes of the disc
         NodeRows defects{};                 ///< A applied to them, in rows `nodes`; then slots
-        std::vector<Around> around{};       ///< nodes of the fit
+        Buffer<Around> around{};            ///< nodes of the fit
         std::vector<double> fit{};          ///< of each of them, its share in each coefficient
         Functions largest_defect{};
 
@@ -343,7 +344,7 @@ private:
         if (!resolved) estimate = CornerErrors<2>::untreated(t.handles, t.corner, slope_of_w);
         if (treat) estimate.order = CornerErrors<2>::treated_order;
         estimate.room = room;
-        std::vector<CornerErrors<2>::Node> around;
+        Buffer<CornerErrors<2>::Node> around;
         const double reach = std::clamp(room, 1.5, resolved ? 2.5 : 1.5);
         for_each_node_within(reach, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
             if (t.corner.distance(p) > reach || !t.corner.holds(p)) return;
@@ -375,7 +376,7 @@ private:
     /// functions at the nodes.
     static void fit_to_nodes(Treated& t, std::span<const double* const> functions) {
         const std::size_t count = t.corner.count();
-        std::vector<Vec<double, Corner::most>> s(functions.size());
+        Buffer<Vec<double, Corner::most>> s(functions.size());
         for (std::size_t i = 0; i < s.size(); ++i) std::copy_n(functions[i] + 1, count, s[i].v);
         const detail::OrthonormalRows<Corner::most> rows(std::move(s));
         t.fit.reserve(t.around.size() * count);

@@ -4,6 +4,7 @@
 // crosswords of numbers.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/lattice.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
 
@@ -23,7 +24,7 @@ struct UnknownCells {
     std::size_t grid_size;
     grid::NodeRuns<D> nodes;
     std::vector<std::size_t> cells; ///< of the nodes
-    std::vector<grid::CutLink> cuts;
+    Buffer<grid::CutLink> cuts;
     std::vector<std::size_t> given;               ///< the cell at the end of each cut link
     std::size_t without_rim = SolverReport::none; ///< the first unknown cell at the end of the grid
 

@@ -4,6 +4,7 @@
 
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/gaps.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/corner_errors.hpp>
 #include <cageform/grid/embed.hpp>
 
@@ -145,7 +146,7 @@ CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
     faces.insert(faces.end(), inner.begin(), inner.end());
 
     CornerErrors<3> errors;
-    std::vector<CornerErrors<3>::Node> nodes;
+    Buffer<CornerErrors<3>::Node> nodes;
     detail::for_each_edge_sector(vertices, faces, [&](const detail::EdgeSector& sector) {
         nodes.clear();
         sector.for_each_place_along([&](const Vec<double, 3>& place) {

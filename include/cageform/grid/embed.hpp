@@ -3,6 +3,7 @@
 // cage and no solver.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/cut_link.hpp>
 #include <cageform/grid/grid_boundary.hpp>
 #include <cageform/grid/node_runs.hpp>
@@ -16,8 +17,8 @@ namespace grid {
 template <std::size_t D>
 struct EmbeddedProblem {
     NodeRuns<D> nodes;
-    std::vector<CutLink> cuts;            ///< sorted by node
-    std::vector<BoundaryValue<D>> values; ///< parallel to `cuts`
+    Buffer<CutLink> cuts;            ///< sorted by node
+    Buffer<BoundaryValue<D>> values; ///< parallel to `cuts`
 };
 
 } // namespace grid
@@ -26,7 +27,7 @@ namespace detail {
 
 /// f(before, after) for neighbouring crossings of a line with the inside between them.
 template <std::size_t D, class F>
-void for_each_inner_interval(const std::vector<grid::Crossing<D>>& crossings, F&& f) {
+void for_each_inner_interval(const Buffer<grid::Crossing<D>>& crossings, F&& f) {
     bool inside = false;
     for (std::size_t i = 0; i < crossings.size(); ++i) {
         if (i > 0 && crossings[i].line == crossings[i - 1].line) {
@@ -87,7 +88,14 @@ public:
     }
 
 private:
-    using Place = std::pair<std::uint32_t, std::int32_t>; ///< row and position in it
+    struct Place { ///< of a node
+        std::uint32_t row;
+        std::int32_t x;
+
+        bool operator<(const Place& other) const noexcept {
+            return row != other.row ? row < other.row : x < other.x;
+        }
+    };
     struct Cut {
         grid::CutLink link;
         BoundaryValue<D> value;
@@ -108,8 +116,8 @@ private:
     Place place(const Index& index) const noexcept { return {std::uint32_t(nodes_.row(index)), index[0]}; }
 
     /// Fixed nodes, and those on the boundary as the lines of the other axes see it. Sorted.
-    std::vector<Place> no_unknowns() const {
-        std::vector<Place> all;
+    Buffer<Place> no_unknowns() const {
+        Buffer<Place> all;
         all.reserve(fixed_.size());
         for (const auto& fixed : fixed_) all.push_back(place(fixed.index));
         for (std::size_t axis = 1; axis < D; ++axis) {
@@ -134,10 +142,10 @@ private:
                                        auto [x, end] = nodes_between(a, b);
                                        x = std::max(x, 0);
                                        end = std::min(end, nodes_.size()[0]);
-                                       next = std::lower_bound(next, left_out.end(), Place(a.line, x));
-                                       for (; next != left_out.end() && *next < Place(a.line, end); ++next) {
-                                           nodes_.add_run(x, next->second);
-                                           x = next->second + 1;
+                                       next = std::lower_bound(next, left_out.end(), Place{a.line, x});
+                                       for (; next != left_out.end() && *next < Place{a.line, end}; ++next) {
+                                           nodes_.add_run(x, next->x);
+                                           x = next->x + 1;
                                        }
                                        nodes_.add_run(x, end);
                                    });
@@ -162,13 +170,13 @@ private:
             }
         }
         std::sort(cuts_.begin(), cuts_.end(), before);
-        cuts_.erase(std::unique(cuts_.begin(), cuts_.end(), same_link), cuts_.end());
+        cuts_.erase_from(std::unique(cuts_.begin(), cuts_.end(), same_link));
     }
 
     /// Links without a crossing to nodes that are no unknowns: fixed ones, or those where the lines
     /// of different axes disagree by rounding.
     void cut_links_to_other_nodes() {
-        std::vector<Cut> more;
+        Buffer<Cut> more;
         nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
             Cut cut{{node, std::uint8_t(direction), std::numeric_limits<double>::max()}, {}};
             const auto known = std::lower_bound(cuts_.begin(), cuts_.end(), cut, before);
@@ -179,7 +187,7 @@ private:
             cut.value = value_at(there);
             more.push_back(cut);
         });
-        cuts_.insert(cuts_.end(), more.begin(), more.end());
+        cuts_.append(more.begin(), more.end());
         std::sort(cuts_.begin(), cuts_.end(), before);
     }
     BoundaryValue<D> value_at(const Index& node) const noexcept {
@@ -191,8 +199,8 @@ private:
     const B& boundary_;
     const grid::Crossings<D>& crossings_;
     grid::NodeRuns<D> nodes_;
-    std::vector<grid::FixedNode<D>> fixed_; ///< sorted by index
-    std::vector<Cut> cuts_;                 ///< sorted, once a step is done
+    Buffer<grid::FixedNode<D>> fixed_; ///< sorted by index
+    Buffer<Cut> cuts_;                 ///< sorted, once a step is done
 };
 
 } // namespace detail

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/lattice.hpp>
 #include <cageform/grid/node_runs.hpp>
@@ -27,10 +28,10 @@ struct Crossing {
 
 /// Crossings along each axis, sorted by line and position.
 template <std::size_t D>
-using Crossings = std::array<std::vector<Crossing<D>>, D>;
+using Crossings = std::array<Buffer<Crossing<D>>, D>;
 
 template <std::size_t D>
-void sort_along_lines(std::vector<Crossing<D>>& crossings) {
+void sort_along_lines(Buffer<Crossing<D>>& crossings) {
     std::sort(crossings.begin(), crossings.end(), [](const Crossing<D>& a, const Crossing<D>& b) {
         return a.line != b.line ? a.line < b.line : a.position < b.position;
     });
@@ -59,7 +60,7 @@ concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns
     { boundary.lattice() } -> std::convertible_to<const Lattice<double, B::dimension>&>;
     { boundary.crossings() } -> std::same_as<Crossings<B::dimension>>;
     { boundary.nearest(node) } -> std::same_as<BoundaryValue<B::dimension>>;
-    { boundary.fixed_nodes() } -> std::same_as<std::vector<FixedNode<B::dimension>>>;
+    { boundary.fixed_nodes() } -> std::same_as<Buffer<FixedNode<B::dimension>>>;
     { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
 };
 

@@ -15,6 +15,7 @@
 // the right-hand side. The sum is right to the digits of double.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/detail/dense_solver.hpp>
 #include <cageform/grid/detail/high_low.hpp>
 #include <cageform/grid/detail/relax.hpp>
@@ -59,14 +60,14 @@ public:
         friend class Multigrid;
         detail::ErrorEstimator error_;
         std::vector<detail::Fields> fields_; ///< of each level
-        std::vector<Row> irregular_b_;       ///< b at the irregular nodes of the finest level
+        Buffer<Row> irregular_b_;            ///< b at the irregular nodes of the finest level
         detail::HighLow refined_part_;       ///< the solution is this + u of the finest level
-        std::vector<Values> refined_source_; ///< A · refined_part_, parallel to `source`
-        std::vector<Values> exact_;          ///< in one dimension all there is
+        Buffer<Values> refined_source_;      ///< A · refined_part_, parallel to `source`
+        Buffer<Values> exact_;               ///< in one dimension all there is
         std::size_t cycles_ = 0;
 
     public:
-        std::vector<Values> source; ///< of the nodes that may have one (`source_node`)
+        Buffer<Values> source; ///< of the nodes that may have one (`source_node`)
 
     private:
         bool guessed_ = false;  ///< u of the finest level is a guess
@@ -371,7 +372,7 @@ private:
     detail::DenseSolver coarsest_solver_;   ///< empty where that level is large
     detail::TridiagonalSolver tridiagonal_; ///< in one dimension
     std::vector<std::uint32_t> source_nodes_;
-    std::vector<Nearest> inner_neighbours_; ///< of the last source nodes: those without cut links
+    Buffer<Nearest> inner_neighbours_; ///< of the last source nodes: those without cut links
 };
 
 } // namespace grid

@@ -1,6 +1,7 @@
 // The unknown nodes of a lattice, kept as runs along the rows: other nodes cost nothing.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <algorithm>
@@ -154,7 +155,7 @@ private:
 
     Index size_{};
     std::vector<std::uint32_t> row_begin_;
-    std::vector<Run> runs_;
+    Buffer<Run> runs_;
     std::uint32_t count_ = 0;
 };
 

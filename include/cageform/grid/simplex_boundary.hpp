@@ -2,6 +2,7 @@
 // crossings with the lattice lines, and values between the nodes that are right up to it.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/bones.hpp>
 #include <cageform/grid/detail/placed_facet.hpp>
 #include <cageform/grid/grid_boundary.hpp>
@@ -43,7 +44,7 @@ private:
         return key;
     }
 
-    std::vector<Pass> passes_; ///< sorted
+    Buffer<Pass> passes_; ///< sorted
 };
 
 } // namespace detail
@@ -65,11 +66,11 @@ public:
         , bones_(interior_cells(whole).bones, lattice.in_cells(whole.vertices()), lattice) {
         const auto vertices = lattice.in_cells(whole.vertices());
         for_each_facet(boundary_of(whole), [&](const auto& facet) {
-            facets_.emplace_back(facet, std::span<const Vec<double, D>>(vertices), true);
+            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), true});
         });
         const auto& cells = interior_cells(whole);
         for (const auto& facet : cells.facets)
-            facets_.emplace_back(facet, std::span<const Vec<double, D>>(vertices), false);
+            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), false});
     }
 
     const Lattice<double, D>& lattice() const noexcept { return lattice_; }
@@ -84,7 +85,7 @@ public:
         for (auto& along : all) sort_along_lines<D>(along);
         return all;
     }
-    std::vector<FixedNode<D>> fixed_nodes() const { return bones_.nodes(); }
+    Buffer<FixedNode<D>> fixed_nodes() const { return bones_.nodes(); }
     std::optional<std::uint32_t> too_thin_bone() const noexcept { return bones_.too_thin(); }
 
     /// O(parts).
@@ -231,7 +232,7 @@ private:
 
     Lattice<double, D> lattice_;
     GridBones<D> bones_;
-    std::vector<Facet> facets_;
+    Buffer<Facet> facets_;
     detail::PartsByCell<D> parts_;
 };
 

@@ -7,12 +7,17 @@
 #include <atomic>
 #include <concepts>
 #include <mutex>
-#include <thread>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
+
+/// Another for every thread.
+inline const void* this_thread() noexcept {
+    static thread_local char place;
+    return &place;
+}
 
 /// Progress of groups that are solved on several threads. Made on the calling thread, which alone
 /// asks the caller.
@@ -27,7 +32,7 @@ public:
 
     /// `part` of the group at hand is done; false when to stop.
     bool keep_going(double part) {
-        if (std::this_thread::get_id() == caller_ && progress_ && !stopped_) {
+        if (this_thread() == caller_ && progress_ && !stopped_) {
             told_ = std::max(told_, (double(done_) + part) / double(groups_));
             if (!progress_(told_)) stopped_ = true;
         }
@@ -41,7 +46,7 @@ public:
 private:
     const Progress& progress_;
     std::size_t groups_;
-    std::thread::id caller_ = std::this_thread::get_id();
+    const void* caller_ = this_thread();
     std::atomic<std::size_t> done_{0};
     std::atomic<bool> stopped_{false};
     double told_ = 0;
@@ -84,7 +89,7 @@ concept GroupSolver = requires(const S& solver, typename S::Block& block, std::s
 template <GroupSolver S, class Take>
 Status solve_groups(const S& solver, SolverReport& report, const Take& take, const Running& running = {}) {
     using Block = typename S::Block;
-    const auto start = std::chrono::steady_clock::now();
+    const double start = detail::seconds_now();
     detail::GroupProgress progress(running.progress, solver.groups());
     Status status = Status::ok;
     std::vector<Block> spare; // as many as threads at work together
@@ -118,7 +123,7 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
         const std::lock_guard lock(access);
         spare.push_back(std::move(block));
     });
-    report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.seconds += detail::seconds_now() - start;
     return status;
 }
 

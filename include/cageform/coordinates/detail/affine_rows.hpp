@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/handles.hpp>
 
 #include <vector>
@@ -66,7 +67,7 @@ public:
 
 private:
     AffineFrame<T, D> frame_;
-    std::vector<Vec<T, D + 1>> rows_;
+    Buffer<Vec<T, D + 1>> rows_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -18,8 +18,7 @@ std::array<N, K> compensated_sums(std::size_t count, const Add& add) noexcept {
     constexpr std::size_t run = 64;
     std::array<N, K> sums, excess; // what the sums are too large by
     for (std::size_t k = 0; k < K; ++k) sums[k] = excess[k] = N(ValueOf<N>(0));
-    for (std::size_t i = 0; i < std::min(run, count); ++i) add(i, sums);
-    for (std::size_t begin = run; begin < count; begin += run) {
+    for (std::size_t begin = 0; begin < count; begin += run) {
         std::array<N, K> part;
         for (std::size_t k = 0; k < K; ++k) part[k] = -excess[k];
         for (std::size_t i = begin; i < std::min(begin + run, count); ++i) add(i, part);

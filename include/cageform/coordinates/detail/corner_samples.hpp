@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/corner_functions.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -61,7 +62,7 @@ private:
         grid::CornerFunctions::Correction correction;
     };
     std::size_t handles_ = 0;
-    std::vector<Corrected> points_;
+    Buffer<Corrected> points_;
     std::vector<T> parts_; ///< #handles for each of the points
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 
 #include <span>
@@ -17,8 +18,8 @@ public:
         : first_(first) {}
 
     void add(const grid::CutStencil<D>& stencil) {
-        nodes_.insert(nodes_.end(), stencil.nodes.begin(), stencil.nodes.begin() + stencil.node_count);
-        places_.insert(places_.end(), stencil.places.begin(), stencil.places.begin() + stencil.place_count);
+        nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
+        places_.append(stencil.places.data(), stencil.places.data() + stencil.place_count);
         ends_.push_back({std::uint32_t(nodes_.size()), std::uint32_t(places_.size())});
     }
 
@@ -55,9 +56,9 @@ private:
         std::uint32_t nodes, places;
     };
     std::size_t first_;
-    std::vector<typename grid::CutStencil<D>::Node> nodes_;
-    std::vector<typename grid::CutStencil<D>::Place> places_;
-    std::vector<Ends> ends_; ///< of each point's nodes and places
+    Buffer<typename grid::CutStencil<D>::Node> nodes_;
+    Buffer<typename grid::CutStencil<D>::Place> places_;
+    Buffer<Ends> ends_; ///< of each point's nodes and places
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/detail/embedded_cage.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/detail/node_values.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -37,10 +38,8 @@ public:
             } else {
                 const auto place = lattice.origin + lattice.spacing * node_position<D>(index);
                 const auto stencil = before.grid().stencil_near(vec_cast<T>(place));
-                nodes_.insert(nodes_.end(), stencil.nodes.begin(),
-                              stencil.nodes.begin() + stencil.node_count);
-                places_.insert(places_.end(), stencil.places.begin(),
-                               stencil.places.begin() + stencil.place_count);
+                nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
+                places_.append(stencil.places.data(), stencil.places.data() + stencil.place_count);
             }
             ends_.push_back({std::uint32_t(nodes_.size()), std::uint32_t(places_.size())});
         });
@@ -75,9 +74,9 @@ private:
     };
     std::span<const typename S::Functions> functions_;
     std::span<const std::size_t> old_handles_;
-    std::vector<typename grid::CutStencil<D>::Node> nodes_;
-    std::vector<typename grid::CutStencil<D>::Place> places_;
-    std::vector<Ends> ends_; ///< of each node's nodes and places
+    Buffer<typename grid::CutStencil<D>::Node> nodes_;
+    Buffer<typename grid::CutStencil<D>::Place> places_;
+    Buffer<Ends> ends_; ///< of each node's nodes and places
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

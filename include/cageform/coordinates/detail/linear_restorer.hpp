@@ -4,6 +4,7 @@
 #include <cageform/coordinates/detail/affine_rows.hpp>
 #include <cageform/coordinates/detail/compensated_sum.hpp>
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/orthonormal_rows.hpp>
 #include <cageform/core/detail/simd_sqrt.hpp>
 
@@ -26,7 +27,7 @@ public:
 
     explicit LinearRestorer(const HandleView<T, D>& handles)
         : rows_(handles, frame_of(handles)) {
-        std::vector<Vec<double, D + 1>> rows;
+        Buffer<Vec<double, D + 1>> rows;
         rows.reserve(rows_.size());
         basis_.reserve(rows_.size());
         for (std::size_t i = 0; i < rows_.size(); ++i) rows.push_back(vec_cast<double>(rows_[i]));
@@ -140,7 +141,7 @@ private:
     }
 
     AffineRows<T, D> rows_;
-    std::vector<Vec<T, D + 1>> basis_; ///< the rows of Q
+    Buffer<Vec<T, D + 1>> basis_; ///< the rows of Q
     Vec<Vec<T, D + 1>, D + 1> triangle_{};
 };
 

@@ -5,6 +5,7 @@
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/mean_value_frame.hpp>
 #include <cageform/coordinates/detail/moment_test.hpp>
+#include <cageform/core/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -96,8 +97,8 @@ private:
 
     /// The vertices seen from `origin`, in lengths of 1/scale.
     template <class Number>
-    std::vector<Vec<Number, D>> seen_from(const Vec<Number, D>& origin, Number scale) const {
-        std::vector<Vec<Number, D>> at;
+    Buffer<Vec<Number, D>> seen_from(const Vec<Number, D>& origin, Number scale) const {
+        Buffer<Vec<Number, D>> at;
         at.reserve(cage_.size());
         for (const auto& v : cage_.vertices()) at.push_back(scale * (vec_cast<Number>(v) - origin));
         return at;

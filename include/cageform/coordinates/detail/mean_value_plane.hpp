@@ -3,6 +3,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/detail/mean_value_frame.hpp>
+#include <cageform/core/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -11,7 +12,7 @@ struct MeanValueTopology<2> {
     struct Loop {
         std::size_t begin, end;
     };
-    std::vector<Loop> loops;
+    Buffer<Loop> loops;
     std::vector<std::array<std::uint32_t, 2>>
         facets; ///< the edge that starts at each vertex, the inside to its left
 
@@ -39,11 +40,11 @@ struct MeanValueFrame<S, 2> {
         Vec<S, 2> edge; ///< the edge that starts here, the inside to its left
         S extent;       ///< |edge_x| + |edge_y|
     };
-    std::vector<MeanValueTopology<2>::Loop> loops;
-    std::vector<Corner> corners;
+    Buffer<MeanValueTopology<2>::Loop> loops;
+    Buffer<Corner> corners;
 
     MeanValueFrame() = default;
-    MeanValueFrame(const MeanValueTopology<2>& topology, const std::vector<Vec<Precise<S>, 2>>& at)
+    MeanValueFrame(const MeanValueTopology<2>& topology, const Buffer<Vec<Precise<S>, 2>>& at)
         : loops(topology.loops) {
         corners.reserve(at.size());
         for (std::size_t i = 0; i < at.size(); ++i) {

@@ -3,13 +3,14 @@
 
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/coordinates/detail/mean_value_frame.hpp>
+#include <cageform/core/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 template <>
 struct MeanValueTopology<3> {
-    std::vector<std::array<std::uint32_t, 3>> facets;         ///< counter-clockwise seen from outside
-    std::vector<std::array<std::uint32_t, 3>> edges_of_facet; ///< edge k is opposite to corner k
+    Buffer<std::array<std::uint32_t, 3>> facets;         ///< counter-clockwise seen from outside
+    Buffer<std::array<std::uint32_t, 3>> edges_of_facet; ///< edge k is opposite to corner k
     std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
 
     std::size_t edge_count() const noexcept { return edges.size(); }
@@ -28,7 +29,7 @@ struct MeanValueTopology<3> {
         std::sort(edges.begin(), edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
         for (const auto& facet : facets) {
-            auto& numbers = edges_of_facet.emplace_back();
+            auto& numbers = edges_of_facet.push_back();
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto edge = std::lower_bound(edges.begin(), edges.end(), opposite(facet, k));
                 numbers[k] = std::uint32_t(edge - edges.begin());
@@ -52,11 +53,11 @@ struct MeanValueFrame<S, 3> {
         std::array<S, 3> inverse_altitude;         ///< 1/h_k
         std::array<S, 3> cosine;                   ///< ν_l·ν_m, l and m the edges other than k
     };
-    std::vector<Edge> edges;
-    std::vector<Face> faces;
+    Buffer<Edge> edges;
+    Buffer<Face> faces;
 
     MeanValueFrame() = default;
-    MeanValueFrame(const MeanValueTopology<3>& topology, const std::vector<Vec<Precise<S>, 3>>& at) {
+    MeanValueFrame(const MeanValueTopology<3>& topology, const Buffer<Vec<Precise<S>, 3>>& at) {
         edges.reserve(topology.edges.size());
         for (const auto& [i, j] : topology.edges) {
             const auto along = at[j] - at[i];
@@ -64,7 +65,7 @@ struct MeanValueFrame<S, 3> {
         }
         faces.reserve(topology.facets.size());
         for (std::size_t f = 0; f < topology.facets.size(); ++f) {
-            Face& face = faces.emplace_back();
+            Face& face = faces.push_back();
             face.corner = topology.facets[f];
             face.edge = topology.edges_of_facet[f];
             measure(face, {at[face.corner[0]], at[face.corner[1]], at[face.corner[2]]});

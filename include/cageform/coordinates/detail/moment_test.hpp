@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/detail/compensated_sum.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/orthonormal_rows.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -13,16 +14,16 @@ class MomentTest {
 public:
     MomentTest() = default;
     template <class Number>
-    explicit MomentTest(const std::vector<Vec<Number, D>>& vertices) {
-        std::vector<Vec<double, D + 1>> rows;
+    explicit MomentTest(const Buffer<Vec<Number, D>>& vertices) {
+        Buffer<Vec<double, D + 1>> rows;
         for (const auto& v : vertices) {
-            auto& row = rows.emplace_back(Vec<double, D + 1>{1});
+            auto& row = rows.push_back(Vec<double, D + 1>{1});
             for (std::size_t k = 0; k < D; ++k) row[k + 1] = double(v[k]);
         }
         const double deviation = std::sqrt(double(rows.size())); // rows of Q times it: of size 1
         const OrthonormalRows<D + 1> basis(std::move(rows));
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-            auto& place = places_.emplace_back();
+            auto& place = places_.push_back();
             for (std::size_t k = 0; k < D; ++k) place[k] = static_cast<S>(deviation * basis[i][k + 1]);
         }
         for (std::size_t k = 0; k <= D; ++k) {
@@ -51,7 +52,7 @@ public:
     }
 
 private:
-    std::vector<Vec<S, D>> places_;
+    Buffer<Vec<S, D>> places_;
     Vec<Vec<S, D + 1>, D + 1> triangle_{};
 };
 

@@ -1,11 +1,12 @@
 // Rows in a basis in which no direction is thin.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <array>
 #include <cmath>
-#include <vector>
+#include <utility>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -15,7 +16,7 @@ class OrthonormalRows {
 public:
     /// By Gram and Schmidt, each column twice (Giraud, Langou, Rozložník, The loss of orthogonality
     /// in the Gram–Schmidt orthogonalization process, Comput. Math. Appl. 50 (2005)).
-    explicit OrthonormalRows(std::vector<Vec<double, K>> rows)
+    explicit OrthonormalRows(Buffer<Vec<double, K>> rows)
         : q_(std::move(rows)) {
         for (std::size_t k = 0; k < K; ++k) {
             const double given = std::sqrt(inner(k, k));
@@ -48,7 +49,7 @@ private:
         return sum;
     }
 
-    std::vector<Vec<double, K>> q_;
+    Buffer<Vec<double, K>> q_;
     Vec<Vec<double, K>, K> triangle_{};
 };
 

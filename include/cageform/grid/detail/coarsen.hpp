@@ -4,6 +4,7 @@
 // one node wide stay what they are on every level.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/detail/equations.hpp>
 
 #include <cmath>
@@ -23,7 +24,7 @@ struct Coarsening {
     using Index = typename grid::NodeRuns<D>::Index;
 
     std::vector<std::uint32_t> slot; ///< #nodes: into `irregular`, or none: multilinear
-    std::vector<Interpolation<D>> irregular;
+    Buffer<Interpolation<D>> irregular;
     Equations<D> coarse;
 
     bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != grid::NodeRuns<D>::none; }

@@ -1,6 +1,7 @@
 // The equations of the coarsest level, solved at once by Cholesky's factors.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/grid/detail/equations.hpp>
 #include <cageform/grid/detail/node_values.hpp>
@@ -31,7 +32,7 @@ public:
     bool empty() const noexcept { return factor_.empty(); }
 
     /// u = A⁻¹ b, by a forward and a backward substitution.
-    void solve(const std::vector<NodeRow>& b, std::vector<NodeRow>& u) const noexcept {
+    void solve(const Buffer<NodeRow>& b, Buffer<NodeRow>& u) const noexcept {
         using Vector = Simd<float>;
         const float* factor = factor_.data();
         const auto substitute = [&](const NodeRow& right, std::size_t begin, std::size_t end) {

@@ -7,6 +7,7 @@
 // and Kang, J. Comput. Phys. 176 (2002), sec. 2).
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/cut_link.hpp>
 #include <cageform/grid/detail/stencil.hpp>
 
@@ -25,7 +26,7 @@ struct Equations {
     grid::NodeRuns<D> nodes;
     Stencil regular{};
     std::vector<std::uint32_t> slot; ///< #nodes: into `irregular`, or none
-    std::vector<Irregular> irregular;
+    Buffer<Irregular> irregular;
 
     bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != grid::NodeRuns<D>::none; }
     const Stencil& stencil(std::uint32_t node) const noexcept {

@@ -1,6 +1,7 @@
 // How far a solution is from the exact one of its equations, as its residuals tell.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/grid/detail/node_values.hpp>
 
@@ -46,7 +47,7 @@ public:
         Vector(margin).store(caution_);
     }
     /// To be told of a cycle's correction on the first coarse level.
-    void learn(const std::vector<NodeRow>& correction) noexcept {
+    void learn(const Buffer<NodeRow>& correction) noexcept {
         Vector largest(0.0f);
         for (const NodeRow& row : correction) largest = max<float>(largest, abs<float>(Vector::load(row)));
         const Vector residual = Vector::load(residual_), last = Vector::load(gain_), tiny(smallest);

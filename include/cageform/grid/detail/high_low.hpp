@@ -2,6 +2,7 @@
 // the layout that the cycles use.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/detail/level.hpp>
 #include <cageform/grid/detail/node_values.hpp>
 
@@ -17,7 +18,7 @@ public:
 
     /// Adds a float solution. What `u` holds afterwards is of no use. The low part begins with the
     /// second one.
-    void add(std::vector<NodeRow>& u) {
+    void add(Buffer<NodeRow>& u) {
         if (high_.empty()) {
             std::swap(u, high_);
             u.resize(high_.size());
@@ -46,7 +47,7 @@ public:
     }
     /// out = −A · the solution, worked out in double, at the nodes of a run of the finest level.
     template <std::size_t D>
-    void apply_minus_a(const RegularRun<D>& run, std::vector<NodeRow>& out) const noexcept {
+    void apply_minus_a(const RegularRun<D>& run, Buffer<NodeRow>& out) const noexcept {
         const auto to = run.nearest();
         const auto add = [&to](NodeValues& sum, const NodeRow* here) {
             for (const auto step : to) {
@@ -64,7 +65,7 @@ public:
     }
 
 private:
-    std::vector<NodeRow> high_, low_; ///< as long as the finest level, or empty
+    Buffer<NodeRow> high_, low_; ///< as long as the finest level, or empty
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

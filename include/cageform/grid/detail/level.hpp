@@ -2,6 +2,7 @@
 // list, both slab by slab.
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/detail/coarsen.hpp>
 
 #include <optional>
@@ -59,11 +60,11 @@ struct Level {
     std::uint32_t count = 0;                ///< of nodes
     float diagonal = 1;                     ///< of the regular stencil
     std::array<float, D + 1> by_distance{}; ///< minus its other entries, by `Places::distance`
-    std::vector<Slab> slabs;
-    std::vector<RegularRun<D>> runs;
-    std::vector<Irregular> irregular;
-    std::vector<Entry> entries;     ///< minus the off-diagonal entries of A, of irregular nodes
-    std::vector<Entry> from_coarse; ///< their interpolation
+    Buffer<Slab> slabs;
+    Buffer<RegularRun<D>> runs;
+    Buffer<Irregular> irregular;
+    Buffer<Entry> entries;     ///< minus the off-diagonal entries of A, of irregular nodes
+    Buffer<Entry> from_coarse; ///< their interpolation
 
     std::span<const RegularRun<D>> runs_of(std::size_t slab) const noexcept {
         const std::size_t begin = slab == 0 ? 0 : slabs[slab - 1].runs_end;

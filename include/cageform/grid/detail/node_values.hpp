@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cageform/core/blocks.hpp>
+#include <cageform/core/buffer.hpp>
 
 #include <array>
 #include <cstring>
-#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -15,10 +15,10 @@ using NodeValues = std::array<double, functions_together>; ///< as the caller gi
 
 /// Of one level: A u = b.
 struct Fields {
-    std::vector<NodeRow> u, b;
+    Buffer<NodeRow> u, b;
 };
 
-inline void set_zero(std::vector<NodeRow>& rows) noexcept {
+inline void set_zero(Buffer<NodeRow>& rows) noexcept {
     if (rows.empty()) return; // memset is not to be given a null pointer
     std::memset(static_cast<void*>(rows.data()), 0, rows.size() * sizeof(NodeRow));
 }

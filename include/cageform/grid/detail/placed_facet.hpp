@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/grid_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -100,7 +101,7 @@ std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay
 /// upper one, so that a line through a common end of two edges crosses both, one, or none, as it
 /// changes sides.
 inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
-                          std::vector<grid::Crossing<2>>& out) {
+                          Buffer<grid::Crossing<2>>& out) {
     const std::size_t across = 1 - axis;
     const double from = edge.corner[0][across], to = edge.corner[1][across];
     const auto box = edge.bounds();
@@ -186,7 +187,7 @@ private:
 
 /// Adds where the lattice lines along an axis cross a face.
 inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const Lattice<double, 3>& lattice,
-                          std::vector<grid::Crossing<3>>& out) {
+                          Buffer<grid::Crossing<3>>& out) {
     const auto [u, v] = other_axes[axis];
     const FaceAcross across(face, axis);
     if (across.is_edge_on()) return;

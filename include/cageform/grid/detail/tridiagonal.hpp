@@ -1,6 +1,7 @@
 // The equations of one dimension: tridiagonal, and solved by elimination (the Thomas algorithm).
 #pragma once
 
+#include <cageform/core/buffer.hpp>
 #include <cageform/grid/detail/equations.hpp>
 #include <cageform/grid/detail/node_values.hpp>
 
@@ -22,7 +23,7 @@ public:
     }
 
     /// x: the right-hand side, then the solution, right up to rounding.
-    void solve(std::vector<NodeValues>& x) const noexcept {
+    void solve(Buffer<NodeValues>& x) const noexcept {
         for (std::size_t n = 0; n < x.size(); ++n) {
             for (std::size_t k = 0; k < functions_together; ++k)
                 x[n][k] = ((pivots_[n].linked ? x[n - 1][k] : 0.0) + x[n][k]) * pivots_[n].inverse;
@@ -40,7 +41,7 @@ private:
         double to_next; ///< minus the entry to the right, over the pivot
         bool linked;    ///< to the node before, with the entry −1
     };
-    std::vector<Pivot> pivots_;
+    Buffer<Pivot> pivots_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
