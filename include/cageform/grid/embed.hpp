@@ -69,8 +69,9 @@ public:
     Embedding(const B& boundary, const grid::Crossings<D>& crossings)
         : boundary_(boundary)
         , crossings_(crossings)
-        , nodes_(boundary.lattice().counts())
-        , fixed_(boundary.fixed_nodes()) {
+        , nodes_(boundary.lattice().counts()) {
+        const auto fixed = boundary.fixed_nodes();
+        fixed_.append(fixed.data(), fixed.data() + fixed.size());
         std::sort(fixed_.begin(), fixed_.end(), before_node);
     }
 

@@ -13,6 +13,7 @@
 
 #include <concepts>
 #include <optional>
+#include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
@@ -53,14 +54,14 @@ struct FixedNode {
 ///   lattice()        its cells are the nodes along each axis, the first at its origin
 ///   crossings()      with the lattice lines, sorted; along every line an even number of them turns
 ///   nearest(node)    the data of the boundary place nearest to a node
-///   fixed_nodes()    nodes that are no unknowns, each at most once, in any order
+///   fixed_nodes()    nodes that are no unknowns, each at most once, in any order; a vector or buffer
 ///   too_thin_bone()  a handle that the lattice is too coarse for, whatever its crossings say
 template <class B>
 concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns<B::dimension>::Index& node) {
     { boundary.lattice() } -> std::convertible_to<const Lattice<double, B::dimension>&>;
     { boundary.crossings() } -> std::same_as<Crossings<B::dimension>>;
     { boundary.nearest(node) } -> std::same_as<BoundaryValue<B::dimension>>;
-    { boundary.fixed_nodes() } -> std::same_as<Buffer<FixedNode<B::dimension>>>;
+    { boundary.fixed_nodes() } -> std::convertible_to<std::span<const FixedNode<B::dimension>>>;
     { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
 };
 

@@ -9,7 +9,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 template <>
 struct MeanValueTopology<3> {
-    Buffer<std::array<std::uint32_t, 3>> facets;         ///< counter-clockwise seen from outside
+    std::vector<std::array<std::uint32_t, 3>> facets;    ///< counter-clockwise seen from outside
     Buffer<std::array<std::uint32_t, 3>> edges_of_facet; ///< edge k is opposite to corner k
     std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
 
