@@ -325,6 +325,40 @@ TEST_CASE("a figure of one point, or of one place, is packed by a distance", "[f
     }
 }
 
+TEST_CASE("a figure put together of parts of different sizes is refused", "[figure][status]") {
+    auto figure = small_figure(4);
+    const std::size_t points = figure.points.point_count(), handles = figure.points.handle_count();
+    const std::vector<std::string> labels(handles, "one of many");
+    REQUIRE(figure.set_labels(labels) == Status::ok);
+    const auto refused = [](const cageform::FigureBinding<float, 3>& broken, Status status,
+                            FigureTag culprit) {
+        const auto [packed, report] = pack_figure(broken);
+        CHECK(report.status == status);
+        CHECK(report.culprit == culprit);
+        CHECK(packed.bytes().empty());
+    };
+    auto short_of_signs = figure;
+    short_of_signs.handedness.pop_back();
+    refused(short_of_signs, Status::vectors_do_not_match, FigureTags::handedness);
+    std::vector<Vec<float, 3>> out(points), up(points);
+    std::vector<std::array<float, 4>> along(points);
+    const std::vector pose(figure.view().rest_handles().begin(), figure.view().rest_handles().end());
+    CHECK(clone(figure, pose, FigureOutput{out, up, along}) == Status::ok);
+    CHECK(clone(short_of_signs, pose, FigureOutput{out, up, along}) == Status::vectors_missing);
+
+    auto of_another_cage = figure; // a box has eight handles
+    of_another_cage.points =
+        bind_figure(Mean3<float>(divided_box({1, 1, 1}, 1).mesh<float>()), FigurePoints{out}).figure.points;
+    REQUIRE(of_another_cage.points.handle_count() != handles);
+    of_another_cage.tangents = {};
+    of_another_cage.handedness.clear();
+    refused(of_another_cage, Status::labels_do_not_match, FigureTags::labels);
+    CHECK(of_another_cage.view().label(0).empty());
+    of_another_cage = figure;
+    of_another_cage.tangents[1] = small_figure(5, points + 1).tangents[1];
+    refused(of_another_cage, Status::bindings_differ, FigureTags::bitangents);
+}
+
 TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][labels]") {
     const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {2, 1, 3}};
     const std::array notes{std::byte{7}, std::byte{8}, std::byte{9}};

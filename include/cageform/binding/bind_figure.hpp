@@ -65,11 +65,13 @@ public:
                 made[++handle] = static_cast<std::uint32_t>(end);
             }
             labels_ = std::move(made);
+            labelled_ = count;
             return Status::ok;
         });
     }
+    /// None where `points` was replaced by a binding of more or fewer handles.
     HandleLabels labels() const noexcept {
-        if (labels_.empty()) return {};
+        if (labels_.empty() || labelled_ != points.handle_count()) return {};
         return {labels_.data(), reinterpret_cast<const char*>(labels_.data() + points.handle_count() + 1)};
     }
     /// As they lie in a packed figure.
@@ -79,13 +81,15 @@ public:
         PackedFigureView<T, D> view;
         view.points = points.view();
         for (std::size_t k = 0; k + 1 < D && has_normals(); ++k) view.tangents[k] = tangents[k].view();
-        if (!handedness.empty()) view.handedness = handedness.data();
+        if (!handedness.empty() && handedness.size() == points.point_count())
+            view.handedness = handedness.data();
         view.labels = labels();
         return view;
     }
 
 private:
     std::vector<std::uint32_t> labels_; // where they begin, #handles + 1, and characters; or none
+    std::size_t labelled_ = 0;          // #handles of that time
 };
 
 struct FigureBindReport {
@@ -284,11 +288,24 @@ Status check_tags(std::span<const FigurePartData> parts, FigureTag& culprit) noe
     return Status::ok;
 }
 
+/// Whether what a figure has besides bindings goes with them.
+template <Scalar T, std::size_t D>
+Status check_tables(const FigureBinding<T, D>& figure, FigureTag& culprit) noexcept {
+    culprit = FigureTags::handedness;
+    if (!figure.handedness.empty() && figure.handedness.size() != figure.points.point_count())
+        return Status::vectors_do_not_match;
+    culprit = FigureTags::labels;
+    if (!figure.label_bytes().empty() && figure.labels().begin == nullptr) return Status::labels_do_not_match;
+    culprit = {};
+    return Status::ok;
+}
+
 template <Scalar T, std::size_t D>
 Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,
                   FigurePackResult<T, D>& result) {
     FigurePackReport& report = result.report;
     Status status = check_tags<T, D>(options.parts, report.culprit);
+    if (status == Status::ok) status = check_tables(figure, report.culprit);
     if (status != Status::ok) return status;
     std::vector<FigurePartData> parts;
     PackOptions how = options.weights;
@@ -339,7 +356,9 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
 /// points, its labels, and parts of the user's.
 ///
 ///   returns  the packed figure and its report; fails as `pack`, with the part in
-///            FigurePackReport::culprit; tag_taken, too_many_parts
+///            FigurePackReport::culprit; tag_taken, too_many_parts; bindings_differ,
+///            vectors_do_not_match, labels_do_not_match, where the parts of the figure were replaced
+///            by others that are of different points or handles
 ///   cost     that of `pack` for each binding, and a copy of all parts
 template <Scalar T, std::size_t D>
 FigurePackResult<T, D> pack_figure(const FigureBinding<T, D>& figure, const FigurePackOptions& options = {},
