@@ -564,6 +564,31 @@ TEST_CASE("the progress is told every thousand keys, and may cancel", "[animate]
     }
 }
 
+TEST_CASE("tied pieces tell their progress within an interval, and may be cancelled there",
+          "[animate][track]") {
+    std::array keys{key(0, 0, KeyKind::bezier), key(1, 1, KeyKind::bezier), key(2, 0)};
+    for (Key& k : keys) {
+        k.out_handle = {k.time + 0.9, k.value};
+        k.in_handle = {k.time - 0.05, k.value};
+    }
+    TrackOptions options;
+    options.tolerance = 1e-14; // unreachable: as many pieces are tried as there may be
+    options.fit.conditions = cageform::FitCondition::end_value | cageform::FitCondition::knot_c0;
+    std::vector<double> told;
+    cageform::Running running;
+    running.progress = [&](double done) {
+        told.push_back(done);
+        return told.size() < 5;
+    };
+    const auto cancelled = compile_track<double>(keys, options, running);
+    CHECK(cancelled.status == Status::cancelled);
+    CHECK(cancelled.culprit == 0);
+    CHECK(cancelled.track.curve.empty());
+    CHECK(told.size() == 5);
+    CHECK(std::is_sorted(told.begin(), told.end()));
+    CHECK(told.back() < 0.1); // of the first of two intervals
+}
+
 TEST_CASE("a track that holds at its end cycles at its keys' period", "[animate][track]") {
     const std::array keys{key(0, 1, KeyKind::hold), key(1, 2, KeyKind::hold), key(2, 3, KeyKind::hold)};
     TrackOptions options;

@@ -4,6 +4,9 @@
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/compile_keys.cpp -o fuzz_compile_keys
 //     ./fuzz_compile_keys -max_len=1024 -len_control=0
+//
+// With -DRANDOM_BYTES and without "fuzzer,": random bytes, a million in minutes.
+//     ./fuzz_compile_keys COUNT [SEED]
 #include <cageform/animate/compile_clip.hpp>
 
 #include <array>
@@ -11,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <map>
 
 using cageform::BezierCurve;
 using cageform::Extrapolation;
@@ -119,10 +123,13 @@ std::vector<Key> keys_of(Bytes& bytes) {
     return keys;
 }
 
+std::map<Status, std::size_t> outcomes;
+
 template <class T>
 void check_track(std::span<const Key> keys, const TrackOptions& options) {
     const auto compiled = cageform::compile_track<T>(keys, options);
     const auto& curve = compiled.track.curve;
+    ++outcomes[compiled.status];
     if (compiled.status != Status::ok) {
         REQUIRE(curve.empty());
         REQUIRE(compiled.status == Status::keys_missing || compiled.culprit < keys.size());
@@ -196,3 +203,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     REQUIRE(double(std::clock() - start) / CLOCKS_PER_SEC < 10);
     return 0;
 }
+
+#ifdef RANDOM_BYTES
+#include <random>
+int main(int argc, char** argv) {
+    const std::size_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1000;
+    const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 0;
+    for (std::size_t n = 0; n < count; ++n) {
+        std::mt19937_64 random(seed + n);
+        std::array<std::uint64_t, 48> bytes{};
+        for (auto& x : bytes) x = random();
+        if (std::getenv("SHOW") != nullptr)
+            std::fprintf(stderr, "%llu\n", static_cast<unsigned long long>(seed + n));
+        (void)LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                                     8 + random() % (sizeof bytes - 8));
+    }
+    for (const auto& [status, times] : outcomes) std::printf("%9zu %s\n", times, to_string(status));
+}
+#endif

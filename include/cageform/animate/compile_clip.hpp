@@ -28,10 +28,16 @@ CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const Tr
     detail::run_into(result, [&] {
         if (keys.size() % D != 0) return Status::input_malformed;
         std::vector<CompiledTrack<T>> tracks(keys.size());
-        const Status status = detail::for_each_block(keys.size(), running, [&](std::size_t b, std::size_t e) {
-            for (std::size_t k = b; k < e; ++k) tracks[k] = compile_track<T>(keys[k], options);
-        });
-        if (status != Status::ok) return status;
+        // A track may take seconds, where its pieces are tied.
+        const std::size_t step = std::max<std::size_t>(keys.size() / 50, 16);
+        for (std::size_t begin = 0; begin < keys.size(); begin += step) {
+            const std::size_t count = std::min(step, keys.size() - begin);
+            detail::in_parallel(running, count, 1, [&](std::size_t b, std::size_t e) {
+                for (std::size_t k = begin + b; k < begin + e; ++k)
+                    tracks[k] = compile_track<T>(keys[k], options);
+            });
+            if (!running.keep_going(double(begin + count) / double(keys.size()))) return Status::cancelled;
+        }
         std::vector<PiecewiseCubic<T>> curves;
         for (std::size_t k = 0; k < keys.size(); ++k) {
             if (tracks[k].status != Status::ok) {

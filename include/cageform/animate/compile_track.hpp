@@ -59,7 +59,7 @@ public:
         for (std::size_t i = 0; i + 1 < keys_.size(); ++i) {
             if (i % 1000 == 0 && !running.keep_going(double(i) / double(keys_.size() - 1)))
                 return refuse(Status::cancelled, i);
-            const Status status = keys_[i].kind == KeyKind::hold ? add_constant(i) : add_interval(i);
+            const Status status = keys_[i].kind == KeyKind::hold ? add_constant(i) : add_interval(i, running);
             if (status != Status::ok) return refuse(status, i);
         }
         if (!running.keep_going(1)) return Status::cancelled;
@@ -94,9 +94,11 @@ private:
         pieces_.push_back({static_cast<T>(keys_[i].time), static_cast<T>(keys_[i].value), T(0), T(0), T(0)});
         return Status::ok;
     }
-    Status add_interval(std::size_t i) {
-        const BezierFit fitted =
-            FewestPieces(key_interval(keys_, i), tolerance_, fit_, default_max_pieces).find({});
+    Status add_interval(std::size_t i, const Running& running) {
+        const FewestPieces search(key_interval(keys_, i), tolerance_, fit_, default_max_pieces);
+        const double intervals = double(keys_.size() - 1);
+        const BezierFit fitted = search.find(
+            search.tied() ? running.part(double(i) / intervals, double(i + 1) / intervals) : Running{});
         if (fitted.status != Status::ok) return fitted.status;
         result_.sup_error = std::max(result_.sup_error, fitted.sup_error);
         for (std::size_t k = 0; k < fitted.pieces(); ++k) {
@@ -127,7 +129,7 @@ private:
 } // namespace detail
 
 /// Compiles keys, which ascend by time, to a track. A single key is a constant. The progress is
-/// told every thousand keys.
+/// told every thousand keys, and for every piece tried where pieces are tied.
 ///
 ///   cost   a piece for every interval that is a cubic of time (all kinds but bezier with handles
 ///          elsewhere than at thirds); of others as `fit`

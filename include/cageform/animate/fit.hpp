@@ -26,6 +26,8 @@ public:
         if (!(tolerance_ > 0)) return refused(Status::tolerance_not_positive);
         return fitter_.decoupled() ? reach_far(running) : add_pieces(running);
     }
+    /// Whether a piece depends on the others, which takes longer.
+    bool tied() const noexcept { return fitter_.status() == Status::ok && !fitter_.decoupled(); }
     /// With as many pieces as there may be: what comes nearest to a tolerance that is not met.
     BezierFit nearest(const Running& running) const {
         BezierFit result = at_optimal_knots(max_pieces_, KnotOptions{}.rounds, running);
