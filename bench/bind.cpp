@@ -5,6 +5,7 @@
 // of their equations.
 #include "workloads.hpp"
 
+#include <cageform/binding/bind_figure.hpp>
 #include <cageform/cageform.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
 
@@ -305,6 +306,41 @@ void bind_harmonic_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(solver.cells);
 }
 
+/// Points, normals and tangents of as many vertices as the puppet of examples/make_character has, on a surface in
+/// BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
+void bind_harmonic_figure(benchmark::State& state) {
+    const auto cage = bumpy112<float>();
+    std::vector<cageform::Vec<float, 3>> points, normals;
+    constexpr std::size_t count = 8066;
+    for (std::size_t i = 0; i < count; ++i) { // a Fibonacci spiral, two thirds of the way to the cage
+        const double z = 1 - 2 * (double(i) + 0.5) / double(count), r = std::sqrt(1 - z * z);
+        const double t = double(i) * std::numbers::pi * (3 - std::sqrt(5.0)), theta = std::acos(z);
+        const double size = 2.0 / 3 * (1 + 0.35 * std::cos(3 * theta) + 0.25 * r * std::cos(4 * t));
+        normals.push_back({float(r * std::cos(t)), float(r * std::sin(t)), float(z)});
+        points.push_back(float(size) * normals.back());
+    }
+    cageform::HarmonicOptions options;
+    options.resolution = std::size_t(state.range(0));
+    const cageform::HarmonicCoordinates<float, 3> coordinates(cage, options);
+    std::clock_t binding = 0, solving = 0;
+    for (auto _ : state) {
+        const auto begin = std::clock();
+        const auto result = cageform::bind_figure(coordinates, cageform::FigurePoints{points, normals});
+        benchmark::DoNotOptimize(result.figure.points.view().weights.data);
+        const auto bound = std::clock();
+        state.PauseTiming();
+        if (result.report.status != cageform::Status::ok)
+            state.SkipWithError(to_string(result.report.status));
+        auto solved = coordinates;
+        if (solved.solve().status != cageform::Status::ok) state.SkipWithError("the solve alone");
+        solving += std::clock() - bound;
+        binding += bound - begin;
+        state.ResumeTiming();
+    }
+    finish(state, points.size(), cage.size());
+    state.counters["bind/solve"] = double(binding) / double(solving);
+}
+
 void points_and_handles(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"});
     for (const int points : {152, 10000, 1000000}) benchmark->Args({points, 25});
@@ -353,3 +389,4 @@ BENCHMARK(bind_harmonic_cube)
     ->Arg(128)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_harmonic_mesh)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK(bind_harmonic_figure)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);

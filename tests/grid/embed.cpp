@@ -3,6 +3,7 @@
 #include "../support/meshes.hpp"
 #include "../support/weights.hpp"
 
+#include <cageform/coordinates/detail/embedded_cage.hpp>
 #include <cageform/grid/box_boundary.hpp>
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/simplex_boundary.hpp>
@@ -282,6 +283,52 @@ void check_free_distances(const Cage& cage, double cells, std::uint64_t seed) {
 }
 
 } // namespace
+
+namespace {
+
+/// About the boundary, on it and elsewhere: cells tell where places lie, and mostly do tell.
+template <std::size_t D, class Cage>
+void check_cells_tell(const Cage& cage, std::size_t resolution, std::uint64_t seed) {
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const auto lattice = cageform::detail::lattice_on(bounds, resolution);
+    SimplexBoundary<D> boundary(cage, lattice);
+    const auto problem = cageform::grid::embed(boundary, boundary.crossings());
+    const double tolerance = cageform::coincidence_tolerance(bounds);
+    boundary.index_cells(1e-6 + 2 * tolerance / lattice.spacing);
+    Random random(seed);
+    std::size_t told = 0;
+    constexpr std::size_t count = 1500;
+    for (std::size_t n = 0; n < count; ++n) {
+        Vec<double, D> p, place;
+        for (std::size_t k = 0; k < D; ++k) p[k] = random.uniform(bounds.lower[k], bounds.upper[k]);
+        (void)nearest_boundary_value(cage, p, place);
+        if (n % 4 == 0) p = place;
+        if (n % 4 == 1) p = p + (1 - std::pow(10.0, random.uniform(-7, 0))) * (place - p);
+        CAPTURE(n);
+        const auto found = boundary.locate(lattice.in_cells(p), tolerance / lattice.spacing, problem.nodes);
+        if (!found) continue;
+        ++told;
+        const auto state = cageform::locate(cage, p, tolerance);
+        CHECK(int(found->state) == int(state));
+        if (state != PointState::on_boundary) continue;
+        Vec<double, D> q{};
+        for (std::size_t k = 0; k < found->value.handle.size(); ++k)
+            q = q + found->value.weight[k] * cage.vertices()[found->value.handle[k]];
+        CHECK(cageform::detail::length(q - p) <= 3 * tolerance);
+    }
+    CHECK(told > count * 3 / 4); // a cell without a node inside does not
+}
+
+} // namespace
+
+TEST_CASE("what passes a cell tells where its places lie", "[grid][embed][property]") {
+    const int seed = GENERATE(seeds(4));
+    const std::size_t resolution = GENERATE(8u, 40u);
+    CAPTURE(seed, resolution);
+    check_cells_tell<2>(random_rings<double>(std::uint64_t(seed)), resolution, std::uint64_t(seed));
+    const auto mesh = cageform_tests::random_mesh(std::uint64_t(seed));
+    check_cells_tell<3>(mesh.mesh<double>(), resolution, std::uint64_t(seed));
+}
 
 TEST_CASE("free distances end at the nearest facet on the way", "[grid][embed][property]") {
     const int seed = GENERATE(seeds(5));

@@ -66,9 +66,11 @@ public:
     }
 
     void index_cells(double /*slack*/) noexcept {} // nothing to prepare for `sample`
-    bool is_cut(const Index& /*low*/) const noexcept {
-        return true;
-    } // where a point lies is asked of the box
+    /// The box itself tells as quickly.
+    std::optional<Located<3>> locate(const Vec<double, 3>& /*p*/, double /*tolerance*/,
+                                     const NodeRuns<3>& /*nodes*/) const noexcept {
+        return std::nullopt;
+    }
 
     /// The stencil of a point strictly inside: trilinear in the part of its cell that lies in the
     /// box. Exact for trilinear functions everywhere; a mean, so never beyond the values it is made

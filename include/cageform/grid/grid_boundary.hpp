@@ -7,6 +7,7 @@
 
 #include <cageform/cage/boundary_value.hpp>
 #include <cageform/core/buffer.hpp>
+#include <cageform/core/status.hpp>
 #include <cageform/grid/cut_stencil.hpp>
 #include <cageform/grid/lattice.hpp>
 #include <cageform/grid/node_runs.hpp>
@@ -65,21 +66,28 @@ concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns
     { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
 };
 
+/// Where a place lies.
+template <std::size_t D>
+struct Located {
+    PointState state;       ///< inside, outside, on_boundary
+    BoundaryValue<D> value; ///< there, if it is on the boundary
+};
+
 /// A boundary up to which values between the nodes can be read. In units of the lattice.
 ///
 ///   index_cells(slack)  prepares the others; what comes as near to the boundary as `slack` is cut
-///   is_cut(low)         whether the boundary may pass the cell with this lower corner
+///   locate(p, tolerance, nodes)
+///                       where a place of the lattice lies, on the boundary if that is no farther
+///                       than the tolerance; none where what passes its cell does not tell
 ///   sample(p, nodes)    the stencil of a place strictly inside, exact for linear functions
 ///   free_distance(p, axis, up, limit)
 ///                       from `p`, a place of the lattice, along an axis, up or down, to the
 ///                       boundary; at most `limit`
 template <class B>
-concept SampledBoundary = requires(B& prepared, const B& boundary,
-                                   const typename NodeRuns<B::dimension>::Index& low,
-                                   const Vec<double, B::dimension>& p, const NodeRuns<B::dimension>& nodes,
-                                   double length) {
+concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<double, B::dimension>& p,
+                                   const NodeRuns<B::dimension>& nodes, double length) {
     prepared.index_cells(length);
-    { boundary.is_cut(low) } -> std::same_as<bool>;
+    { boundary.locate(p, length, nodes) } -> std::same_as<std::optional<Located<B::dimension>>>;
     { boundary.sample(p, nodes) } -> std::same_as<CutStencil<B::dimension>>;
     { boundary.free_distance(p, std::size_t{0}, true, length) } -> std::same_as<double>;
 };

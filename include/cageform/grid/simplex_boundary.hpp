@@ -128,7 +128,35 @@ public:
         for (std::size_t n = 0; n < bones_.size(); ++n, ++part) bones_.for_each_cell(n, add);
         parts_.sort();
     }
-    bool is_cut(const Index& low) const noexcept { return !parts_.find(low).empty(); }
+    /// O(parts in the cell). Where some pass it: none beside bones, or where rounding might decide.
+    std::optional<Located<D>> locate(const Vec<double, D>& p, double tolerance,
+                                     const NodeRuns<D>& nodes) const noexcept {
+        Index low;
+        for (std::size_t k = 0; k < D; ++k) low[k] = std::int32_t(std::floor(p[k]));
+        const auto parts = parts_.find(low);
+        const bool at_node = nodes.find(low) != NodeRuns<D>::none;
+        if (parts.empty()) return Located<D>{at_node ? PointState::inside : PointState::outside, {}};
+        double least = tolerance;
+        std::optional<Located<D>> result;
+        for (const Pass& pass : parts) {
+            if (pass.part >= facets_.size()) return std::nullopt;
+            const Facet& facet = facets_[pass.part];
+            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const double distance = detail::length(facet.place(weights) - p);
+            if (distance > least || (result && distance == least)) continue;
+            least = distance;
+            result = {PointState::on_boundary, value_on_facet(facet.vertex, weights)};
+        }
+        if (result) return result;
+        for (std::size_t corner = 0; corner < CutStencil<D>::most_nodes; ++corner) {
+            Index index = low;
+            for (std::size_t k = 0; k < D; ++k) index[k] += std::int32_t((corner >> k) & 1u);
+            if (nodes.find(index) == NodeRuns<D>::none) continue;
+            const auto turns = turns_between(parts, p, node_position<D>(index));
+            if (turns) return Located<D>{*turns ? PointState::outside : PointState::inside, {}};
+        }
+        return std::nullopt;
+    }
 
     /// Multilinear; where the boundary passes the cell, the mean over D orders of the axes. A mean,
     /// so never beyond the values it is made of.
@@ -172,6 +200,20 @@ private:
             if (const auto hit = shorten_to(pass.part, ray)) first = hit;
         }
         return first;
+    }
+
+    /// Whether one of two places of a cell is inside and the other is not, by the parts that pass
+    /// it; none where rounding might decide.
+    std::optional<bool> turns_between(std::span<const Pass> parts, const Vec<double, D>& from,
+                                      const Vec<double, D>& to) const noexcept {
+        bool turns = false;
+        for (const Pass& pass : parts) {
+            if (!facets_[pass.part].turns) continue;
+            const auto crosses = detail::crosses(facets_[pass.part], from, to);
+            if (!crosses) return std::nullopt;
+            turns = turns != *crosses;
+        }
+        return turns;
     }
 
     /// Of a cell that nothing passes, whose corners are all unknowns: multilinear. Those along axis 0

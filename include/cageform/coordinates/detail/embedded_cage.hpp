@@ -102,17 +102,8 @@ public:
         }
     }
 
-    /// `locate`; but where no boundary passes a point's cell, the cell's nodes tell.
-    PointState state_of(const Vec<T, D>& p) const noexcept {
-        const auto at = in_cells(p);
-        typename grid::NodeRuns<D>::Index low;
-        for (std::size_t k = 0; k < D; ++k) {
-            if (!(at[k] >= 0 && at[k] < double(lattice().cells[k]))) return locate(*cage_, p, tolerance_);
-            low[k] = std::int32_t(at[k]);
-        }
-        if (boundary_.is_cut(low)) return locate(*cage_, p, tolerance_);
-        return problem_.nodes.find(low) != grid::NodeRuns<D>::none ? PointState::inside : PointState::outside;
-    }
+    /// Where a point lies, as `locate` says; asked of what is in its cell where that tells.
+    PointState state_of(const Vec<T, D>& p) const noexcept { return located(p).state; }
     double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return boundary_.free_distance(in_cells(p), axis, up, limit);
     }
@@ -126,25 +117,39 @@ public:
         grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
         const auto p = block_point<D>(batch.points, i);
-        const PointState state = batch.states[i] = state_of(p);
+        const auto [state, value] = located(p);
+        batch.states[i] = state;
         if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
-        if (state == PointState::on_boundary) {
-            Vec<T, D> place;
-            stencil.add(nearest_boundary_value(*cage_, p, place), 1.0);
-        }
+        if (state == PointState::on_boundary) stencil.add(value, 1.0);
         return stencil;
     }
 
     /// What the value at any place is a mean of; outside, that at the nearest place of the boundary.
     grid::CutStencil<D> stencil_near(const Vec<T, D>& p) const noexcept {
-        if (state_of(p) == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
+        const auto [state, value] = located(p);
+        if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
         grid::CutStencil<D> stencil;
         Vec<T, D> place;
-        stencil.add(nearest_boundary_value(*cage_, p, place), 1.0);
+        stencil.add(state == PointState::on_boundary ? value : nearest_boundary_value(*cage_, p, place), 1.0);
         return stencil;
     }
 
 private:
+    grid::Located<D> located(const Vec<T, D>& p) const noexcept {
+        const auto at = in_cells(p);
+        bool in_lattice = true;
+        for (std::size_t k = 0; k < D; ++k)
+            in_lattice = in_lattice && at[k] >= 0 && at[k] < double(lattice().cells[k]);
+        if (in_lattice) {
+            const double tolerance = double(tolerance_) / lattice().spacing;
+            if (const auto found = boundary_.locate(at, tolerance, problem_.nodes)) return *found;
+        }
+        grid::Located<D> found{locate(*cage_, p, tolerance_), {}};
+        Vec<T, D> place;
+        if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(*cage_, p, place);
+        return found;
+    }
+
     /// What hierarchy and block take at any resolution, by the cage's volume and surface.
     class GridMemory {
     public:

@@ -97,6 +97,45 @@ std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay
     return grid::Hit<D>{position, value_on_facet(facet.vertex, *weights)};
 }
 
+/// Orthogonal to a facet.
+inline Vec<double, 2> normal_of(const PlacedFacet<2>& edge) noexcept {
+    const auto along = edge.corner[1] - edge.corner[0];
+    return {-along[1], along[0]};
+}
+inline Vec<double, 3> normal_of(const PlacedFacet<3>& face) noexcept {
+    return cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
+}
+
+/// The weights of the corners at a place of a facet's line or plane, negative beyond its rim.
+inline std::array<double, 2> weights_in_plane(const PlacedFacet<2>& edge, const Vec<double, 2>& p) noexcept {
+    const auto along = edge.corner[1] - edge.corner[0];
+    const double s = dot(p - edge.corner[0], along) / dot(along, along);
+    return {1 - s, s};
+}
+inline std::array<double, 3> weights_in_plane(const PlacedFacet<3>& face, const Vec<double, 3>& p) noexcept {
+    const auto& [a, b, c] = face.corner;
+    const auto n = normal_of(face);
+    const double u = dot(cross(c - b, p - b), n) / dot(n, n), v = dot(cross(a - c, p - c), n) / dot(n, n);
+    return {u, v, 1 - u - v};
+}
+
+/// Whether the segment between two places crosses a facet; none where rounding might decide: next to
+/// its rim, and where an end is next to its line or plane.
+template <std::size_t D>
+std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& from,
+                            const Vec<double, D>& to) noexcept {
+    constexpr double rounding = 1e-7; // of cells, and of the facet
+    const auto normal = normal_of(facet);
+    const double size = std::sqrt(dot(normal, normal));
+    const double at_from = dot(normal, from - facet.corner[0]), at_to = dot(normal, to - facet.corner[0]);
+    if (!(std::fabs(at_from) > rounding * size && std::fabs(at_to) > rounding * size)) return std::nullopt;
+    if ((at_from > 0) == (at_to > 0)) return false;
+    const auto weights = weights_in_plane(facet, from + (at_from / (at_from - at_to)) * (to - from));
+    const double least = *std::min_element(weights.begin(), weights.end());
+    if (!(std::fabs(least) > rounding)) return std::nullopt;
+    return least > 0;
+}
+
 /// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its
 /// upper one, so that a line through a common end of two edges crosses both, one, or none, as it
 /// changes sides.
