@@ -89,11 +89,11 @@ std::string describe_corners(const cageform::SolverReport& solver) {
     std::ostringstream text;
     text << std::setprecision(2) << "the grid is coarse for ";
     if (i == j) {
-        text << "the corner at vertex " << i;
-    } else {
-        text << "the edge between vertices " << i << " and " << j;
+        text << "the corner at vertex " << i << " (counted from 0)";
+    } else { // of an OBJ file
+        text << "the edge between vertices " << i + 1 << " and " << j + 1
+             << " (counted from 1, as in the file)";
     }
-    text << " (counted from 0)";
     if (more > 0) text << " and " << more << " more";
     text << ": weights there may be off by up to " << worst.error << " (an estimate)";
     if (worst.resolution != 0)
@@ -168,8 +168,8 @@ std::string describe(const cageform::BindReport& report) {
 std::string describe(const StoredLoss& loss) {
     std::ostringstream text;
     text.precision(3);
-    text << "at most " << loss.largest << " (" << 100 * loss.share() << " % of " << loss.size_of
-         << "), at vertex " << loss.vertex + 1;
+    text << "at most " << loss.largest << " (" << 100 * loss.share() << " % of " << loss.size_of << "), at v "
+         << loss.vertex + 1;
     if (loss.time) text << " after " << *loss.time << " s";
     text << ", " << loss.mean << " in the mean, in ";
     if (loss.poses > 0) {

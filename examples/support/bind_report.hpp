@@ -17,7 +17,8 @@ std::string describe_fault(const cageform::CageFault& fault);
 std::string describe_faults(const std::string& name, const cageform::BindReport& report);
 
 /// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": of what no grid that was used is fine
-/// enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0, as everywhere here.
+/// enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0 in the plane, from 1
+/// in space, as OBJ files do.
 std::string describe_corners(const cageform::SolverReport& solver);
 
 /// Warns of that on stderr.
@@ -41,7 +42,7 @@ struct StoredLoss {
     double share() const { return size > 0 ? largest / size : 0; }
 };
 
-/// "at most 0.0041 (0.099 % of the figure's size), at vertex 18 after 0.5 s, 0.0013 in the mean, in 52 poses of the
+/// "at most 0.0041 (0.099 % of the figure's size), at v 18 after 0.5 s, 0.0013 in the mean, in 52 poses of the
 /// motion".
 std::string describe(const StoredLoss& loss);
 

@@ -296,6 +296,8 @@ for type in mean-value harmonic; do
   [ "$(grep -c "warning: 1 of 8066 vertices of stray_character.obj lie outside the cage character_cage.obj, first v 1 (9, 9, 9); they follow $follows" log)" = 1 ] && ok=yes || ok=no
   report $ok "it is told of, $type"
 done
+grep -q 'the grid is coarse for the edge between vertices .* (counted from 1, as in the file)' log && ok=yes || ok=no
+report $ok "edges are named as the file counts"
 works "it is kept in place" "$bind" stray_character.obj --cage character_cage.obj --outside keep -o stray.figure
 ! grep -q warning log && ok=yes || ok=no
 report $ok "what was asked for is not warned of"
