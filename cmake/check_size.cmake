@@ -1,6 +1,5 @@
 # cmake -DCOMPILER=… -DINCLUDE=… -DHEADER=… -DLIMIT=… -P check_size.cmake
-# What every file pays that includes a header: its preprocessed lines, which may not pass the limit, and the milliseconds to
-# compile it, the best of three, which are told only.
+# What every file pays that includes a header: its preprocessed lines, which may not pass the limit.
 string(MAKE_C_IDENTIFIER ${HEADER} stem)
 set(source check_size_${stem}.cpp)
 file(WRITE ${source} "#include <${HEADER}>\n")
@@ -11,19 +10,7 @@ if(failed)
 endif()
 string(REGEX REPLACE "[^\n]" "" newlines "${text}")
 string(LENGTH "${newlines}" lines)
-foreach(attempt RANGE 1 3)
-  string(TIMESTAMP begin "%s%f")
-  execute_process(COMMAND ${compile} -fsyntax-only RESULT_VARIABLE failed)
-  string(TIMESTAMP end "%s%f")
-  if(failed)
-    message(FATAL_ERROR "${HEADER} does not compile")
-  endif()
-  math(EXPR took "(${end} - ${begin}) / 1000")
-  if(attempt EQUAL 1 OR took LESS milliseconds)
-    set(milliseconds ${took})
-  endif()
-endforeach()
-message(STATUS "${HEADER}: ${lines} lines, limit ${LIMIT}; ${milliseconds} ms to compile")
+message(STATUS "${HEADER}: ${lines} lines, limit ${LIMIT}")
 if(lines GREATER ${LIMIT} OR lines LESS 1000)
   message(FATAL_ERROR "${HEADER} preprocesses to ${lines} lines")
 endif()

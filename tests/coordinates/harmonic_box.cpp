@@ -105,7 +105,7 @@ TEST_CASE("boxes without volume or with corners that are no numbers are named", 
         CHECK(check(box).status == Status::too_many_handles);
         CHECK(Harmonic<double>(box).solve().status == Status::too_many_handles);
     }
-    for (const std::size_t axis : {0, 1, 2}) {
+    for (const std::size_t axis : {0U, 1U, 2U}) {
         Box<double>::Divisions divisions{many, many, many};
         divisions[axis] = 0;
         const auto report = check(Box<double>({0, 0, 0}, {1, 1, 1}, divisions));

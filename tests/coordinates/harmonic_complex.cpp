@@ -318,9 +318,9 @@ TEST_CASE("handles that no cell uses get a warning and no weight", "[coordinates
 
 TEST_CASE("ends of chains are treated whichever way they point", "[coordinates][harmonic][complex]") {
     // Next to the end of a slit the grid alone is some hundredths off.
-    for (int n = 0; n < effort(12, 2); ++n) {
+    for (int n = 0; n < effort(6, 2); ++n) {
         CAPTURE(n);
-        const double angle = 0.5234 * n + 0.0531;
+        const double angle = 1.0468 * n + 0.0531;
         CellComplex<double, 2> cage(Polygon<double>(square<double>(0, 1)));
         const Vec<double, 2> tip{0.5 + 0.25 * std::cos(angle), 0.5 + 0.25 * std::sin(angle)};
         cage.add_chain(Points2<double>{{0.5, 0.5}, tip});

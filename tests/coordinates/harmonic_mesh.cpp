@@ -158,7 +158,7 @@ TEST_CASE("vertices and faces make the coordinates that their mesh makes", "[coo
 TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
                    "[coordinates][harmonic][mesh][property]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const int seed = GENERATE(seeds(effort(12, 4)));
+    const int seed = GENERATE(seeds(effort(6, 3)));
     CAPTURE(seed);
     const auto compare = [](const auto& cage, const auto& points) { // whatever the weights
         const auto weights = evaluate_all(

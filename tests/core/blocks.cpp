@@ -107,7 +107,7 @@ TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buff
     const auto same = [](const Element& a, const Element& b) {
         return std::equal(std::begin(a.value), std::end(a.value), std::begin(b.value));
     };
-    const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
+    const std::uint64_t seed = GENERATE(1U, 2U, 3U, 4U, 5U);
     CAPTURE(seed);
     Random random(seed);
     cageform::Buffer<Element> buffer;
