@@ -99,8 +99,12 @@ CAGEFORM_DETAIL_INLINE inline void add_sums(BlockSums<T, Blocks, D>& sum,
 }
 
 #if defined(__GNUC__) && !defined(__OPTIMIZE__)
-/// Adds w d of some rows beside each other to the sums of a block.
+/// Adds w d of some rows beside each other to the sums of a block. GNU optimises this one function;
+/// clang cannot be told to.
 template <WeightFormat Format, Scalar T, std::size_t D, std::size_t... R>
+#if !defined(__clang__)
+__attribute__((optimize("O2")))
+#endif
 void add_rows_plainly(const std::byte* rows, const Vec<T, D> (&d)[sizeof...(R)],
                       typename Simd<T>::Register* sum, std::index_sequence<R...>) noexcept {
     using Register = typename Simd<T>::Register;
@@ -110,14 +114,19 @@ void add_rows_plainly(const std::byte* rows, const Vec<T, D> (&d)[sizeof...(R)],
     for (std::size_t part = 0; part < Simd<T>::count; ++part, rows += row_bytes / Simd<T>::count) {
         const Register w[] = {load_weights<Format, T>(rows + R * row_bytes)...};
         for (const auto& f : factor) {
+#if defined(CAGEFORM_DETERMINISTIC)
             *sum = (*sum + ... + product(w[R], f[R]));
+#else
+            *sum = (*sum + ... + (w[R] * f[R])); // without a call
+#endif
             ++sum;
         }
     }
 }
 
 /// Σ w_r d_r of a block in builds without optimisation. There each lambda and each function of a row
-/// is a call: what `sum_rows` does below would take sixty times as long as with it, this takes ten.
+/// is a call: what `sum_rows` does below would take sixty times as long as with it, this takes ten
+/// with clang and a few with GNU.
 template <WeightFormat Format, Scalar T, std::size_t D, class Displacement>
 void sum_rows_plainly(const std::byte* weights, std::size_t rows, const Displacement& displacement,
                       Lanes<T>* sums) noexcept {
