@@ -35,7 +35,8 @@ public:
     void solve(const Buffer<NodeRow>& b, Buffer<NodeRow>& u) const noexcept {
         using Vector = Simd<float>;
         const float* factor = factor_.data();
-        const auto substitute = [&](const NodeRow& right, std::size_t begin, std::size_t end) {
+        const auto substitute = [&](const NodeRow& right, std::size_t begin,
+                                    std::size_t end) CAGEFORM_DETAIL_INLINE {
             Vector sum(0.0f), other(0.0f); // two sums side by side hide the time an addition takes
             for (; begin + 1 < end; begin += 2, factor += 2) {
                 sum = sum + Vector(factor[0]) * Vector::load(u[begin]);
