@@ -136,18 +136,18 @@ public:
         const auto parts = parts_.find(low);
         const bool at_node = nodes.find(low) != NodeRuns<D>::none;
         if (parts.empty()) return Located<D>{at_node ? PointState::inside : PointState::outside, {}};
-        double least = tolerance;
+        double least = 2 * tolerance; // places in units of the lattice are rounded by less than half
         std::optional<Located<D>> result;
         for (const Pass& pass : parts) {
             if (pass.part >= facets_.size()) return std::nullopt;
             const Facet& facet = facets_[pass.part];
             const auto weights = detail::nearest_on_facet(p, facet.corner);
             const double distance = detail::length(facet.place(weights) - p);
-            if (distance > least || (result && distance == least)) continue;
+            if (distance > least || (result && distance == least)) continue; // of equals the first
             least = distance;
             result = {PointState::on_boundary, value_on_facet(facet.vertex, weights)};
         }
-        if (result) return result;
+        if (result) return least <= 0.5 * tolerance ? result : std::nullopt;
         for (std::size_t corner = 0; corner < CutStencil<D>::most_nodes; ++corner) {
             Index index = low;
             for (std::size_t k = 0; k < D; ++k) index[k] += std::int32_t((corner >> k) & 1u);
