@@ -772,6 +772,7 @@ for bytes in 0 200; do
   broken cat_pose_step.svg $bytes "$deform" cat.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
   broken cat_walk.csv $bytes "$animate" cat.svg --cage cat_cage.svg --clip cat_walk.csv -o out.svg
   broken character_clip.csv $bytes "$bind" character.obj --cage character_cage.obj --clip character_clip.csv -o out.figure
+  broken character.txt $bytes "$bind" character.obj --cage character_cage.obj --labels character.txt -o out.figure
   broken character.obj $bytes "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj
   broken character_cage.obj $bytes "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj
   broken bezier-cases.json $bytes "$curve" --cases bezier-cases.json --json out.json
