@@ -62,7 +62,9 @@ void draw_cage(SvgDocument& document, const CageFile& cage) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Deforms an SVG figure by a cage and a pose of it. Strokes keep their width.");
+    CommandLine line(
+        "Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients and "
+        "patterns follow by the affine map nearest to what moves their shape.");
     std::string figure_path, cage_path, pose_path, out_path;
     bool png = false, show_cage = false, report = false, text_as_paths = false;
     int png_width = 900;

@@ -11,11 +11,13 @@
 //
 // What follows a shape by the affine map that fits its points best, in the sense of least squares: its
 // gradients and patterns, in user space or in units of its box (svg_paint.hpp), and of text, image and
-// foreignObject the whole. Regions of filters and masks grow to hold what has moved. A nested svg or a used
-// symbol that cuts off what it holds becomes a group with a clip path.
+// foreignObject the whole: under a strong bend the nearest such map is not near. Regions of filters, of their
+// primitives and of masks grow to hold what has moved; lights of filters follow. A nested svg or a used symbol that
+// cuts off what it holds becomes a group with a clip path.
 //
-// What stays: the width of strokes; the parts of filters; markers at vertices, also at those that are
-// added; shapes under a transform without inverse; transforms given by CSS. Warnings name all but the first.
+// What stays: the width of strokes, and lengths and angles in filters (of a blur, of an offset); markers at
+// vertices, also at those that are added; shapes under a transform without inverse; transforms given by CSS.
+// Warnings name the last three.
 //
 // Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
 // ("cageform-rect") and the selector names the class instead, so that it still matches after the

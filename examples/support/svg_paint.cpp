@@ -200,6 +200,15 @@ struct Region {
     bool changed = false;
 };
 
+using Regions = std::map<std::size_t, Region>; // by the hash of their element
+
+/// What refers to a mask or a filter, in its own user space.
+struct Subject {
+    const Reference& reference;
+    Box before, after;
+    std::optional<Affine2> map; // the best for its shapes
+};
+
 Box in_user_units(const Region& region, const Box& box) {
     const Box& r = region.written;
     if (!region.of_box) return r;
@@ -213,76 +222,144 @@ Box in_units_of(const Region& region, const Box& r, const Box& box) {
             (r.y1 - box.y0) / box.height()};
 }
 
-Region region_of(pugi::xml_node node, const Viewport& viewport) {
+/// A region whose attributes, where they are missing, have the values of `otherwise`.
+Region read_region(pugi::xml_node node, bool of_box, const Viewport& viewport, const Box& otherwise) {
     Region region;
     region.node = node;
-    const char* const units = local_name(node) == "mask" ? "maskUnits" : "filterUnits";
-    region.of_box = attribute_text(node, units) != "userSpaceOnUse";
-    const auto value = [&](const char* name, double whole, double otherwise) {
-        const auto read = parse_length(attribute_text(node, name), region.of_box ? 1 : whole);
-        return read ? *read : otherwise * (region.of_box ? 1 : whole);
+    region.of_box = of_box;
+    const auto value = [&](const char* name, double whole, double missing) {
+        const auto read = parse_length(attribute_text(node, name), of_box ? 1 : whole);
+        return read ? *read : missing;
     };
-    const double x = value("x", viewport.width, -0.1);
-    const double y = value("y", viewport.height, -0.1);
-    region.written = {x, y, x + value("width", viewport.width, 1.2),
-                      y + value("height", viewport.height, 1.2)};
+    const double x = value("x", viewport.width, otherwise.x0);
+    const double y = value("y", viewport.height, otherwise.y0);
+    region.written = {x, y, x + value("width", viewport.width, otherwise.width()),
+                      y + value("height", viewport.height, otherwise.height())};
     region.wanted = region.written;
     return region;
+}
+
+Region region_of(pugi::xml_node node, const Viewport& viewport) {
+    const char* const units = local_name(node) == "mask" ? "maskUnits" : "filterUnits";
+    const bool of_box = attribute_text(node, units) != "userSpaceOnUse";
+    const double w = of_box ? 1 : viewport.width, h = of_box ? 1 : viewport.height;
+    return read_region(node, of_box, viewport, {-0.1 * w, -0.1 * h, 1.1 * w, 1.1 * h});
+}
+
+/// Makes a region large enough for a subject: as far beyond the box as it was. Where it cuts the box, the cut goes where
+/// the best map takes it.
+void grow(const SvgDocument& document, Region& region, const Subject& subject,
+          std::vector<std::string>& warnings) {
+    const Box& before = subject.before;
+    const Box& after = subject.after;
+    const Box old = in_user_units(region, before);
+    const double rounding = 1e-6 * (before.width() + before.height());
+    Box now{after.x0 - std::max(0.0, before.x0 - old.x0), after.y0 - std::max(0.0, before.y0 - old.y0),
+            after.x1 + std::max(0.0, old.x1 - before.x1), after.y1 + std::max(0.0, old.y1 - before.y1)};
+    if (!old.grown(rounding).contains(before)) {
+        if (!subject.map) return;
+        now = {};
+        for (const Point2& p : old.corners()) now.add(apply(*subject.map, p));
+        warnings.push_back(label(document, region.node) +
+                           ": cuts off what it is about at a rectangle, which stays one");
+        region.wanted = region.changed ? region.wanted : Box();
+        region.changed = true;
+    }
+    const Box wanted = in_units_of(region, now, after);
+    const double small = 1e-3 * (region.written.width() + region.written.height());
+    if (!region.wanted.empty() && region.wanted.grown(small).contains(wanted)) return;
+    region.wanted.add(wanted);
+    region.changed = true;
+}
+
+void write(const Region& region) {
+    const Box& box = region.wanted;
+    if (!region.changed || box.empty() || !std::isfinite(box.width() + box.height())) return;
+    pugi::xml_node node = region.node;
+    set_attribute(node, "x", format_number(box.x0, 6));
+    set_attribute(node, "y", format_number(box.y0, 6));
+    set_attribute(node, "width", format_number(box.width(), 6));
+    set_attribute(node, "height", format_number(box.height(), 6));
+}
+
+/// A light in user space goes where the map takes its place in the plane, and what it points at.
+void move_light(pugi::xml_node light, const Affine2& map) {
+    for (const auto& [x, y] : {std::pair("x", "y"), std::pair("pointsAtX", "pointsAtY")}) {
+        if (!light.attribute(x) && !light.attribute(y)) continue;
+        const auto to_number = [&](const char* name) {
+            const auto number = parse_length(attribute_text(light, name), 0);
+            return number ? *number : 0;
+        };
+        const Point2 moved = apply(map, {to_number(x), to_number(y)});
+        if (!std::isfinite(moved.x + moved.y)) return;
+        set_attribute(light, x, format_number(moved.x, 6));
+        set_attribute(light, y, format_number(moved.y, 6));
+    }
+}
+
+/// The primitives of a filter that have places in user space: their regions, and lights.
+///   whole    the filter's region in user units, at rest
+///   shared   other elements refer to the filter too
+void follow_primitives(const SvgDocument& document, const Subject& subject, const Box& whole, bool shared,
+                       Regions& regions, std::vector<std::string>& warnings) {
+    const pugi::xml_node filter = subject.reference.target;
+    if (attribute_text(filter, "primitiveUnits") == "objectBoundingBox") return; // they go with the box
+    for (const pugi::xml_node primitive : filter.children()) {
+        if (!local_name(primitive).starts_with("fe")) continue;
+        const auto has = [&](const char* name) { return static_cast<bool>(primitive.attribute(name)); };
+        if (has("x") || has("y") || has("width") || has("height")) {
+            const Region rest = read_region(primitive, false, subject.reference.viewport, whole);
+            grow(document, regions.try_emplace(primitive.hash_value(), rest).first->second, subject,
+                 warnings);
+        }
+        for (const pugi::xml_node light : primitive.children()) {
+            const std::string kind = local_name(light);
+            if (kind != "fePointLight" && kind != "feSpotLight") continue;
+            if (shared || !subject.map) {
+                warnings.push_back(label(document, light) + ": stays where it is");
+            } else {
+                move_light(light, *subject.map);
+            }
+        }
+    }
 }
 
 } // namespace
 
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<Path>& moved,
                     const std::vector<Motion>& motions, std::vector<std::string>& warnings) {
-    std::map<std::size_t, Region> regions; // by the hash of their element
+    std::map<std::size_t, int> users; // by the hash of what they refer to
+    for (const Reference& r : rest.references) ++users[r.target.hash_value()];
+    Regions regions;
     for (const Reference& r : rest.references) {
-        if (local_name(r.target) == "clipPath") continue;
-        Box before;
-        Box after;
+        const std::string kind = local_name(r.target);
+        if (kind == "clipPath") continue;
+        Subject subject{r, {}, {}, {}};
         Motion motion;
         for (std::size_t i = r.first; i < r.end; ++i) {
             if (rest.shapes[i].level != r.level) continue;
-            before.add(bounds(rest.shapes[i].path, r.from_root));
-            after.add(bounds(moved[i], r.from_root));
+            subject.before.add(bounds(rest.shapes[i].path, r.from_root));
+            subject.after.add(bounds(moved[i], r.from_root));
             motion.add(motions[i]);
         }
+        const Box& before = subject.before;
+        const Box& after = subject.after;
         if (before.empty() || after.empty() || !motion.moved()) continue;
+        if (const auto best = motion.best_map()) {
+            subject.map = compose(compose(r.from_root, *best), r.to_root);
+        }
         Region& region =
             regions.try_emplace(r.target.hash_value(), region_of(r.target, r.viewport)).first->second;
         const bool has_area =
             before.width() > 0 && before.height() > 0 && after.width() > 0 && after.height() > 0;
         if (region.of_box && !has_area) continue;
-
-        // As far beyond the box as it was. Where it cuts the box, the cut goes where the best map takes it.
-        const Box old = in_user_units(region, before);
-        const double rounding = 1e-6 * (before.width() + before.height());
-        Box now{after.x0 - std::max(0.0, before.x0 - old.x0), after.y0 - std::max(0.0, before.y0 - old.y0),
-                after.x1 + std::max(0.0, old.x1 - before.x1), after.y1 + std::max(0.0, old.y1 - before.y1)};
-        if (!old.grown(rounding).contains(before)) {
-            const auto best = motion.best_map();
-            if (!best) continue;
-            now = {};
-            const Affine2 local = compose(compose(r.from_root, *best), r.to_root);
-            for (const Point2& p : old.corners()) now.add(apply(local, p));
-            warnings.push_back(label(document, r.target) +
-                               ": cuts off what it is about at a rectangle, which stays one");
-            region.wanted = region.changed ? region.wanted : Box();
-            region.changed = true;
+        const Box whole = in_user_units(region, before);
+        grow(document, region, subject, warnings);
+        if (kind == "filter") {
+            follow_primitives(document, subject, whole, users[r.target.hash_value()] > 1, regions, warnings);
         }
-        const Box wanted = in_units_of(region, now, after);
-        const double small = 1e-3 * (region.written.width() + region.written.height());
-        if (!region.wanted.empty() && region.wanted.grown(small).contains(wanted)) continue;
-        region.wanted.add(wanted);
-        region.changed = true;
     }
-    for (auto& [hash, region] : regions) {
-        const Box& box = region.wanted;
-        if (!region.changed || box.empty() || !std::isfinite(box.width() + box.height())) continue;
-        set_attribute(region.node, "x", format_number(box.x0, 6));
-        set_attribute(region.node, "y", format_number(box.y0, 6));
-        set_attribute(region.node, "width", format_number(box.width(), 6));
-        set_attribute(region.node, "height", format_number(box.height(), 6));
-    }
+    for (const auto& [hash, region] : regions) write(region);
 }
 
 } // namespace detail

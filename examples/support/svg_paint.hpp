@@ -69,7 +69,8 @@ private:
     std::size_t copied_ = 0;                    // nodes
 };
 
-/// Makes the regions of masks and filters large enough for what they are about, moved.
+/// Makes the regions of masks and filters large enough for what they are about, moved; so the regions of primitives
+/// in user space. Lights of a filter go where the best map of its only user takes them.
 ///   motions   of the shapes before, in their order
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<Path>& moved,
                     const std::vector<Motion>& motions, std::vector<std::string>& warnings);

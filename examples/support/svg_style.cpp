@@ -52,6 +52,24 @@ bool is_name_character(char c) {
     return is_letter(c) || is_digit(c) || c == '-' || c == '_' || (c & 0x80) != 0;
 }
 
+constexpr int max_media_depth = 30; // of blocks of @media inside each other; reading them is recursive
+
+/// Whether it opens a block of @media that every screen takes: of no type, or of "all" or "screen".
+bool is_for_screens(std::string_view prelude) {
+    constexpr std::string_view media = "@media";
+    if (!prelude.starts_with(media)) return false;
+    prelude = without_comments_before(prelude.substr(media.size()));
+    if (prelude.empty()) return true;
+    for (std::size_t from = 0; from <= prelude.size();) {
+        const std::size_t comma = std::min(prelude.find(',', from), prelude.size());
+        std::string_view query = trimmed(prelude.substr(from, comma - from));
+        if (query.starts_with("only ")) query = trimmed(query.substr(5));
+        if (query == "all" || query == "screen") return true;
+        from = comma + 1;
+    }
+    return false;
+}
+
 } // namespace
 
 std::vector<Declaration> declarations(std::string_view text) {
@@ -110,7 +128,7 @@ StyleSheets::StyleSheets(pugi::xml_node root) {
             if (text.type() == pugi::node_pcdata) css += unescaped(text.value());
             if (text.type() == pugi::node_cdata) css += text.value();
         }
-        read(css);
+        read(css, 0);
     }
     std::sort(rules_.begin(), rules_.end(), [](const Rule& a, const Rule& b) { // later blocks win
         return std::tie(a.specificity, a.declarations) < std::tie(b.specificity, b.declarations);
@@ -124,7 +142,7 @@ StyleSheets::StyleSheets(pugi::xml_node root) {
     }
 }
 
-void StyleSheets::read(std::string_view css) {
+void StyleSheets::read(std::string_view css, int depth) {
     const auto to_any_of = [&](std::size_t at, std::string_view ends) {
         while (at < css.size() && ends.find(css[at]) == std::string_view::npos) at = after_token(css, at);
         return std::min(at, css.size());
@@ -137,13 +155,17 @@ void StyleSheets::read(std::string_view css) {
             continue;
         }
         std::size_t close = to_any_of(open + 1, "{}");
-        for (int depth = 1; close < css.size();) { // blocks inside, of @media
-            depth += css[close] == '{' ? 1 : -1;
-            if (depth == 0) break;
+        for (int open_blocks = 1; close < css.size();) { // blocks inside, of @media
+            open_blocks += css[close] == '{' ? 1 : -1;
+            if (open_blocks == 0) break;
             close = to_any_of(close + 1, "{}");
         }
         const std::string_view body = css.substr(open + 1, close - std::min(open + 1, close));
         at = close + 1;
+        if (is_for_screens(prelude) && depth < max_media_depth) {
+            read(body, depth + 1);
+            continue;
+        }
         bool good = !prelude.starts_with('@');
         std::vector<Set> block;
         for (const Declaration& d : good ? declarations(body) : std::vector<Declaration>()) {

@@ -43,8 +43,9 @@ struct StyleValue {
 
 /// The values of the properties that matter to a deformation (paints, references, markers, sizes of text).
 ///
-/// Selectors may be made of types, classes, ids, "*", " " and ">". Rules of other selectors and blocks such
-/// as @media are not read; `unread` names those that would set a reference to an element.
+/// Selectors may be made of types, classes, ids, "*", " " and ">". Of @media the blocks are read that every
+/// screen takes. Rules of other selectors and other blocks are not; `unread` names those that would set a reference
+/// to an element.
 class StyleSheets {
 public:
     explicit StyleSheets(pugi::xml_node root);
@@ -77,7 +78,7 @@ private:
         bool important = false;
     };
 
-    void read(std::string_view css);
+    void read(std::string_view css, int depth);
     bool add_rule(std::string_view selector, std::size_t block);
     static bool matches(const Compound& compound, pugi::xml_node node);
     static bool matches(const std::vector<Compound>& selector, pugi::xml_node node);

@@ -34,6 +34,23 @@ bool is_drawn_in_place(pugi::xml_node text) {
     return true;
 }
 
+/// Makes copies of used elements, as the deformation will, so that their texts stand where they are drawn.
+std::optional<SvgError> expand_used_texts(SvgDocument& document, std::vector<std::string>& warnings) {
+    const pugi::xml_node root = root_element(document.xml);
+    const auto has = [&](const char* kind) {
+        return static_cast<bool>(
+            root.find_node([&](pugi::xml_node node) { return local_name(node) == kind; }));
+    };
+    if (!has("text") || !has("use")) return std::nullopt;
+    adapt_style_sheets(document, warnings);
+    const StyleSheets styles(root);
+    IdTable ids(root);
+    std::vector<std::string> given_later; // when the document is deformed
+    const auto drawing = walk(document, styles, ids, {.boxes = true}, given_later);
+    if (!drawing) return drawing.error();
+    return std::nullopt;
+}
+
 /// All texts of a document by their numbers, which they are given in an attribute.
 std::vector<pugi::xml_node> number_texts(SvgDocument& document) {
     std::vector<pugi::xml_node> texts;
@@ -191,6 +208,8 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
     const auto view = view_box(document);
     if (!view) return view.error();
     SvgDocument work = copy_of(document);
+    std::vector<std::string> ignored; // the deformation, which walks the same document, gives them again
+    if (const auto error = expand_used_texts(work, warnings)) return *error;
     adapt_style_sheets(work, {"text", "tspan"}, warnings);
     std::vector<DrawnText> texts;
     for (const pugi::xml_node node : number_texts(work)) texts.push_back({node, {}, {}, 0});
@@ -199,7 +218,6 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
     SvgDocument probe = copy_of(work); // for the transforms: the walk changes it
     const StyleSheets styles(root_element(probe.xml));
     IdTable ids(root_element(probe.xml));
-    std::vector<std::string> ignored;
     const auto drawing = walk(probe, styles, ids, {.boxes = true}, ignored);
     if (!drawing) return drawing.error();
     std::vector<bool> seen(texts.size());

@@ -13,8 +13,8 @@ namespace cageform_examples {
 /// Replaces texts by the outlines of their letters, as rsvg-convert draws them with the fonts of this
 /// machine: a <text> or <tspan> becomes a group that holds a path, and keeps its other attributes.
 ///
-///   returns   how many texts became outlines; those in defs, not displayed, or of which nothing was drawn
-///             stay, the last with a warning
+///   returns   how many texts became outlines, copies by <use> included; those in clip paths, not displayed,
+///             or of which nothing was drawn stay, the last with a warning
 ///   fails     where rsvg-convert is not installed or cannot read the document, which is then unchanged
 SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings);
 

@@ -89,6 +89,10 @@ works "a text as paths" "$deform" letters.svg --text-as-paths --cage picture_cag
 grep -q 'cageform-text { fill: red }.*<g class="k cageform-text" font-size="6"><path d="M[^"]*"/><g stroke="blue"><path d="M[^"]*"/></g></g><text' out.svg &&
   grep -q '<text id="d"' out.svg && ! grep -q 'keeps its letters' log && ok=yes || ok=no
 report $ok "letters become paths"
+sed 's|<text> </text>|<use href="#d" x="2" y="8"/>|' letters.svg >used.svg
+works "a text that is used, as paths" "$deform" used.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg
+grep -q 'transform="translate(2 8)"><g class="cageform-text"><path d="M' out.svg && ! grep -q 'keeps its letters' log && ok=yes || ok=no
+report $ok "the copy's letters become paths"
 mkdir -p no_programs
 refuses 'letters.svg: texts cannot become paths: rsvg-convert (librsvg2-bin) is not installed' \
   env PATH=no_programs "$deform" letters.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg

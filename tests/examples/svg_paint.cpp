@@ -384,6 +384,15 @@ TEST_CASE("which value of a property wins", "[examples][svg_document][style]") {
     CHECK(fill("rect , path{fill:red}", "<path/>") == "red");
     CHECK(fill("*{fill:red}", "<path/>") == "red");
     CHECK(fill("@media print{path{fill:red}}path{stroke:red}", "<path/>").empty());
+    CHECK(fill("@media screen{path{fill:red}}path{stroke:red}", "<path/>") == "red");
+    CHECK(fill("@media print , only screen{path{fill:red}.b{fill:tan}}", "<path class='b'/>") == "tan");
+    CHECK(fill("path{fill:red}@media all{@media /**/{path{fill:tan}}@media tv{path{fill:blue}}}",
+               "<path/>") == "tan");
+    CHECK(fill("@media screen and (max-width:9px){path{fill:red}}", "<path/>").empty());
+    CHECK(fill("@media{@media{path{fill:red", "<path/>") == "red");
+    std::string deep; // as deep as a hostile file likes
+    for (int i = 0; i < 100'000; ++i) deep += "@media{";
+    CHECK(fill(deep + "path{fill:red}", "<path/>").empty());
     CHECK(fill("@import 'x;{';/*}*/path{fill:red", "<path/>") == "red"); // the end closes what is open
     CHECK(fill("path:hover{fill:red}path[d]{fill:red}a+path{fill:red}", "<path/>").empty());
     CHECK(fill("<![CDATA[g path{fill:url(\"#a\")}]]>", "<path/>") == "url(\"#a\")");
@@ -431,6 +440,65 @@ TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_do
     CHECK(by_id(cut.document, "r").attribute("x").as_double() == Approx(45));
     CHECK(by_id(cut.document, "r").attribute("width").as_double() == Approx(5));
     CHECK(cut.report.warnings.size() == 1);
+}
+
+TEST_CASE("primitives and lights of a filter in user space follow",
+          "[examples][svg_document][paint][property]") {
+    const auto seed = GENERATE(range(0, 30));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const Affine2 map = random.map(20);
+    const std::string rect = R"x(<rect filter="url(#r)" x="30" y="40" width="20" height="10"/>)x";
+    const auto filter = [](const std::string& content) {
+        return "<filter id=\"r\">" + content + "</filter>";
+    };
+    const auto find = [](const Result& result, std::string_view kind) {
+        return result.document.xml.find_node(
+            [&](pugi::xml_node node) { return detail::local_name(node) == kind; });
+    };
+    const auto box_of = [](pugi::xml_node node) {
+        const auto value = [&](const char* name) { return node.attribute(name).as_double(); };
+        return Box{value("x"), value("y"), value("x") + value("width"), value("y") + value("height")};
+    };
+    // 3 units beyond the shape on every side
+    const Result whole =
+        deformed(svg(filter(R"(<feFlood x="27" y="37" width="26" height="16"/>)") + rect), by(map));
+    const auto all = shapes(whole.document);
+    REQUIRE(all);
+    CHECK(box_of(find(whole, "feFlood")).contains(detail::bounds(all->front().path).grown(2.9)));
+    CHECK(whole.report.warnings.empty());
+
+    // the left half, from the filter's own region on: the missing attributes are the region's
+    const Result half = deformed(svg(filter(R"(<feFlood width="12"/>)") + rect), by(map));
+    Box cut;
+    for (const Point2& p : Box{28, 39, 40, 51}.corners()) cut.add(apply(map, p));
+    const Box held = box_of(find(half, "feFlood"));
+    CHECK(held.x0 == Approx(cut.x0).margin(1e-3));
+    CHECK(held.y0 == Approx(cut.y0).margin(1e-3));
+    CHECK(held.x1 == Approx(cut.x1).margin(1e-3));
+    CHECK(held.y1 == Approx(cut.y1).margin(1e-3));
+    REQUIRE(half.report.warnings.size() == 1);
+    CHECK(half.report.warnings[0].find("feFlood") == 0);
+
+    const std::string lit =
+        filter(R"(<feDiffuseLighting><feSpotLight x="31" y="42" z="9" pointsAtX="45"/></feDiffuseLighting>)");
+    const Result moved = deformed(svg(lit + rect), by(map));
+    const pugi::xml_node light = find(moved, "feSpotLight");
+    const auto at = [&](const char* x, const char* y) {
+        return Point2{light.attribute(x).as_double(), light.attribute(y).as_double()};
+    };
+    CHECK(distance(at("x", "y"), apply(map, {31, 42})) < 1e-4);
+    CHECK(distance(at("pointsAtX", "pointsAtY"), apply(map, {45, 0})) < 1e-4);
+    CHECK(light.attribute("z").as_double() == 9);
+    CHECK(moved.report.warnings.empty());
+    const Result shared = deformed(svg(lit + rect + rect), by(map)); // one light for two shapes
+    CHECK(find(shared, "feSpotLight").attribute("x").as_double() == 31);
+    REQUIRE(!shared.report.warnings.empty());
+    CHECK(shared.report.warnings[0].find("feSpotLight") == 0);
+
+    const std::string in_boxes =
+        R"(<filter id="r" primitiveUnits="objectBoundingBox"><feFlood x=".1" width=".5"/></filter>)";
+    CHECK(find(deformed(svg(in_boxes + rect), by(map)), "feFlood").attribute("x").as_double() == 0.1);
 }
 
 TEST_CASE("a nested svg clips what it did, where it went", "[examples][svg_document][clip]") {
