@@ -29,6 +29,31 @@ void carry(const DrawnShape& shape, const Affine2& best) {
     set_attribute(node, "transform", write_transform(compose(*own, local)));
 }
 
+/// Whether a path that is filled shows: a line has no inside, and what it is bent to must not get one.
+bool has_inside(const Path& path) {
+    return std::any_of(path.begin(), path.end(), [](const Subpath& subpath) {
+        const Point2& a = subpath.start;
+        Point2 far = a;
+        double length = 0;
+        const auto each = [&](const auto& visit) {
+            for (const Segment& s : subpath.segments) {
+                for (const Point2& p : {s.p1, s.p2, s.p3}) visit(p);
+            }
+        };
+        each([&](const Point2& p) {
+            const double d = std::hypot(p.x - a.x, p.y - a.y);
+            if (d > length) far = p;
+            length = std::max(length, d);
+        });
+        bool beside = false;
+        each([&](const Point2& p) {
+            const double cross = (far.x - a.x) * (p.y - a.y) - (far.y - a.y) * (p.x - a.x);
+            beside = beside || std::abs(cross) > 1e-9 * length * length;
+        });
+        return beside;
+    });
+}
+
 /// The box of each shape that is seen, by what clips it; empty for others.
 std::vector<Box> seen(const Drawing& drawing, const std::vector<DrawnShape>& shapes) {
     std::vector<Box> boxes;
@@ -118,6 +143,9 @@ SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
             continue;
         }
         detail::settle_markers(work, styles, shape, report.warnings);
+        if (!detail::has_inside(shape.path) && detail::has_inside(paths[i])) {
+            styles.set(shape.node, "fill", "none");
+        }
         if (best && !shape.clips) {
             paint.follow(shape, *best, detail::bounds(shape.path, shape.from_root),
                          detail::bounds(paths[i], shape.from_root));

@@ -575,6 +575,19 @@ TEST_CASE("texts and images move as a whole", "[examples][svg_document][paint]")
     CHECK(result.report.warnings.size() == 2);
 }
 
+TEST_CASE("what has no inside is not filled when it is bent", "[examples][svg_document][paint]") {
+    const std::string_view shape = GENERATE(
+        R"(<line x1="10" y1="20" x2="90" y2="40" stroke="red"/>)", R"(<path d="M10 20L90 40" fill="tan"/>)",
+        R"(<polyline points="10,20 50,30 90,40"/>)", R"(<path style="fill:tan" d="M10 20H90M10 30V90"/>)");
+    CAPTURE(shape);
+    const Result line = deformed(svg(shape), bend);
+    const auto all = line.document.xml.document_element().child("path");
+    const detail::StyleSheets styles(detail::root_element(line.document.xml));
+    CHECK(styles.value(all, "fill").text == "none");
+    const Result area = deformed(svg(R"(<path d="M10 20L90 40 50 90" fill="tan"/>)"), bend);
+    CHECK(area.text.find("fill=\"tan\"") != std::string::npos);
+}
+
 TEST_CASE("where a curve stops, the moved one has its direction", "[examples][svg_document][deform]") {
     // Editors write such curves for handles that were drawn back. A stroke's corner shows the direction.
     const std::string_view data = GENERATE("M10 10C10 10 40 12 40 40L41 60", "M10 10C12 40 40 40 40 40L41 60",

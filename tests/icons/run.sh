@@ -39,10 +39,9 @@ cat >"$out/one.sh" <<'END'
 number=$1 theme=${2%%	*} icon=${2#*	}
 work=$out/kept/$number
 mkdir -p "$work"
-row() { # OUTCOME FIELDS…
-  printf '%s\t%s\t%s' "$theme" "${icon#"$icons"/}" "$number"
-  printf '\t%s' "$@"
-  printf '\n'
+row() { # OUTCOME FIELDS…   in one write, for others write beside it
+  line=$(printf '\t%s' "$@")
+  printf '%s\t%s\t%s%s\n' "$theme" "${icon#"$icons"/}" "$number" "$line"
 }
 drop() { rm -rf "$work"; }
 draw() { rsvg-convert -o "$work/$1.png" "$work/$1.svg" 2>/dev/null; }
@@ -51,7 +50,7 @@ deform() { # NAME POSE
 }
 "$out/judge" prepare "$icon" "$work" 2>/dev/null || { row unreadable; drop; exit; }
 draw rest && draw wide || { row undrawable; drop; exit; }
-deform identity cage && deform bend bend || { row refused; tail -n 1 "$work/bend.txt" >&2; drop; exit; }
+deform identity cage && deform bend bend || { row refused; cat "$work"/*.txt >&2; drop; exit; }
 draw identity && draw bend || { row broken; exit; }
 cmp -s "$work/rest.svg" "$work/identity.svg" && equal=1 || equal=0
 difference=$("$out/judge" compare "$work") || { row broken; exit; }
