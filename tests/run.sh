@@ -3,7 +3,7 @@
 # Installs what the tests need (Debian), builds and runs them through ctest. PRESET is one of the workflow presets:
 #   dev      all tests with g++ and portable flags, and the example programs as a newcomer runs them (the default)
 #   asan     all tests of the library with clang under the address and undefined behaviour sanitizers;
-#            lines in its reports take an eighth more time to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug
+#            lines in its reports, longer to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug
 #   native   the kernels' tests for this processor's registers, with clang
 #   release  what dev tests, and the benchmarks, with the flags that figures are taken with
 set -eu
