@@ -166,9 +166,11 @@ TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buff
 TEST_CASE("a buffer aligns its elements and refuses what no memory holds", "[core][buffer]") {
     cageform::Buffer<Lanes<float>> rows(3);
     CHECK(reinterpret_cast<std::uintptr_t>(rows.data()) % alignof(Lanes<float>) == 0);
+#if !defined(CAGEFORM_SANITIZED) // sanitizers end a program that asks for so much
     constexpr std::size_t most = ~std::size_t{0};
     CHECK_THROWS_AS(rows.reserve(most / 2), std::bad_alloc);
     CHECK_THROWS_AS(rows.resize(most), std::bad_alloc);
+#endif
     CHECK(rows.size() == 3);
 }
 
