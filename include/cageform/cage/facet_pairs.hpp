@@ -132,33 +132,6 @@ private:
         return best;
     }
 
-    /// Clips the items of a group that has more than half of them to the bounds of the others, with
-    /// which alone they are paired: about a fan's apex no split parts its slivers from what is beside.
-    void crop_largest_group(Items& items) const {
-        std::size_t begin = 0, end = end_of_group(items, 0);
-        while (2 * (end - begin) <= items.size() && end < items.size()) {
-            begin = end;
-            end = end_of_group(items, begin);
-        }
-        if (2 * (end - begin) <= items.size()) return;
-        auto others = bounds_of(std::span<const Vec<double, D>>());
-        for (std::size_t i = 0; i < items.size(); ++i) {
-            if (begin <= i && i < end) continue;
-            for (std::size_t k = 0; k < D; ++k) {
-                others.lower[k] = std::fmin(others.lower[k], items[i].bounds.lower[k]);
-                others.upper[k] = std::fmax(others.upper[k], items[i].bounds.upper[k]);
-            }
-        }
-        others = others.widened(2 * margin_);
-        const auto is_far = [&](Item& item) {
-            if (group(item) != group(items[begin]) || lies_in(item.bounds, others)) return false;
-            const auto bounds = clipped_bounds(facets_[item.facet].corner, common(item.bounds, others));
-            if (bounds) item.bounds = *bounds;
-            return !bounds;
-        };
-        std::erase_if(items, is_far);
-    }
-
     /// The items that reach into a box, clipped to it: all, or those of one group while others stay.
     Items clipped(const Items& items, const Bounds<double, D>& box, std::uint32_t only) const {
         Items inside;
