@@ -1,5 +1,6 @@
 // Feeds numbers of any kind to compile_track, compile_clip and the fits of one interval, and plays what compiles: for
-// libFuzzer. No input may take ten seconds of the processor.
+// libFuzzer. No input may take a minute of the processor: of a million the slowest, optimal knots in the sup norm, took 4 s
+// without sanitizers.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/compile_keys.cpp -o fuzz_compile_keys
@@ -204,7 +205,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (auto& p : curve.points) p = {bytes.number(), bytes.number()};
         check_fit(curve, options.tolerance, options.fit, 1 + bytes.below(6));
     }
-    REQUIRE(double(std::clock() - start) / CLOCKS_PER_SEC < 10);
+    REQUIRE(double(std::clock() - start) / CLOCKS_PER_SEC < 60);
     return 0;
 }
 
