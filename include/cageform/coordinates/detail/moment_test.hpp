@@ -5,6 +5,8 @@
 #include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/orthonormal_rows.hpp>
 
+#include <vector>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Outside thin cages weights before normalising are small differences of large numbers. Then they
