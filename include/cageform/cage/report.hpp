@@ -9,7 +9,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
-    too_few_vertices,   ///< loop `a` has `b` vertices, less than three
+    too_few_vertices,   ///< loop `a` has `b` vertices, less than three; a point set `b`, less than D + 1
     not_a_simplex,      ///< `a` vertices where a simplex has `b`
     loops_do_not_match, ///< the loop sizes add up to `a`, the vertices to `b`
     vertex_not_finite,  ///< vertex `a`
@@ -28,6 +28,7 @@ enum class CageFaultKind : std::uint8_t {
     radius_not_positive,   ///< of the interior cell at handle `a`
     interior_cell_outside, ///< the interior cell at handle `a`
     interior_cells_touch, ///< the cells or facets at handles `a` and `b`, elsewhere than in a vertex they share
+    sites_in_a_plane,     ///< all sites of a point set lie in a plane, or in the plane on a line
     interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
     gap_closed, ///< warning: only one face has the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,      ///< warning: vertex `a` lies on the straight line between its neighbours
@@ -70,6 +71,7 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::radius_not_positive, Status::radius_not_positive, "radius not positive"},
     {CageFaultKind::interior_cell_outside, Status::interior_cell_outside, "interior cell outside"},
     {CageFaultKind::interior_cells_touch, Status::interior_cells_touch, "interior cells touch"},
+    {CageFaultKind::sites_in_a_plane, Status::sites_in_a_plane, "sites in a plane"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
     {CageFaultKind::gap_closed, Status::ok, "open edge, closed (warning)"},

@@ -16,7 +16,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(cancelled, "cancelled by the progress callback")                                            \
     X(out_of_memory, "out of memory")                                                             \
     /* cage/: check */                                                                            \
-    X(too_few_vertices, "a cage loop has fewer than three vertices")                              \
+    X(too_few_vertices, "a cage loop has fewer than three vertices, or a point set too few sites")\
     X(loops_do_not_match, "the loop sizes do not add up to the number of vertices")               \
     X(vertex_not_finite, "a cage vertex is not a finite number")                                  \
     X(duplicate_vertices, "two cage vertices coincide")                                           \
@@ -32,6 +32,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(radius_not_positive, "the radius of an interior cell is not a positive number")             \
     X(interior_cell_outside, "an interior cell lies outside the cage")                            \
     X(interior_cells_touch, "an interior cell touches another one or the boundary")               \
+    X(sites_in_a_plane, "all sites lie in a plane, or in the plane on a line")                    \
     /* coordinates/: what a type cannot do with a sound cage */                                   \
     X(interior_cells_not_supported, "this coordinate type cannot honour interior cells")          \
     X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \

@@ -1,0 +1,175 @@
+// Control points without a cage: sites anywhere on, in or about a figure.
+#pragma once
+
+#include <cageform/cage/primitives.hpp>
+#include <cageform/cage/report.hpp>
+#include <cageform/core/view.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A set of sites in the plane or in space, in any order: no box, no lattice, no topology.
+///
+/// Copies the sites. Construction never fails; `check` tells whether they can serve as control
+/// points.
+template <Scalar T, std::size_t D>
+class PointSet {
+    static_assert(D == 2 || D == 3, "sites lie in the plane or in space");
+
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    PointSet() = default;
+
+    template <PointRangeIn<D> R>
+    explicit PointSet(const R& sites)
+        : status_(detail::guard_memory([&] {
+            const std::size_t count = std::size(sites);
+            sites_.reserve(count);
+            for (std::size_t i = 0; i < count; ++i) sites_.push_back(to_vec<T>(sites[i]));
+            return Status::ok;
+        })) {
+        if (status_ != Status::ok) sites_.clear();
+    }
+
+    /// out_of_memory where there was none for the sites: there are none then. `check` reports it.
+    /// (A copy throws as one of a std::vector does.)
+    Status status() const noexcept { return status_; }
+    std::size_t size() const noexcept { return sites_.size(); }
+    std::span<const Vec<T, D>> sites() const noexcept { return sites_; }
+    const Vec<T, D>& operator[](std::size_t i) const noexcept { return sites_[i]; }
+
+private:
+    std::vector<Vec<T, D>> sites_;
+    Status status_ = Status::ok; // last: what fills the others is its initialiser
+};
+
+template <PointRange R>
+PointSet(const R&) -> PointSet<range_scalar_t<R>, range_dimension<R>>;
+
+namespace detail {
+
+/// f(i, j), i < j, for sites nearer to each other than `tolerance`: every site once at most, with
+/// the first of those it coincides with. Runs of sites without a gap along one axis after the other,
+/// until none is divided: O(n log n) unless very many are nearly one.
+template <std::size_t D>
+class CloseSites {
+public:
+    CloseSites(std::span<const Vec<double, D>> sites, double tolerance)
+        : sites_(sites)
+        , tolerance_(tolerance)
+        , order_(sites.size()) {
+        std::iota(order_.begin(), order_.end(), std::size_t{0});
+    }
+
+    template <class F>
+    void for_each(const F& f) {
+        std::vector<Run> runs{{0, order_.size(), 0, 0}};
+        while (!runs.empty()) {
+            const Run run = runs.back();
+            runs.pop_back();
+            if (run.end - run.begin < 2) continue;
+            if (run.undivided == D) {
+                list(run, f);
+                continue;
+            }
+            divide(run, runs);
+        }
+    }
+
+private:
+    struct Run {
+        std::size_t begin, end;
+        std::size_t axis;      ///< the next to sort by
+        std::size_t undivided; ///< axes in a row along which there was no gap
+    };
+
+    void divide(const Run& run, std::vector<Run>& runs) {
+        const auto at = [&](std::size_t n) { return sites_[order_[n]][run.axis]; };
+        std::sort(order_.begin() + std::ptrdiff_t(run.begin), order_.begin() + std::ptrdiff_t(run.end),
+                  [&](std::size_t a, std::size_t b) { return sites_[a][run.axis] < sites_[b][run.axis]; });
+        std::size_t begin = run.begin;
+        const std::size_t next = (run.axis + 1) % D;
+        for (std::size_t n = run.begin + 1; n <= run.end; ++n) {
+            if (n < run.end && !(at(n) - at(n - 1) > tolerance_)) continue;
+            const bool whole = begin == run.begin && n == run.end;
+            runs.push_back({begin, n, next, whole ? run.undivided + 1 : 1});
+            begin = n;
+        }
+    }
+    template <class F>
+    void list(const Run& run, const F& f) {
+        const auto first = order_.begin() + std::ptrdiff_t(run.begin);
+        std::sort(first, order_.begin() + std::ptrdiff_t(run.end));
+        for (std::size_t n = 1; n < run.end - run.begin; ++n) {
+            for (std::size_t m = 0; m < n; ++m) {
+                const std::size_t i = first[std::ptrdiff_t(m)], j = first[std::ptrdiff_t(n)];
+                if (length(sites_[j] - sites_[i]) > tolerance_) continue;
+                f(i, j);
+                break;
+            }
+        }
+    }
+
+    std::span<const Vec<double, D>> sites_;
+    double tolerance_;
+    std::vector<std::size_t> order_;
+};
+
+/// Whether all sites lie within `tolerance` of a line in the plane, of a plane in space: of the one
+/// through sites that lie as far from each other as can be, one after the other.
+template <std::size_t D>
+bool is_flat_set(std::span<const Vec<double, D>> sites, double tolerance) noexcept {
+    std::array<Vec<double, D>, D> axis{}; // orthonormal
+    for (std::size_t found = 0; found < D; ++found) {
+        Vec<double, D> farthest{};
+        for (const auto& site : sites) {
+            auto away = site - sites[0];
+            for (std::size_t k = 0; k < found; ++k) away = away - dot(away, axis[k]) * axis[k];
+            if (dot(away, away) > dot(farthest, farthest)) farthest = away;
+        }
+        const double distance = length(farthest);
+        if (!(distance > tolerance)) return true;
+        axis[found] = (1 / distance) * farthest;
+    }
+    return false;
+}
+
+/// The steps of `check`.
+template <Scalar T, std::size_t D>
+void check_point_set(const PointSet<T, D>& set, CageReport& report) {
+    if (set.size() < D + 1) return report.add(CageFaultKind::too_few_vertices, 0, set.size());
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        if (!is_finite(set[i])) report.add(CageFaultKind::vertex_not_finite, i);
+    }
+    if (report.status != Status::ok) return;
+
+    // In units of the largest coordinate, so that nothing overflows or vanishes.
+    std::vector<Vec<double, D>> sites;
+    for (const auto& site : set.sites()) sites.push_back(vec_cast<double>(site));
+    int exponent = 0;
+    std::frexp(bounds_of(std::span<const Vec<double, D>>(sites)).magnitude(), &exponent);
+    for (auto& site : sites) {
+        for (std::size_t k = 0; k < D; ++k) site[k] = std::ldexp(site[k], -exponent);
+    }
+    const auto bounds = bounds_of(std::span<const Vec<double, D>>(sites));
+    const double tolerance = 8 * double(epsilon<T>) * std::fmax(bounds.diagonal(), bounds.magnitude());
+    CloseSites<D>(sites, tolerance).for_each([&](std::size_t i, std::size_t j) {
+        report.add(CageFaultKind::duplicate_vertices, i, j);
+    });
+    if (report.status == Status::ok && is_flat_set<D>(sites, tolerance))
+        report.add(CageFaultKind::sites_in_a_plane);
+}
+
+} // namespace detail
+
+/// Whether sites can serve as control points: D + 1 at least, finite, none of them nearer to another
+/// than the coincidence_tolerance of their bounds, and not all of them that near to a plane (in the
+/// plane, to a line). Of duplicates every one is listed once, with the first that it coincides with.
+/// O(n log n).
+template <Scalar T, std::size_t D>
+CageReport check(const PointSet<T, D>& set) {
+    return detail::report_on(set.status(), [&](CageReport& report) { detail::check_point_set(set, report); });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
