@@ -63,7 +63,13 @@ public:
         }
         return r;
     }
-    Vec<double, D> seen(const Place<D>& p) const noexcept { return 0x1p-60 * to_double(p); }
+    Vec<double, D> seen(const Place<D>& p) const noexcept { return 0x1p-60 * to_double<D>(p); }
+    /// Back to the units of the user.
+    Vec<double, D> unseen(const Vec<double, D>& q) const noexcept {
+        Vec<double, D> r{};
+        for (std::size_t k = 0; k < D; ++k) r[k] = lower_[k] + units(q[k]);
+        return r;
+    }
 
 private:
     /// The lowest 64 bits of x 2^exponent, rounded. The bounds' differences fit into them, so more

@@ -1,0 +1,311 @@
+// Sibson's weights of a place among sites: inside their hull, on it, at a site.
+#pragma once
+
+#include <cageform/cage/detail/hull_facets.hpp>
+#include <cageform/coordinates/detail/new_cell.hpp>
+#include <cageform/core/status.hpp>
+
+#include <memory>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A site that a place has a weight of.
+template <std::size_t D>
+struct Neighbour {
+    std::uint32_t site;
+    double weight;
+    Vec<double, D> gradient; ///< of the weight, per unit of length
+    Vec<double, D> away;     ///< the site seen from the place
+};
+
+/// Solves m y = y for a positive definite matrix, in place; false where it is singular to rounding.
+template <std::size_t N>
+bool solve_symmetric(Square<double, N> m, std::array<double, N>& y) noexcept {
+    std::array<double, N> first;
+    for (std::size_t k = 0; k < N; ++k) first[k] = m[k][k];
+    for (std::size_t k = 0; k < N; ++k) {
+        if (!(m[k][k] > 1e-13 * first[k])) return false;
+        for (std::size_t i = k + 1; i < N; ++i) {
+            const double f = m[i][k] / m[k][k];
+            for (std::size_t j = k; j < N; ++j) m[i][j] -= f * m[k][j];
+            y[i] -= f * y[k];
+        }
+    }
+    for (std::size_t k = N; k-- > 0;) {
+        for (std::size_t j = k + 1; j < N; ++j) y[k] -= m[k][j] * y[j];
+        y[k] /= m[k][k];
+    }
+    return true;
+}
+
+/// Natural neighbours among sites, by the specification's sections 2 to 5.
+template <std::size_t D>
+class NaturalNeighbours {
+    struct Nothing {
+        struct Scratch {};
+    };
+    using Flat = std::conditional_t<D == 3, NaturalNeighbours<2>, Nothing>;
+
+public:
+    /// What an evaluation needs, one for every thread; it holds what was found.
+    struct Scratch {
+        std::vector<Neighbour<D>> found; ///< in ascending order of the triangulation's vertices
+        bool at_site = false;
+        typename Delaunay<D>::Search search;
+        NewCell<D> cell;
+        std::unique_ptr<typename Flat::Scratch> flat;
+    };
+
+    NaturalNeighbours() = default;
+    /// `tolerance`: nearer to each other two places are one, in the units of the sites. `smooth`: of
+    /// a flat facet, the C² coordinates that are the limits of Sibson's in space.
+    NaturalNeighbours(std::span<const Vec<double, D>> sites, double tolerance, bool smooth = false)
+        : smooth_(smooth)
+        , lattice_(bounds_of(sites))
+        , tolerance_(lattice_.extents(tolerance)) {
+        std::vector<Place<D>> places;
+        places.reserve(sites.size());
+        for (const auto& site : sites) places.push_back(lattice_.place(site));
+        sites_ = Delaunay<D>(std::move(places));
+        if (sites_.empty()) return;
+        centres_ = centres_of(sites_);
+        at_.reserve(sites_.size());
+        for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.seen(sites_.place(v)));
+        facets_ = HullFacets<D>(sites_, at_, tolerance_).facets;
+        for (auto& facet : facets_) prepare(facet);
+    }
+
+    const Delaunay<D>& sites() const noexcept { return sites_; }
+    /// Of a vertex of the triangulation: whether it lies on the hull, within tolerance.
+    std::vector<bool> on_hull() const {
+        std::vector<bool> result(sites_.size(), false);
+        for (const auto& simplex : sites_.simplices()) {
+            for (std::size_t k = 0; simplex.is_ghost() && k < D; ++k) result[simplex.vertex[k]] = true;
+        }
+        for (const auto& facet : facets_) {
+            for (const std::uint32_t v : facet.vertex) result[v] = true;
+        }
+        return result;
+    }
+
+    /// Finds the neighbours of a finite place; none outside. Gradients are set inside only, at sites
+    /// they are zero.
+    PointState find(const Vec<double, D>& p, Scratch& scratch) const {
+        scratch.found.clear();
+        scratch.at_site = false;
+        const auto q = lattice_.seen(p);
+        std::size_t nearest = 0;
+        double farthest_out = -std::numeric_limits<double>::max();
+        for (std::size_t n = 0; n < facets_.size(); ++n) {
+            const double distance = facets_[n].distance(q);
+            if (distance <= farthest_out) continue;
+            farthest_out = distance;
+            nearest = n;
+        }
+        if (farthest_out > tolerance_) return PointState::outside;
+        if (farthest_out < -tolerance_ && find_inside(p, scratch)) return PointState::inside;
+        find_on_facet(nearest, q, scratch);
+        return PointState::on_boundary;
+    }
+
+    /// The place of the hull nearest to a finite place, and its neighbours.
+    Vec<double, D> find_on_hull(const Vec<double, D>& p, Scratch& scratch) const {
+        const auto q = lattice_.seen(p);
+        const double size = std::fmax(1.0, length(q));
+        double least = std::numeric_limits<double>::max();
+        Vec<double, D> place = at_[0];
+        for (const auto& simplex : sites_.simplices()) {
+            if (!simplex.is_ghost()) continue;
+            Corners<D> corner;
+            for (std::size_t k = 0; k < D; ++k) corner[k] = at_[simplex.vertex[k]];
+            const auto x = place_on_facet(nearest_on_facet(q, corner), corner);
+            const double distance = length((1 / size) * (x - q));
+            if (distance >= least) continue;
+            least = distance;
+            place = x;
+        }
+        std::size_t nearest = 0;
+        for (std::size_t n = 0; n < facets_.size(); ++n) {
+            if (facets_[n].distance(place) > facets_[nearest].distance(place)) nearest = n;
+        }
+        scratch.found.clear();
+        find_on_facet(nearest, place, scratch);
+        return lattice_.unseen(place);
+    }
+
+    /// A place somewhat inside from `p` in the hull: so far towards the middle of the first simplex,
+    /// in parts of the way.
+    Vec<double, D> drawn_inside(const Vec<double, D>& p, double part) const noexcept {
+        std::uint32_t s = 0;
+        while (sites_.simplices()[s].is_ghost()) ++s;
+        Vec<double, D> middle{};
+        for (const std::uint32_t v : sites_.simplices()[s].vertex) middle = middle + (1.0 / (D + 1)) * at_[v];
+        return p + part * (lattice_.unseen(middle) - p);
+    }
+
+private:
+    /// A flat facet of more sites than a simplex has, in the coordinates of its plane.
+    struct FlatFacet {
+        std::array<Vec<double, D>, 2> axis;
+        Flat neighbours;
+    };
+
+    // ---- inside ---------------------------------------------------------------------------------
+
+    /// False where the place lies beyond the exact hull.
+    bool find_inside(const Vec<double, D>& p, Scratch& scratch) const {
+        const auto place = lattice_.place(p);
+        const std::uint32_t at = sites_.locate(place, scratch.search);
+        if (sites_.simplices()[at].is_ghost()) return false;
+        if (find_site(place, sites_.simplices()[at].vertex, scratch)) return true;
+        sites_.find_cavity(place, at, scratch.search);
+        const auto cavity = scratch.search.cavity();
+        const auto is_ghost = [&](std::uint32_t s) { return sites_.simplices()[s].is_ghost(); };
+        if (std::any_of(cavity.begin(), cavity.end(), is_ghost)) return false;
+        NewCell<D>& cell = scratch.cell;
+        const bool sound =
+            smooth_ ? cell.fill_smooth(sites_, place, cavity) : cell.fill(sites_, centres_, place, cavity);
+        if (find_site(place, cell.cavity.vertices, scratch)) return true;
+        if (!sound) return false;
+        take_cell(cell, scratch.found);
+        return true;
+    }
+    /// Whether one of these vertices is within tolerance: then it has all the weight.
+    template <class Vertices>
+    bool find_site(const Place<D>& place, const Vertices& vertices, Scratch& scratch) const {
+        for (const std::uint32_t v : vertices) {
+            const auto away = 0x1p-60 * to_double<D>(difference<D>(sites_.place(v), place));
+            if (length(away) > tolerance_) continue;
+            take_site(v, away, scratch);
+            return true;
+        }
+        return false;
+    }
+    void take_site(std::uint32_t v, const Vec<double, D>& away, Scratch& scratch) const {
+        scratch.at_site = true;
+        scratch.found.push_back({sites_.site(v), 1, {}, lattice_.units(1) * away});
+    }
+    void take_cell(const NewCell<D>& cell, std::vector<Neighbour<D>>& found) const {
+        Vec<double, D> sum{};
+        for (std::size_t n = 0; n < cell.measure.size(); ++n) {
+            const auto away = cell.seen(sites_, n);
+            const auto slope = (2 / dot(away, away)) * cell.moment[n];
+            sum = sum + slope;
+            if (cell.measure[n] > 0)
+                found.push_back({sites_.site(cell.cavity.vertices[n]), cell.measure[n] / cell.total, slope,
+                                 0x1p-60 * away});
+        }
+        restore(found);
+        const double per_step = 1 / lattice_.units(0x1p-60);
+        for (auto& n : found) {
+            n.gradient = (per_step / cell.total) * (n.gradient - n.weight * sum);
+            n.away = lattice_.units(1) * n.away;
+        }
+    }
+
+    /// The least change relative to the weights that restores Σu = 1 and Σ u away = 0: u_i times
+    /// y·(1, away_i). None where the neighbours are flat to rounding.
+    static void restore(std::vector<Neighbour<D>>& found) {
+        double size = 0;
+        for (const auto& n : found) size = std::fmax(size, length(n.away));
+        for (int round = 0; round < 2; ++round) {
+            Square<double, D + 1> m{};
+            std::array<double, D + 1> y{1};
+            for (const auto& n : found) {
+                const auto a = row(n, size);
+                for (std::size_t i = 0; i <= D; ++i) {
+                    y[i] -= n.weight * a[i];
+                    for (std::size_t k = 0; k <= D; ++k) m[i][k] += n.weight * a[i] * a[k];
+                }
+            }
+            if (!solve_symmetric(m, y)) return;
+            double largest = 0;
+            for (const auto& n : found) largest = std::fmax(largest, std::fabs(factor(n, size, y)));
+            if (!(largest < 1e-6)) return; // more than rounding is not for this to mend
+            for (auto& n : found) n.weight += n.weight * factor(n, size, y);
+        }
+    }
+    static std::array<double, D + 1> row(const Neighbour<D>& n, double size) noexcept {
+        std::array<double, D + 1> a{1};
+        for (std::size_t k = 0; k < D; ++k) a[k + 1] = n.away[k] / size;
+        return a;
+    }
+    static double factor(const Neighbour<D>& n, double size, const std::array<double, D + 1>& y) noexcept {
+        const auto a = row(n, size);
+        double sum = 0;
+        for (std::size_t k = 0; k <= D; ++k) sum += y[k] * a[k];
+        return sum;
+    }
+
+    // ---- on the hull ----------------------------------------------------------------------------
+
+    /// Orders the sites of a line, triangulates those of a plane that are more than three.
+    void prepare(HullFacet<D>& facet) {
+        if constexpr (D == 2) {
+            std::sort(facet.vertex.begin(), facet.vertex.end(), [&](std::uint32_t a, std::uint32_t b) {
+                return cross(facet.normal, at_[a]) < cross(facet.normal, at_[b]);
+            });
+        } else {
+            flat_.push_back({});
+            if (facet.vertex.size() == 3) return;
+            auto& [axis, neighbours] = flat_.back();
+            const auto along = at_[facet.vertex[1]] - at_[facet.vertex[0]];
+            const auto across = cross(facet.normal, along);
+            axis[1] = (1 / length(across)) * across;
+            axis[0] = cross(axis[1], facet.normal);
+            std::vector<Vec<double, 2>> flat;
+            for (const std::uint32_t v : facet.vertex) flat.push_back(in_plane(axis, at_[v]));
+            neighbours = Flat(flat, tolerance_, true);
+        }
+    }
+    static Vec<double, 2> in_plane(const std::array<Vec<double, D>, 2>& axis,
+                                   const Vec<double, D>& q) noexcept {
+        return {dot(axis[0], q), dot(axis[1], q)};
+    }
+
+    /// Of a place within tolerance of a facet, in extents.
+    void find_on_facet(std::size_t n, const Vec<double, D>& q, Scratch& scratch) const {
+        const HullFacet<D>& facet = facets_[n];
+        for (const std::uint32_t v : facet.vertex) {
+            if (!(length(at_[v] - q) <= tolerance_)) continue;
+            return take_site(v, at_[v] - q, scratch);
+        }
+        if constexpr (D == 2) {
+            const auto position = [&](const Vec<double, 2>& x) { return cross(facet.normal, x); };
+            std::size_t next = 1;
+            while (next + 1 < facet.vertex.size() && position(at_[facet.vertex[next]]) < position(q)) ++next;
+            take_facet(std::array<std::uint32_t, 2>{facet.vertex[next - 1], facet.vertex[next]}, q, scratch);
+        } else if (flat_[n].neighbours.sites().empty()) {
+            take_facet({facet.vertex[0], facet.vertex[1], facet.vertex[2]}, q, scratch);
+        } else {
+            if (!scratch.flat) scratch.flat = std::make_unique<typename Flat::Scratch>();
+            const auto x = in_plane(flat_[n].axis, q);
+            if (flat_[n].neighbours.find(x, *scratch.flat) == PointState::outside)
+                flat_[n].neighbours.find_on_hull(x, *scratch.flat);
+            for (const auto& flat : scratch.flat->found)
+                take(facet.vertex[flat.site], flat.weight, q, scratch);
+        }
+    }
+    void take_facet(const std::array<std::uint32_t, D>& vertex, const Vec<double, D>& q,
+                    Scratch& scratch) const {
+        Corners<D> corner;
+        for (std::size_t k = 0; k < D; ++k) corner[k] = at_[vertex[k]];
+        const auto weight = nearest_on_facet(q, corner);
+        for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
+    }
+    void take(std::uint32_t v, double weight, const Vec<double, D>& q, Scratch& scratch) const {
+        if (weight > 0)
+            scratch.found.push_back({sites_.site(v), weight, {}, lattice_.units(1) * (at_[v] - q)});
+    }
+
+    bool smooth_ = false; ///< in the plane: the measures of C² coordinates
+    SiteLattice<D> lattice_;
+    double tolerance_ = 0; ///< in extents
+    Delaunay<D> sites_;
+    std::vector<Centre<D>> centres_;
+    std::vector<Vec<double, D>> at_; ///< vertices, in extents
+    std::vector<HullFacet<D>> facets_;
+    std::vector<FlatFacet> flat_; ///< in space, for every facet
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
