@@ -38,6 +38,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \
     X(not_a_simplex, "barycentric coordinates need a simplex: dimension + 1 vertices")            \
     X(degenerate_simplex, "the simplex has no volume relative to its size")                       \
+    X(sibson_degree_not_supported, "Sibson coordinates are of degree 1 or 3")                     \
     X(solver_not_supported, "the solver is not there for these coordinates")                       \
     /* grid/: solvers; SolverReport names the culprit */                                          \
     X(resolution_not_supported, "the grid resolution is out of range")                            \

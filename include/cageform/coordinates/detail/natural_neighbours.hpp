@@ -76,6 +76,8 @@ public:
     }
 
     const Delaunay<D>& sites() const noexcept { return sites_; }
+    /// A step of the lattice, in the units of the sites.
+    double step() const noexcept { return lattice_.units(0x1p-60); }
     /// Of a vertex of the triangulation: whether it lies on the hull, within tolerance.
     std::vector<bool> on_hull() const {
         std::vector<bool> result(sites_.size(), false);

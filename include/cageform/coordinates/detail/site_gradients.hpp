@@ -1,0 +1,127 @@
+// Gradients at sites, estimated from values there.
+#pragma once
+
+#include <cageform/coordinates/detail/natural_neighbours.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// How gradients at sites follow from the values there: least squares over the Voronoi neighbours j
+/// of a site i, weighted by μ = |F| / |d| with F the facet between both cells and d = P_j − P_i.
+/// Exact for linear functions. Cells of sites on the hull are unbounded: they are cut by their
+/// mirror image in the site.
+enum class SiteGradients : std::uint8_t {
+    facets,   ///< exact for a + b·x + γ|x|² too at inner sites: the most accurate on even sites
+    gentle,   ///< μ = |F| |d|: weights are less negative, and less accurate
+    mirrored, ///< all cells are cut by their mirror image: for rings of sites, one close to another
+};
+
+namespace detail {
+
+/// The gradient at every site as a linear map of values: g_i = Σ G_il z_l, Σ_l G_il = 0.
+template <std::size_t D>
+class SiteGradientRows {
+public:
+    struct Term {
+        std::uint32_t site;
+        Vec<double, D> vector; ///< per unit of length
+    };
+
+    SiteGradientRows() = default;
+    SiteGradientRows(const NaturalNeighbours<D>& sites, SiteGradients rule)
+        : sites_(&sites.sites())
+        , rule_(rule)
+        , unit_(sites.step()) {
+        const std::vector<bool> on_hull = sites.on_hull();
+        const std::size_t count = sites_->size();
+        list_neighbours();
+        rows_.resize(count);
+        for (std::uint32_t v = 0; v < count; ++v) {
+            fill(v, on_hull[v] || rule == SiteGradients::mirrored);
+        }
+        sites_ = nullptr;
+        neighbours_ = {};
+    }
+
+    std::span<const Term> row(std::size_t site) const noexcept { return rows_[site]; }
+
+private:
+    /// Delaunay neighbours, of every vertex in ascending order.
+    void list_neighbours() {
+        neighbours_.resize(sites_->size());
+        for (const auto& simplex : sites_->simplices()) {
+            for (std::size_t i = 0; !simplex.is_ghost() && i <= D; ++i) {
+                for (std::size_t k = 0; k <= D; ++k) {
+                    if (i != k) neighbours_[simplex.vertex[i]].push_back(simplex.vertex[k]);
+                }
+            }
+        }
+        for (auto& list : neighbours_) {
+            std::sort(list.begin(), list.end());
+            list.erase(std::unique(list.begin(), list.end()), list.end());
+        }
+    }
+
+    void fill(std::uint32_t v, bool mirrored) {
+        const auto& near = neighbours_[v];
+        if (near.empty()) return;
+        std::vector<Place<D>> places;
+        for (const std::uint32_t n : near) places.push_back(difference<D>(sites_->place(n), sites_->place(v)));
+        for (std::size_t n = 0; mirrored && n < near.size(); ++n)
+            places.push_back(difference<D>(Place<D>{}, places[n]));
+        // The cell of v is that of a new place at v among its neighbours.
+        const Delaunay<D> local(std::move(places));
+        if (local.empty()) return;
+        const std::uint32_t from = local.locate({}, search_);
+        local.find_cavity({}, from, search_);
+        for (const std::uint32_t s : search_.cavity()) {
+            if (local.simplices()[s].is_ghost()) return mirrored ? void() : fill(v, true);
+        }
+        if (!cell_.fill(local, centres_of(local), {}, search_.cavity())) return;
+        fit(v, local);
+    }
+
+    void fit(std::uint32_t v, const Delaunay<D>& local) {
+        const auto& near = neighbours_[v];
+        double size = 0; // the nearest neighbour's distance
+        for (std::size_t n = 0; n < cell_.facet.size(); ++n) {
+            const double distance = length(cell_.seen(local, n));
+            if (size == 0 || distance < size) size = distance;
+        }
+        Square<double, D> normal{};
+        auto& row = rows_[sites_->site(v)];
+        for (std::size_t n = 0; n < cell_.facet.size(); ++n) {
+            const std::uint32_t number = local.site(cell_.cavity.vertices[n]);
+            const auto d = (1 / size) * cell_.seen(local, n);
+            const double d2 = dot(d, d);
+            // The facet's area is `facet` / |d| times a constant; both μ are divided by |d|².
+            const double weight =
+                std::fmax(cell_.facet[n], 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
+            if (number >= near.size() || !(weight > 0)) continue;
+            for (std::size_t i = 0; i < D; ++i) {
+                for (std::size_t k = 0; k < D; ++k) normal[i][k] += weight * d[i] * d[k];
+            }
+            row.push_back({sites_->site(near[number]), weight * d});
+        }
+        Vec<double, D> sum{};
+        for (Term& term : row) {
+            std::array<double, D> y;
+            for (std::size_t k = 0; k < D; ++k) y[k] = term.vector[k];
+            if (!solve_symmetric(normal, y)) return row.clear();
+            for (std::size_t k = 0; k < D; ++k) term.vector[k] = y[k] / (size * unit_);
+            sum = sum + term.vector;
+        }
+        row.push_back({sites_->site(v), -1.0 * sum});
+    }
+
+    const Delaunay<D>* sites_ = nullptr;
+    SiteGradients rule_ = SiteGradients::facets;
+    double unit_ = 1; ///< a step of the lattice
+    std::vector<std::vector<std::uint32_t>> neighbours_;
+    std::vector<std::vector<Term>> rows_; ///< by the user's numbers
+    typename Delaunay<D>::Search search_;
+    NewCell<D> cell_;
+};
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,283 @@
+// Natural neighbour coordinates: a closed form for control points without a cage.
+#pragma once
+
+#include <cageform/cage/point_set.hpp>
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/site_gradients.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+struct SibsonOptions {
+    /// 1: Sibson's coordinates, never negative, with a crease at every site. 3: Farin's interpolant,
+    /// smooth there too. Others are refused.
+    int degree = 1;
+    /// Degree 3: how gradients at sites follow from where the sites move.
+    SiteGradients gradients = SiteGradients::facets;
+    /// Degree 3: gradients are in the user's hand instead. To the n sites D n handles are added, the
+    /// tips of frames: those of site i at n + D i + axis, half the distance of its nearest site away
+    /// along the axis.
+    bool tips = false;
+};
+
+/// Natural neighbour coordinates of sites in the plane or in space (Sibson, A vector identity for
+/// the Dirichlet tessellation, 1980): of the Voronoi cell that a point would have among the sites,
+/// the part taken from the cell of each.
+///
+///   u_i = |V_p ∩ V_i| / |V_p|
+///
+/// Degree 3 makes of them Farin's interpolant (Surfaces over Dirichlet tessellations, CAGD 7, 1990):
+/// with s = Σu², q = Σ u_j² P_j and estimated gradients g_i = Σ_l G_il z_l
+///
+///   w_l = Z_l + Σ_i V_i·G_il,  Z_i = u_i (1 + u_i − s),  V_i = ½ u_i ((1 + u_i)(p − P_i) − (q − s P_i))
+///
+/// On the hull, where cells are unbounded, the limits are taken: linear along edges, barycentric on
+/// triangles, the C² coordinates of Hiyoshi & Sugihara on flat facets of more sites. Ties (lattices,
+/// rings) change nothing.
+///
+///   range      degree 1: in [0, 1], zero but for the natural neighbours: about six in the plane,
+///              fifteen in space. Degree 3: negative in places; neighbours' neighbours take part.
+///              Σ|w| grows where sites are close together (BindReport::amplification)
+///   defined    in the convex hull of the sites, has_extension = false
+///   smooth     C¹ within the hull, degree 1 without the sites
+///   accuracy   a few roundings: weights that double cannot give are computed from integers
+///   cost       O(n log n) to make; a point a walk and its neighbours, then n zeros
+///   gradients  at sites of degree 1 and on the hull, where they are one-sided, those of a place
+///              1e-6 of the way to the middle of a simplex
+///   faults     too_few_vertices, vertex_not_finite, duplicate_vertices, sites_in_a_plane
+template <Scalar T, std::size_t D>
+class SibsonCoordinates {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+    static constexpr bool has_extension = false;
+    static constexpr bool closed_form = true;
+
+    explicit SibsonCoordinates(PointSet<T, D> sites, const SibsonOptions& options = {})
+        : options_(options) {
+        report_ = check(sites);
+        if (report_.status == Status::ok && options.degree != 1 && options.degree != 3)
+            report_.status = Status::sibson_degree_not_supported;
+        const Status status = detail::guard_memory([&] {
+            handles_.assign(sites.sites().begin(), sites.sites().end());
+            return report_.status == Status::ok ? prepare() : Status::ok;
+        });
+        if (status != Status::ok) report_ = {status, {}};
+    }
+    template <PointRangeIn<D> R>
+    explicit SibsonCoordinates(const R& sites, const SibsonOptions& options = {})
+        : SibsonCoordinates(PointSet<T, D>(sites), options) {}
+
+    /// The sites; then the tips, if asked for.
+    std::span<const Vec<T, D>> handles() const noexcept { return handles_; }
+    std::size_t sites() const noexcept { return site_count_; }
+    const CageReport& cage_report() const noexcept { return report_; }
+    const SibsonOptions& options() const noexcept { return options_; }
+
+    /// As CageCoordinates says.
+    Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                        const Running& running = {}) const {
+        return evaluate_rows<false>({points, weights, states}, running);
+    }
+    /// As GradientCoordinates says.
+    Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_rows<true>({points, gradients, states}, running);
+    }
+    Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
+        Work work(handles_.size());
+        const auto place = neighbours_.find_on_hull(vec_cast<double>(p), work.scratch);
+        add_weights(work);
+        for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(work.row[h]);
+        return vec_cast<T>(place);
+    }
+
+private:
+    using Neighbours = detail::NaturalNeighbours<D>;
+    using Matrix = std::array<Vec<double, D>, D>; ///< rows, of derivatives along the axes
+
+    /// A row in the making: of weights, or of their derivatives along every axis.
+    struct Work {
+        typename Neighbours::Scratch scratch;
+        std::vector<double> row;
+        std::vector<std::uint32_t> touched;
+
+        explicit Work(std::size_t rows)
+            : row(rows, 0) {}
+        void add(std::size_t n, double x) {
+            row[n] += x;
+            touched.push_back(std::uint32_t(n));
+        }
+    };
+
+    Status prepare() {
+        site_count_ = handles_.size();
+        std::vector<Vec<double, D>> sites;
+        sites.reserve(site_count_);
+        for (const auto& site : handles_) sites.push_back(vec_cast<double>(site));
+        neighbours_ = Neighbours(sites, double(coincidence_tolerance(bounds_of(handles()))));
+        if (neighbours_.sites().empty()) {
+            report_.add(CageFaultKind::sites_in_a_plane);
+            return Status::ok;
+        }
+        if (options_.degree != 3) return Status::ok;
+        if (options_.tips) {
+            add_tips();
+        } else {
+            gradients_ = detail::SiteGradientRows<D>(neighbours_, options_.gradients);
+        }
+        return Status::ok;
+    }
+    void add_tips() {
+        std::vector<double> nearest(site_count_, std::numeric_limits<double>::max());
+        const auto& sites = neighbours_.sites();
+        for (const auto& simplex : sites.simplices()) {
+            for (std::size_t i = 0; !simplex.is_ghost() && i <= D; ++i) {
+                for (std::size_t k = 0; k < i; ++k) {
+                    const std::uint32_t a = sites.site(simplex.vertex[i]), b = sites.site(simplex.vertex[k]);
+                    const double distance =
+                        detail::length(vec_cast<double>(handles_[a]) - vec_cast<double>(handles_[b]));
+                    nearest[a] = std::fmin(nearest[a], distance);
+                    nearest[b] = std::fmin(nearest[b], distance);
+                }
+            }
+        }
+        handles_.reserve((D + 1) * site_count_);
+        for (std::size_t i = 0; i < site_count_; ++i) {
+            for (std::size_t k = 0; k < D; ++k) {
+                Vec<T, D> tip = handles_[i];
+                tip[k] += static_cast<T>(nearest[i] / 2);
+                handles_.push_back(tip);
+            }
+        }
+    }
+
+    template <bool gradients>
+    Evaluation evaluate_rows(const detail::Batch<T>& batch, const Running& running) const {
+        const std::size_t rows = (gradients ? D : 1) * handles_.size();
+        return detail::evaluate_blocks(report_, rows, batch, running,
+                                       [&](std::size_t begin, std::size_t end) {
+                                           Work work(rows);
+                                           for (std::size_t b = begin; b < end; ++b)
+                                               evaluate_block<gradients>(batch, b, work);
+                                       });
+    }
+    template <bool gradients>
+    void evaluate_block(const detail::Batch<T>& batch, std::size_t b, Work& work) const {
+        Lanes<T>* const rows = batch.rows.block(b);
+        for (std::size_t n = 0; n < batch.rows.rows; ++n) std::fill_n(rows[n].v, lane_count<T>, T(0));
+        const std::size_t first = b * lane_count<T>;
+        const std::size_t used = std::min(lane_count<T>, batch.points.points - first);
+        for (std::size_t lane = 0; lane < used; ++lane) {
+            PointState& state = batch.states[first + lane];
+            if (state == PointState::not_finite) continue;
+            const auto p = vec_cast<double>(block_point<D>(batch.points, first + lane));
+            state = neighbours_.find(p, work.scratch);
+            if (state == PointState::outside) continue;
+            if constexpr (gradients) {
+                find_gradients(p, state, work);
+                add_gradients(work);
+            } else {
+                add_weights(work);
+            }
+            bool finite = true;
+            for (const std::uint32_t n : work.touched) {
+                rows[n][lane] = static_cast<T>(work.row[n]);
+                finite = finite && is_finite(rows[n][lane]);
+            }
+            for (const std::uint32_t n : work.touched) work.row[n] = 0;
+            work.touched.clear();
+            if (!finite) state = PointState::unreached;
+        }
+    }
+
+    // ---- weights --------------------------------------------------------------------------------
+
+    void add_weights(Work& work) const {
+        const auto& found = work.scratch.found;
+        if (options_.degree == 1) {
+            for (const auto& n : found) work.add(n.site, n.weight);
+            return;
+        }
+        double s = 0;
+        Vec<double, D> m{};
+        for (const auto& n : found) {
+            s += n.weight * n.weight;
+            m = m + (n.weight * n.weight) * n.away;
+        }
+        for (const auto& n : found) {
+            work.add(n.site, n.weight * (1 + n.weight - s));
+            add_slope(n.site, (0.5 * n.weight) * ((s - 1 - n.weight) * n.away - m), 0, work);
+        }
+    }
+    /// What the gradient at a site contributes to the rows from `offset` on: its product with `v`.
+    void add_slope(std::uint32_t site, const Vec<double, D>& v, std::size_t offset, Work& work) const {
+        if (options_.tips) {
+            for (std::size_t k = 0; k < D; ++k) {
+                const std::size_t tip = site_count_ + D * site + k;
+                const double x = v[k] / (double(handles_[tip][k]) - double(handles_[site][k]));
+                work.add(offset + tip, x);
+                work.add(offset + site, -x);
+            }
+        } else {
+            for (const auto& term : gradients_.row(site)) work.add(offset + term.site, dot(v, term.vector));
+        }
+    }
+
+    // ---- gradients ------------------------------------------------------------------------------
+
+    /// Those at a place somewhat inside, where there are none here.
+    void find_gradients(const Vec<double, D>& p, PointState state, Work& work) const {
+        auto& scratch = work.scratch;
+        if (state == PointState::inside && !scratch.at_site) return;
+        if (scratch.at_site && options_.degree == 3) return;
+        for (const double part : {0x1p-20, 0x1.8p-20}) {
+            (void)neighbours_.find(neighbours_.drawn_inside(p, part), scratch);
+            if (!scratch.at_site) return;
+        }
+    }
+    void add_gradients(Work& work) const {
+        const auto& found = work.scratch.found;
+        const std::size_t handles = handles_.size();
+        if (options_.degree == 1) {
+            for (const auto& n : found) {
+                for (std::size_t k = 0; k < D; ++k) work.add(k * handles + n.site, n.gradient[k]);
+            }
+            return;
+        }
+        double s = 0;
+        Vec<double, D> m{}, ds{};
+        Matrix dm{}; // without the part of the place itself
+        for (const auto& n : found) {
+            const double u = n.weight;
+            s += u * u;
+            m = m + (u * u) * n.away;
+            ds = ds + (2 * u) * n.gradient;
+            for (std::size_t k = 0; k < D; ++k) dm[k] = dm[k] + (2 * u * n.gradient[k]) * n.away;
+        }
+        for (const auto& n : found) {
+            const double u = n.weight;
+            const auto bracket = (s - 1 - u) * n.away - m;
+            for (std::size_t k = 0; k < D; ++k) {
+                work.add(k * handles + n.site, n.gradient[k] * (1 + 2 * u - s) - u * ds[k]);
+                auto v = (0.5 * n.gradient[k]) * bracket +
+                         (0.5 * u) * ((ds[k] - n.gradient[k]) * n.away - dm[k]);
+                v[k] += 0.5 * u * (1 + u);
+                add_slope(n.site, v, k * handles, work);
+            }
+        }
+    }
+
+    SibsonOptions options_;
+    std::vector<Vec<T, D>> handles_;
+    std::size_t site_count_ = 0;
+    CageReport report_;
+    Neighbours neighbours_;
+    detail::SiteGradientRows<D> gradients_;
+};
+
+using SibsonCoordinates2f = SibsonCoordinates<float, 2>;
+using SibsonCoordinates2d = SibsonCoordinates<double, 2>;
+using SibsonCoordinates3f = SibsonCoordinates<float, 3>;
+using SibsonCoordinates3d = SibsonCoordinates<double, 3>;
+
+} // namespace cageform::inline CAGEFORM_ABI
