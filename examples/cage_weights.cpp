@@ -68,6 +68,7 @@ void merge(cageform::BindReport& total, const cageform::BindReport& part, std::s
     total.weight_change.raise(shifted(part.weight_change));
     total.residual_restored.raise(shifted(part.residual_restored));
     total.least_weight.lower(shifted(part.least_weight));
+    total.amplification.raise(shifted(part.amplification));
     total.points += part.points;
     total.seconds += part.seconds;
     total.cage = part.cage;

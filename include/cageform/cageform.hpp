@@ -15,5 +15,6 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/sibson.hpp>
 #include <cageform/grid/dirichlet.hpp>
 #include <cageform/version.hpp>

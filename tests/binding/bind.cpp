@@ -116,8 +116,9 @@ bool same_figures(const BindReport& a, const BindReport& b) {
     };
     return same(a.partition_error, b.partition_error) && same(a.reproduction_error, b.reproduction_error) &&
            same(a.weight_change, b.weight_change) && same(a.residual_restored, b.residual_restored) &&
-           same(a.least_weight, b.least_weight) && a.outside == b.outside && a.on_boundary == b.on_boundary &&
-           a.not_finite == b.not_finite && a.unreached == b.unreached;
+           same(a.least_weight, b.least_weight) && same(a.amplification, b.amplification) &&
+           a.outside == b.outside && a.on_boundary == b.on_boundary && a.not_finite == b.not_finite &&
+           a.unreached == b.unreached;
 }
 
 template <class T, std::size_t D>
@@ -420,7 +421,7 @@ TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[bindi
     REQUIRE(report.status == Status::ok);
     REQUIRE(!report.outside.empty());
     const double eps = double(epsilon<T>), size = size_of(cage.vertices());
-    std::vector<double> partition, reproduction, least;
+    std::vector<double> partition, reproduction, least, sizes;
     double scale = 1;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto row = row_of(binding, i);
@@ -428,6 +429,7 @@ TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[bindi
         partition.push_back(bound ? std::fabs(double(sum_of(row) - 1)) : 0);
         reproduction.push_back(bound ? distance(combine(row, cage.vertices()), points[i]) : 0);
         least.push_back(bound ? double(*std::min_element(row.begin(), row.end())) : 1);
+        sizes.push_back(bound ? double(absolute_sum(row)) : 0);
         scale = std::max(scale, absolute_sum(row));
     }
     // The report is computed in the scalar itself: a rounding a handle.
@@ -438,6 +440,7 @@ TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[bindi
     CHECK(std::fabs(report.reproduction_error.value - most(reproduction)) <= rounding * size);
     CHECK(std::fabs(reproduction[report.reproduction_error.point] - most(reproduction)) <=
           2 * rounding * size);
+    CHECK(std::fabs(report.amplification.value - most(sizes)) <= rounding);
     CHECK(report.least_weight.value == *std::min_element(least.begin(), least.end()));
     CHECK(report.least_weight.value == least[report.least_weight.point]);
     if (mode == LinearPrecision::leave) {

@@ -59,6 +59,8 @@ struct BindReport {
     Extreme weight_change;      ///< largest change of a weight by a round of LinearPrecision::restore
     Extreme residual_restored; ///< largest |Σwc − p| before it
     Extreme least_weight;      ///< negative weights are no fault of closed forms
+    Extreme amplification;     ///< largest Σ|w|: so far handles moved by 1 may move a point; 1 where no
+                               ///< weight is negative
     double seconds = 0;        ///< wall-clock time, the solver's included
 };
 
@@ -73,7 +75,7 @@ namespace detail {
 /// What a piece of the points finds out: its status, and measures.
 struct BindPiece {
     Status status = Status::ok;
-    Extreme partition, reproduction, change, before, least;
+    Extreme partition, reproduction, change, before, least, amplification;
 
     /// Takes those of a point.
     template <class Outcome>
@@ -83,6 +85,7 @@ struct BindPiece {
         change.raise({double(outcome.change[lane]), point});
         if (outcome.change[lane] > 0) before.raise({double(outcome.before[lane]), point});
         least.lower({double(outcome.least[lane]), point});
+        amplification.raise({double(outcome.sizes[lane]), point});
     }
     void put_into(BindReport& report) const noexcept {
         report.partition_error.raise(partition);
@@ -90,6 +93,7 @@ struct BindPiece {
         report.weight_change.raise(change);
         report.residual_restored.raise(before);
         report.least_weight.lower(least);
+        report.amplification.raise(amplification);
     }
 };
 

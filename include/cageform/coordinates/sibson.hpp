@@ -123,7 +123,7 @@ private:
         if (options_.tips) {
             add_tips();
         } else {
-            gradients_ = detail::SiteGradientRows<D>(neighbours_, options_.gradients);
+            gradients_ = detail::SiteGradientRows<D>(neighbours_, options_.gradients, neighbours_.on_hull());
         }
         return Status::ok;
     }
@@ -259,8 +259,8 @@ private:
             const auto bracket = (s - 1 - u) * n.away - m;
             for (std::size_t k = 0; k < D; ++k) {
                 work.add(k * handles + n.site, n.gradient[k] * (1 + 2 * u - s) - u * ds[k]);
-                auto v = (0.5 * n.gradient[k]) * bracket +
-                         (0.5 * u) * ((ds[k] - n.gradient[k]) * n.away - dm[k]);
+                auto v =
+                    (0.5 * n.gradient[k]) * bracket + (0.5 * u) * ((ds[k] - n.gradient[k]) * n.away - dm[k]);
                 v[k] += 0.5 * u * (1 + u);
                 add_slope(n.site, v, k * handles, work);
             }

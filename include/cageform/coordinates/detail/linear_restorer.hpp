@@ -21,7 +21,7 @@ template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
     struct Result {
-        Lanes<T> partition, reproduction, before, change, least;
+        Lanes<T> partition, reproduction, before, change, least, sizes; ///< sizes: Σ|w|
         Lanes<T> missed; ///< one where more than rounding is left to restore, zero in other lanes
     };
 
@@ -68,7 +68,7 @@ private:
         const Simd enough = Simd(4 * epsilon<T>) * unit, zero(T(0));
         Simd treat = restore ? Simd::load(bound) : zero;
         Result result;
-        auto [missing, least] = measure(wanted, [&](std::size_t i) { return Simd::load(row[i]); });
+        auto [missing, least, sizes] = measure(wanted, [&](std::size_t i) { return Simd::load(row[i]); });
         Simd worst = largest(missing), change = zero;
         distance(missing).store(result.before);
         for (int round = 0; round < 3; ++round) {
@@ -88,12 +88,14 @@ private:
             }
             for (std::size_t k = 0; k <= D; ++k) missing[k] = select<T>(taken, tried.missing[k], missing[k]);
             least = select<T>(taken, tried.least, least);
+            sizes = select<T>(taken, tried.sizes, sizes);
             worst = select<T>(taken, left, worst);
         }
         abs<T>(missing[0]).store(result.partition);
         distance(missing).store(result.reproduction);
         change.store(result.change);
         least.store(result.least);
+        sizes.store(result.sizes);
         // The sums over weights that grow with the distance round by more.
         const Simd rounding = Simd(128 * epsilon<T>) * max<T>(unit, largest(wanted));
         select<T>(rounding < worst, restore ? Simd::load(bound) : zero, zero).store(result.missed);
@@ -110,14 +112,16 @@ private:
     struct Measures {
         Row missing; ///< to what is wanted
         Simd least;
+        Simd sizes;
     };
     /// weight(i): of a handle.
     template <class Weight>
     Measures measure(const Row& wanted, const Weight& weight) const {
-        Measures m{wanted, weight(0)};
+        Measures m{wanted, weight(0), Simd(T(0))};
         const Row sums = compensated_sums<Simd, D + 1>(rows_.size(), [&](std::size_t i, Row& sum) {
             const Simd w = weight(i);
             m.least = min<T>(m.least, w);
+            m.sizes = m.sizes + abs<T>(w);
             for (std::size_t r = 0; r <= D; ++r) sum[r] = sum[r] + w * Simd(rows_[i][r]);
         });
         for (std::size_t r = 0; r <= D; ++r) m.missing[r] = m.missing[r] - sums[r];

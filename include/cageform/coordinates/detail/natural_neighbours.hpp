@@ -76,16 +76,19 @@ public:
     }
 
     const Delaunay<D>& sites() const noexcept { return sites_; }
-    /// A step of the lattice, in the units of the sites.
+    /// Nearer to each other two places are one. Both in the units of the sites.
+    double tolerance() const noexcept { return lattice_.units(tolerance_); }
+    /// A step of the lattice.
     double step() const noexcept { return lattice_.units(0x1p-60); }
-    /// Of a vertex of the triangulation: whether it lies on the hull, within tolerance.
+    /// Of every site, by the user's numbers: whether it lies on the hull, within tolerance.
     std::vector<bool> on_hull() const {
         std::vector<bool> result(sites_.size(), false);
         for (const auto& simplex : sites_.simplices()) {
-            for (std::size_t k = 0; simplex.is_ghost() && k < D; ++k) result[simplex.vertex[k]] = true;
+            for (std::size_t k = 0; simplex.is_ghost() && k < D; ++k)
+                result[sites_.site(simplex.vertex[k])] = true;
         }
         for (const auto& facet : facets_) {
-            for (const std::uint32_t v : facet.vertex) result[v] = true;
+            for (const std::uint32_t v : facet.vertex) result[sites_.site(v)] = true;
         }
         return result;
     }

@@ -21,9 +21,9 @@ std::vector<Centre<D>> centres_of(const Delaunay<D>& sites) {
 template <std::size_t D>
 class NewCell {
 public:
-    /// What rounding may be of the weights in double at the most. Errors measured are less than a
-    /// hundredth of the bound.
-    static constexpr double enough = 0x1p-38;
+    /// What rounding may be of the weights in double at the most. Errors measured are below a
+    /// fortieth of the bound, and below 1e-14.
+    static constexpr double enough = 0x1p-36;
 
     Cavity<D> cavity;
     std::vector<double> measure, facet;

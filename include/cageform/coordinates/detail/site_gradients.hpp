@@ -27,16 +27,17 @@ public:
     };
 
     SiteGradientRows() = default;
-    SiteGradientRows(const NaturalNeighbours<D>& sites, SiteGradients rule)
+    /// `on_hull`: of every site, by the user's numbers.
+    SiteGradientRows(const NaturalNeighbours<D>& sites, SiteGradients rule, const std::vector<bool>& on_hull)
         : sites_(&sites.sites())
         , rule_(rule)
-        , unit_(sites.step()) {
-        const std::vector<bool> on_hull = sites.on_hull();
+        , unit_(sites.step())
+        , tolerance_(sites.tolerance()) {
         const std::size_t count = sites_->size();
         list_neighbours();
         rows_.resize(count);
         for (std::uint32_t v = 0; v < count; ++v) {
-            fill(v, on_hull[v] || rule == SiteGradients::mirrored);
+            fill(v, on_hull[sites_->site(v)] || rule == SiteGradients::mirrored);
         }
         sites_ = nullptr;
         neighbours_ = {};
@@ -65,9 +66,9 @@ private:
         const auto& near = neighbours_[v];
         if (near.empty()) return;
         std::vector<Place<D>> places;
-        for (const std::uint32_t n : near) places.push_back(difference<D>(sites_->place(n), sites_->place(v)));
-        for (std::size_t n = 0; mirrored && n < near.size(); ++n)
-            places.push_back(difference<D>(Place<D>{}, places[n]));
+        for (const std::uint32_t n : near)
+            places.push_back(difference<D>(sites_->place(n), sites_->place(v)));
+        if (mirrored) add_mirrored(places);
         // The cell of v is that of a new place at v among its neighbours.
         const Delaunay<D> local(std::move(places));
         if (local.empty()) return;
@@ -78,6 +79,20 @@ private:
         }
         if (!cell_.fill(local, centres_of(local), {}, search_.cavity())) return;
         fit(v, local);
+    }
+
+    /// The mirror images of neighbours but for those at another neighbour's place: on lattices and
+    /// rings, where rounding would decide which of the two has the facet.
+    void add_mirrored(std::vector<Place<D>>& places) const {
+        const std::size_t count = places.size();
+        for (std::size_t n = 0; n < count; ++n) {
+            const Place<D> mirrored = difference<D>({}, places[n]);
+            const auto coincides = [&](const Place<D>& other) {
+                return length(to_double<D>(difference<D>(other, mirrored))) * unit_ <= 4 * tolerance_;
+            };
+            if (std::none_of(places.begin(), places.begin() + std::ptrdiff_t(count), coincides))
+                places.push_back(mirrored);
+        }
     }
 
     void fit(std::uint32_t v, const Delaunay<D>& local) {
@@ -116,6 +131,7 @@ private:
     const Delaunay<D>* sites_ = nullptr;
     SiteGradients rule_ = SiteGradients::facets;
     double unit_ = 1; ///< a step of the lattice
+    double tolerance_ = 0;
     std::vector<std::vector<std::uint32_t>> neighbours_;
     std::vector<std::vector<Term>> rows_; ///< by the user's numbers
     typename Delaunay<D>::Search search_;
