@@ -68,7 +68,8 @@ T spoilt(Random& random, double x, std::size_t kind) {
     case 3: return T(1e6 + x);
     case 4: return random.below(8) == 0 ? std::numeric_limits<T>::quiet_NaN() : T(x);
     case 5: return random.below(8) == 0 ? std::numeric_limits<T>::infinity() : T(x);
-    case 6: return T(x * std::pow(10.0, random.uniform(sizeof(T) == 4 ? -44 : -320, sizeof(T) == 4 ? 38 : 308)));
+    case 6:
+        return T(x * std::pow(10.0, random.uniform(sizeof(T) == 4 ? -44 : -320, sizeof(T) == 4 ? 38 : 308)));
     case 7: return T(x * double(std::numeric_limits<T>::max()));
     case 8: return T(x * double(std::numeric_limits<T>::min()));
     default: return T(x);
@@ -86,7 +87,8 @@ Status try_sites(Random& random, unsigned long long seed) {
     for (auto& p : points) {
         for (std::size_t k = 0; k < D; ++k) p[k] = spoilt<T>(random, random.uniform(-1.2, 1.2), kind);
         if (!sites.empty() && random.below(2) == 0) p = sites[random.below(sites.size())];
-        if (!sites.empty() && random.below(3) == 0) p = T(0.5) * p + T(0.5) * sites[random.below(sites.size())];
+        if (!sites.empty() && random.below(3) == 0)
+            p = T(0.5) * p + T(0.5) * sites[random.below(sites.size())];
     }
     const SibsonOptions options{.degree = random.below(2) == 0 ? 1 : 3,
                                 .gradients = SiteGradients(random.below(3)),
@@ -102,7 +104,10 @@ Status try_sites(Random& random, unsigned long long seed) {
         double sum = 0, sizes = 0;
         for (std::size_t h = 0; h < weights.rows; ++h) {
             REQUIRE(is_finite(weights(i, h)));
-            REQUIRE(options.degree == 3 || weights(i, h) >= -T(16) * epsilon<T>);
+            // What was restored may be negative: of points within tolerance of a thin hull.
+            REQUIRE(options.degree == 3 ||
+                    double(weights(i, h)) >=
+                        -16 * double(epsilon<T>) - 2 * result.report.weight_change.value);
             sum += double(weights(i, h));
             sizes += std::fabs(double(weights(i, h)));
         }

@@ -115,7 +115,7 @@ private:
         sites.reserve(site_count_);
         for (const auto& site : handles_) sites.push_back(vec_cast<double>(site));
         neighbours_ = Neighbours(sites, double(coincidence_tolerance(bounds_of(handles()))));
-        if (neighbours_.sites().empty()) {
+        if (neighbours_.empty()) {
             report_.add(CageFaultKind::sites_in_a_plane);
             return Status::ok;
         }

@@ -42,7 +42,7 @@ public:
             return a.measure > b.measure || (a.measure == b.measure && a.ghost < b.ghost);
         });
         for (const Entry& entry : order) {
-            if (!taken_[entry.ghost] && entry.measure > 8 * tolerance * longest_edge(entry.ghost))
+            if (!taken_[entry.ghost] && entry.measure > tolerance * longest_edge(entry.ghost))
                 collect(entry.ghost);
         }
     }

@@ -75,6 +75,8 @@ public:
         for (auto& facet : facets_) prepare(facet);
     }
 
+    /// Where all sites lie in a plane (on a line), as good as.
+    bool empty() const noexcept { return facets_.empty(); }
     const Delaunay<D>& sites() const noexcept { return sites_; }
     /// Nearer to each other two places are one. Both in the units of the sites.
     double tolerance() const noexcept { return lattice_.units(tolerance_); }
@@ -280,7 +282,7 @@ private:
             std::size_t next = 1;
             while (next + 1 < facet.vertex.size() && position(at_[facet.vertex[next]]) < position(q)) ++next;
             take_facet(std::array<std::uint32_t, 2>{facet.vertex[next - 1], facet.vertex[next]}, q, scratch);
-        } else if (flat_[n].neighbours.sites().empty()) {
+        } else if (flat_[n].neighbours.empty()) {
             take_facet({facet.vertex[0], facet.vertex[1], facet.vertex[2]}, q, scratch);
         } else {
             if (!scratch.flat) scratch.flat = std::make_unique<typename Flat::Scratch>();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/detail/natural_neighbours.hpp>
+#include <cageform/core/detail/orthonormal_rows.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -102,8 +103,9 @@ private:
             const double distance = length(cell_.seen(local, n));
             if (size == 0 || distance < size) size = distance;
         }
-        Square<double, D> normal{};
         auto& row = rows_[sites_->site(v)];
+        std::vector<Vec<double, D>> scaled; // d times the square root of its weight in the sum of squares
+        std::vector<double> root;
         for (std::size_t n = 0; n < cell_.facet.size(); ++n) {
             const std::uint32_t number = local.site(cell_.cavity.vertices[n]);
             const auto d = (1 / size) * cell_.seen(local, n);
@@ -112,18 +114,19 @@ private:
             const double weight =
                 std::fmax(cell_.facet[n], 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
             if (number >= near.size() || !(weight > 0)) continue;
-            for (std::size_t i = 0; i < D; ++i) {
-                for (std::size_t k = 0; k < D; ++k) normal[i][k] += weight * d[i] * d[k];
-            }
-            row.push_back({sites_->site(near[number]), weight * d});
+            root.push_back(std::sqrt(weight));
+            scaled.push_back(root.back() * d);
+            row.push_back({sites_->site(near[number]), {}});
+        }
+        // With A = QR the pseudoinverse is R⁻¹Qᵀ: the condition is not squared, as it is in AᵀA.
+        const OrthonormalRows<D> rows(std::move(scaled));
+        for (std::size_t k = 0; k < D; ++k) {
+            if (rows.triangle()[k][k] == 0) return row.clear();
         }
         Vec<double, D> sum{};
-        for (Term& term : row) {
-            std::array<double, D> y;
-            for (std::size_t k = 0; k < D; ++k) y[k] = term.vector[k];
-            if (!solve_symmetric(normal, y)) return row.clear();
-            for (std::size_t k = 0; k < D; ++k) term.vector[k] = y[k] / (size * unit_);
-            sum = sum + term.vector;
+        for (std::size_t n = 0; n < row.size(); ++n) {
+            row[n].vector = (root[n] / (size * unit_)) * coefficients(rows.triangle(), rows[n]);
+            sum = sum + row[n].vector;
         }
         row.push_back({sites_->site(v), -1.0 * sum});
     }
