@@ -10,6 +10,11 @@
 #include <cageform/coordinates/pyramid_solver.hpp>
 
 #include <benchmark/benchmark.h>
+#if defined(CAGEFORM_BENCH_CGAL)
+#include <CGAL/Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/natural_neighbor_coordinates_2.h>
+#endif
 
 #include <ctime>
 
@@ -191,6 +196,74 @@ void plain_mean_value_mesh(benchmark::State& state) {
     finish(state, points.size(), m);
 }
 
+/// Sites or points anywhere in the cube [-1, 1]^D times `size`; the points after those of other seeds' streams.
+template <std::size_t D>
+std::vector<cageform::Vec<double, D>> anywhere(std::size_t count, double size, std::uint64_t seed) {
+    std::vector<cageform::Vec<double, D>> points(count);
+    std::uint64_t x = seed;
+    for (auto& p : points) {
+        for (std::size_t k = 0; k < D; ++k) {
+            x = x * 6364136223846793005u + 1442695040888963407u;
+            p[k] = size * (double(x >> 11) * 0x1p-52 - 1);
+        }
+    }
+    return points;
+}
+
+/// Sites: the check, the triangulation, and with degree 3 the gradients.
+template <std::size_t D>
+void make_sibson(benchmark::State& state) {
+    const auto sites = anywhere<D>(std::size_t(state.range(0)), 1, 1);
+    const cageform::SibsonOptions options{.degree = int(state.range(1))};
+    for (auto _ : state) {
+        const cageform::SibsonCoordinates<double, D> sibson(sites, options);
+        if (sibson.cage_report().status != cageform::Status::ok)
+            state.SkipWithError(to_string(sibson.cage_report().status));
+        benchmark::ClobberMemory();
+    }
+    state.counters["sites/s"] =
+        benchmark::Counter(double(sites.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+template <class T, std::size_t D>
+void bind_sibson(benchmark::State& state) {
+    const auto sites = anywhere<D>(std::size_t(state.range(1)), 1, 1);
+    run_bind(state, cageform::SibsonCoordinates<T, D>(sites, {.degree = int(state.range(2))}),
+             anywhere<D>(std::size_t(state.range(0)), 0.9, 2));
+}
+
+/// Weights alone, into memory that is there.
+template <std::size_t D>
+void evaluate_sibson(benchmark::State& state) {
+    const auto sites = anywhere<D>(std::size_t(state.range(1)), 1, 1);
+    run_evaluate(state, cageform::SibsonCoordinates<double, D>(sites),
+                 anywhere<D>(std::size_t(state.range(0)), 0.9, 2));
+}
+
+#if defined(CAGEFORM_BENCH_CGAL)
+/// CGAL's natural neighbours in the plane, of the same sites and points, each search from the last triangle.
+void cgal_natural_neighbours(benchmark::State& state) {
+    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+    CGAL::Delaunay_triangulation_2<Kernel> triangulation;
+    for (const auto& p : anywhere<2>(std::size_t(state.range(1)), 1, 1)) triangulation.insert({p[0], p[1]});
+    const auto points = anywhere<2>(std::size_t(state.range(0)), 0.9, 2);
+    std::vector<std::pair<Kernel::Point_2, double>> weights;
+    for (auto _ : state) {
+        decltype(triangulation)::Face_handle face = triangulation.finite_faces_begin();
+        for (const auto& p : points) {
+            weights.clear();
+            face = triangulation.locate({p[0], p[1]}, face);
+            const auto result = CGAL::natural_neighbor_coordinates_2(
+                triangulation, Kernel::Point_2(p[0], p[1]), std::back_inserter(weights), face);
+            for (auto& [site, weight] : weights) weight /= result.second;
+            benchmark::DoNotOptimize(weights.data());
+        }
+        benchmark::ClobberMemory();
+    }
+    finish(state, points.size(), std::size_t(state.range(1)));
+}
+#endif
+
 /// Writing as many weights as a bind does: into new memory, or (again) into memory in use.
 void limit_write_weights(benchmark::State& state, bool again) {
     const std::size_t count = std::size_t(state.range(0) * state.range(1));
@@ -351,6 +424,15 @@ void growing_points(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"})->Unit(benchmark::kMicrosecond)->Complexity();
     for (int points = 1000; points <= 64000; points *= 4) benchmark->Args({points, 25});
 }
+void sites_and_degree(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"sites", "degree"})->Unit(benchmark::kMicrosecond);
+    for (const int degree : {1, 3}) benchmark->Args({400, degree});
+    benchmark->Args({10000, 1});
+}
+void points_sites_degree(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"points", "sites", "degree"})->Unit(benchmark::kMicrosecond);
+    for (const int degree : {1, 3}) benchmark->Args({10000, 400, degree});
+}
 void growing_grid(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles", "resolution"})->Unit(benchmark::kMillisecond);
     for (const int resolution : {64, 128, 256, 512, 1024}) benchmark->Args({10000, 25, resolution});
@@ -370,6 +452,16 @@ BENCHMARK_TEMPLATE(evaluate_mean_value, float)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, double)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, float)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(make_sibson, 2)->Apply(sites_and_degree);
+BENCHMARK_TEMPLATE(make_sibson, 3)->Apply(sites_and_degree);
+BENCHMARK_TEMPLATE(bind_sibson, double, 2)->Apply(points_sites_degree);
+BENCHMARK_TEMPLATE(bind_sibson, double, 3)->Apply(points_sites_degree);
+BENCHMARK_TEMPLATE(bind_sibson, float, 3)->Apply(points_sites_degree);
+BENCHMARK_TEMPLATE(evaluate_sibson, 2)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_sibson, 3)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+#if defined(CAGEFORM_BENCH_CGAL)
+BENCHMARK(cgal_natural_neighbours)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+#endif
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
