@@ -256,12 +256,13 @@ void check_laws(std::uint64_t seed) {
     for (const auto& s : sites) wide.push_back(vec_cast<double>(s));
     const auto points = rounded<T>(mixtures(wide, seed));
     const double size = double(bounds_of(std::span<const Vec<T, D>>(sites)).magnitude());
-    const double tolerance = 4 * double(epsilon<T>);
     const detail::NaturalNeighbours<D> neighbours(
         wide, double(coincidence_tolerance(bounds_of(std::span<const Vec<T, D>>(sites)))));
     for (const SibsonOptions options :
          {SibsonOptions{}, SibsonOptions{.degree = 3}, SibsonOptions{.degree = 3, .tips = true}}) {
         CAPTURE(options.degree, options.tips);
+        // Of degree 3 the gradients of many sites meet in a weight, larger than it is.
+        const double tolerance = (options.degree == 1 ? 4 : 12) * double(epsilon<T>);
         const SibsonCoordinates<T, D> sibson(sites, options);
         const auto rows = rows_of(sibson, points);
         for (std::size_t n = 0; n < rows.size(); ++n) {

@@ -99,15 +99,17 @@ public:
     std::uint32_t locate(const detail::Place<D>& p, Search& search) const noexcept {
         std::uint32_t at = search.last_ < simplices_.size() ? search.last_ : 0;
         if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
+        std::uint32_t from = none;
         // Among simplices with a common sphere a walk may go in circles: then all are asked.
         for (std::size_t step = 0; step <= 2 * simplices_.size() && !is_free(at); ++step) {
-            const std::uint32_t next = step_towards(p, at, step);
+            const std::uint32_t next = step_towards(p, at, from, step);
             if (next == none || has_infinite(next)) return search.last_ = next == none ? at : next;
+            from = at;
             at = next;
         }
         for (at = 0; at < simplices_.size(); ++at) {
             if (is_free(at) || has_infinite(at)) continue;
-            const std::uint32_t next = step_towards(p, at, 0);
+            const std::uint32_t next = step_towards(p, at, none, 0);
             if (next == none || has_infinite(next)) break;
         }
         return search.last_ = std::min(at, std::uint32_t(simplices_.size() - 1));
@@ -242,12 +244,14 @@ private:
     }
 
     /// The neighbour across a facet that `p` lies strictly beyond; none where there is none. Facets
-    /// are tried from another one on every time.
-    std::uint32_t step_towards(const Place& p, std::uint32_t at, std::size_t turn) const noexcept {
+    /// are tried from another one on every time, but for that to the simplex the walk comes from.
+    std::uint32_t step_towards(const Place& p, std::uint32_t at, std::uint32_t from,
+                               std::size_t turn) const noexcept {
         const Simplex& simplex = simplices_[at];
         const Corners a = corners(simplex);
         for (std::size_t n = 0; n <= D; ++n) {
             const std::size_t k = (n + turn) % (D + 1);
+            if (simplex.neighbour[k] == from) continue;
             Corners b = a;
             b[k] = p;
             if (detail::orientation<D>(b) < 0) return simplex.neighbour[k];

@@ -62,6 +62,7 @@ public:
     NaturalNeighbours(std::span<const Vec<double, D>> sites, double tolerance, bool smooth = false)
         : smooth_(smooth)
         , lattice_(bounds_of(sites))
+        , upper_(lattice_.seen(bounds_of(sites).upper))
         , tolerance_(lattice_.extents(tolerance)) {
         std::vector<Place<D>> places;
         places.reserve(sites.size());
@@ -101,6 +102,10 @@ public:
         scratch.found.clear();
         scratch.at_site = false;
         const auto q = lattice_.seen(p);
+        for (std::size_t k = 0; k < D; ++k) {
+            // Hulls as thin as the tolerance have facets without a plane.
+            if (q[k] < -tolerance_ || q[k] > upper_[k] + tolerance_) return PointState::outside;
+        }
         std::size_t nearest = 0;
         double farthest_out = -std::numeric_limits<double>::max();
         for (std::size_t n = 0; n < facets_.size(); ++n) {
@@ -230,6 +235,7 @@ private:
             for (const auto& n : found) largest = std::fmax(largest, std::fabs(factor(n, size, y)));
             if (!(largest < 1e-6)) return; // more than rounding is not for this to mend
             for (auto& n : found) n.weight += n.weight * factor(n, size, y);
+            if (largest < 1e-12) return;
         }
     }
     static std::array<double, D + 1> row(const Neighbour<D>& n, double size) noexcept {
@@ -307,7 +313,8 @@ private:
 
     bool smooth_ = false; ///< in the plane: the measures of C² coordinates
     SiteLattice<D> lattice_;
-    double tolerance_ = 0; ///< in extents
+    Vec<double, D> upper_{}; ///< of the sites' bounds, in extents
+    double tolerance_ = 0;   ///< in extents
     Delaunay<D> sites_;
     std::vector<Centre<D>> centres_;
     std::vector<Vec<double, D>> at_; ///< vertices, in extents
