@@ -777,6 +777,31 @@ TEST_CASE("degree 3 reproduces quadratics", "[coordinates][sibson][property]") {
                     round(q)) <= 1e-11);
 }
 
+TEST_CASE("sibson has linear precision in thin sets, and in ones as small as their rounding",
+          "[coordinates][sibson][property]") {
+    const auto seed = std::uint64_t(GENERATE(range(0, 4)));
+    const double width = GENERATE(1e-3, 1e-7, 1e-11);
+    CAPTURE(seed, width);
+    auto sites = random_sites<3>(4 * seed);
+    for (auto& p : sites) p[2] *= width;
+    const auto points = mixtures(sites, seed);
+    for (const int degree : {1, 3}) {
+        const auto rows = rows_of(SibsonCoordinates<double, 3>(sites, {.degree = degree}), points);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            double sizes = 0;
+            for (const double w : rows[n]) sizes += std::fabs(w);
+            CHECK(std::fabs(double(sum_of(rows[n]) - 1)) <= 1e-14 * sizes);
+            CHECK(distance(combine(rows[n], sites), points[n]) <= 1e-14 * sizes);
+        }
+    }
+    // Two steps of float's tolerance long.
+    const std::vector<Vec<float, 2>> small{{1e6f, 1e6f}, {1e6f + 2, 1e6f}, {1e6f, 1e6f + 2}};
+    const SibsonCoordinates<float, 2> sibson(small);
+    REQUIRE(sibson.cage_report().status == Status::ok);
+    const auto units = rows_of(sibson, small);
+    for (std::size_t i = 0; i < 3; ++i) CHECK(units[i][i] == 1);
+}
+
 // ---- faults -------------------------------------------------------------------------------------
 
 TEST_CASE("sibson names what is wrong with its sites", "[coordinates][sibson]") {
