@@ -180,10 +180,11 @@ protected:
         }
         return unreached;
     }
-    /// No weights for points that `take` has found unreached.
+    /// No weights for points that `take` has found unreached, nor for those beside them without any:
+    /// where lengths overflow, the restorer's zero changes are none.
     void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
-            if (bound[lane] != T(0) && states_[block * lanes + lane] == PointState::unreached)
+            if (bound[lane] == T(0) || states_[block * lanes + lane] == PointState::unreached)
                 clear(row, lane);
         }
     }
