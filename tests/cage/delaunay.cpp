@@ -219,7 +219,7 @@ TEST_CASE("a point set's check names every fault", "[cage][point_set]") {
     for (const auto& fault : report.faults) pairs.insert({fault.a, fault.b});
     for (std::size_t i = 0; i < 100; ++i) expected.insert({7 * i, 2000 + i});
     CHECK(pairs == expected);
-    CHECK(check(PointSet(Points<3>(5000, {1, 2, 3}))).faults.size() == 4999);
+    CHECK(check(PointSet(Points<3>(5000, {1, 2, 3}))).fault_count == 4999);
     CHECK(check(PointSet<double, 3>()).status == Status::too_few_vertices);
     for (auto& p : sites) p[1] = 3 * p[0] - p[2];
     sites.resize(2000);

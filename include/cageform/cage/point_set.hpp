@@ -165,7 +165,7 @@ void check_point_set(const PointSet<T, D>& set, CageReport& report) {
 
 /// Whether sites can serve as control points: D + 1 at least, finite, none of them nearer to another
 /// than the coincidence_tolerance of their bounds, and not all of them that near to a plane (in the
-/// plane, to a line). Of duplicates every one is listed once, with the first that it coincides with.
+/// plane, to a line). Of duplicates every one counts once, with the first that it coincides with.
 /// O(n log n).
 template <Scalar T, std::size_t D>
 CageReport check(const PointSet<T, D>& set) {

@@ -104,7 +104,7 @@ private:
             if (size == 0 || distance < size) size = distance;
         }
         auto& row = rows_[sites_->site(v)];
-        std::vector<Vec<double, D>> scaled; // d times the square root of its weight in the sum of squares
+        Buffer<Vec<double, D>> scaled; // d times the square root of its weight in the sum of squares
         std::vector<double> root;
         for (std::size_t n = 0; n < cell_.facet.size(); ++n) {
             const std::uint32_t number = local.site(cell_.cavity.vertices[n]);
