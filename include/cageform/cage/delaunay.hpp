@@ -14,7 +14,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// the order of the sites.
 ///
 ///   cost    O(n log n) for usual sites, O(n²) at worst in space
-///   memory  6 triangles or some 7 tetrahedra of 56 bytes a site
+///   memory  6 triangles or some 7 tetrahedra of 64 bytes a site
 template <std::size_t D>
 class Delaunay {
     static_assert(D == 2 || D == 3);
@@ -79,6 +79,8 @@ public:
         if (!begin()) return;
         for (std::uint32_t i = D + 1; i < place_.size(); ++i) insert(i, search);
         finish();
+        find_centres();
+        lay_grid();
     }
 
     bool empty() const noexcept { return simplices_.empty(); }
@@ -87,6 +89,8 @@ public:
     /// The number that the caller has given to a vertex.
     std::uint32_t site(std::uint32_t vertex) const noexcept { return site_[vertex]; }
     const detail::Place<D>& place(std::uint32_t vertex) const noexcept { return place_[vertex]; }
+    /// The circumcentre of a simplex that is no ghost, seen from its first vertex.
+    const detail::Centre<D>& centre(std::uint32_t simplex) const noexcept { return centres_[simplex]; }
 
     std::array<detail::Place<D>, D + 1> corners(const Simplex& simplex) const noexcept {
         std::array<detail::Place<D>, D + 1> a;
@@ -95,9 +99,10 @@ public:
     }
 
     /// The simplex that `p` lies in, or one of them; a ghost beyond whose facet it lies. A walk from
-    /// the last place found.
+    /// near the place.
     std::uint32_t locate(const detail::Place<D>& p, Search& search) const noexcept {
-        std::uint32_t at = search.last_ < simplices_.size() ? search.last_ : 0;
+        std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
+        if (at >= simplices_.size()) at = 0;
         if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
         std::uint32_t from = none;
         // Among simplices with a common sphere a walk may go in circles: then all are asked.
@@ -248,13 +253,10 @@ private:
     std::uint32_t step_towards(const Place& p, std::uint32_t at, std::uint32_t from,
                                std::size_t turn) const noexcept {
         const Simplex& simplex = simplices_[at];
-        const Corners a = corners(simplex);
+        const detail::CornersSeen<D> seen(corners(simplex), p);
         for (std::size_t n = 0; n <= D; ++n) {
             const std::size_t k = (n + turn) % (D + 1);
-            if (simplex.neighbour[k] == from) continue;
-            Corners b = a;
-            b[k] = p;
-            if (detail::orientation<D>(b) < 0) return simplex.neighbour[k];
+            if (simplex.neighbour[k] != from && seen.side(k) < 0) return simplex.neighbour[k];
         }
         return none;
     }
@@ -264,7 +266,12 @@ private:
     bool in_conflict(std::uint32_t s, const Place& p) const noexcept {
         const Simplex& simplex = simplices_[s];
         const std::size_t k = simplex.index_of(infinite);
-        if (simplex.vertex[k] != infinite) return detail::in_sphere<D>(corners(simplex), p) > 0;
+        if (simplex.vertex[k] != infinite) {
+            const int sign = centres_.empty()
+                                 ? 2
+                                 : detail::certain_in_sphere<D>(place_[simplex.vertex[0]], centres_[s], p);
+            return (sign != 2 ? sign : detail::in_sphere<D>(corners(simplex), p)) > 0;
+        }
         Corners a;
         for (std::size_t n = 0; n <= D; ++n) a[n] = n == k ? p : place_[simplex.vertex[n]];
         const int side = detail::orientation<D>(a);
@@ -363,6 +370,41 @@ private:
         added_ = {};
         open_ = {};
     }
+    void find_centres() {
+        centres_.reserve(simplices_.size());
+        for (const Simplex& simplex : simplices_) {
+            centres_.push_back(simplex.is_ghost() ? detail::Centre<D>{}
+                                                  : detail::circumcentre<D>(corners(simplex)));
+        }
+    }
+    /// A grid of some cells fewer than sites, with a simplex for walks to begin at in each.
+    void lay_grid() {
+        if (size() < 64) return;
+        int bits = 0;
+        while ((std::size_t{1} << (D * std::size_t(bits + 1))) <= size()) ++bits;
+        const int shift = 60 - bits;
+        std::vector<std::uint32_t> starts(std::size_t{1} << (D * std::size_t(bits)));
+        Search search;
+        for (std::size_t cell = 0; cell < starts.size(); ++cell) {
+            Place middle;
+            for (std::size_t k = 0; k < D; ++k) {
+                const std::size_t n = (cell >> (k * std::size_t(bits))) & ((std::size_t{1} << bits) - 1);
+                middle[k] = (std::int64_t(2 * n + 1) << shift) / 2;
+            }
+            starts[cell] = locate(middle, search);
+        }
+        starts_ = std::move(starts);
+        grid_bits_ = bits;
+    }
+    std::size_t cell_of(const Place& p) const noexcept {
+        const std::int64_t last = (std::int64_t{1} << grid_bits_) - 1;
+        std::size_t cell = 0;
+        for (std::size_t k = D; k-- > 0;) {
+            const std::int64_t n = std::clamp(p[k] >> (60 - grid_bits_), std::int64_t{0}, last);
+            cell = (cell << grid_bits_) | std::size_t(n);
+        }
+        return cell;
+    }
     static void sort_vertices(Simplex& simplex) noexcept {
         bool odd = false;
         const auto exchange = [&](std::size_t a, std::size_t b) {
@@ -380,6 +422,9 @@ private:
     std::vector<std::uint32_t> site_;
     std::vector<Place> place_;
     std::vector<Simplex> simplices_;
+    std::vector<detail::Centre<D>> centres_;
+    std::vector<std::uint32_t> starts_; ///< of walks, by cell of a grid
+    int grid_bits_ = 0;                 ///< the logarithm of its cells along an axis
     std::vector<std::uint32_t> free_, added_;
     std::vector<OpenFacet> open_;
 };

@@ -171,6 +171,7 @@ private:
             PointState& state = batch.states[first + lane];
             if (state == PointState::not_finite) continue;
             const auto p = vec_cast<double>(block_point<D>(batch.points, first + lane));
+            work.scratch.gradients = gradients;
             state = neighbours_.find(p, work.scratch);
             if (state == PointState::outside) continue;
             if constexpr (gradients) {

@@ -176,6 +176,34 @@ int orientation(const std::array<Place<D>, D + 1>& a) noexcept {
     return sign != 2 ? sign : determinant(edge_rows<WideInt, D>(a)).sign();
 }
 
+/// A simplex with its corners seen from a place, to ask for the side of many facets.
+template <std::size_t D>
+class CornersSeen {
+public:
+    CornersSeen(const std::array<Place<D>, D + 1>& corners, const Place<D>& p) noexcept
+        : corners_(corners)
+        , place_(p) {
+        for (std::size_t i = 0; i <= D; ++i) {
+            for (std::size_t k = 0; k < D; ++k) seen_[i][k] = double(corners[i][k] - p[k]);
+        }
+    }
+    /// The orientation with the place instead of corner k. Exact.
+    int side(std::size_t k) const noexcept {
+        Square<double, D> rows;
+        for (std::size_t n = 0; n < D; ++n) rows[n] = seen_[n < k ? n : n + 1];
+        const int sign = certain_sign<D>(rows);
+        if (sign != 2) return k % 2 == 0 ? sign : -sign;
+        auto a = corners_;
+        a[k] = place_;
+        return determinant(edge_rows<WideInt, D>(a)).sign();
+    }
+
+private:
+    std::array<Place<D>, D + 1> corners_;
+    Place<D> place_;
+    std::array<std::array<double, D>, D + 1> seen_;
+};
+
 /// Positive where `q` lies strictly inside the ball through the corners of a positively oriented
 /// simplex, zero on its sphere. Exact.
 template <std::size_t D>
@@ -211,12 +239,67 @@ CentreQuotient<X, D> centre_quotient(const Square<X, D>& edges) noexcept {
     return q;
 }
 
+/// The same in double by the cofactors of the edges, and the sums of the sizes of all terms.
+template <std::size_t D>
+struct SizedCentreQuotient : CentreQuotient<double, D> {
+    std::array<double, D> numerator_size{};
+    double determinant_size = 0;
+
+    explicit SizedCentreQuotient(const Square<double, D>& edges) noexcept
+        : CentreQuotient<double, D>{} {
+        for (std::size_t i = 0; i < D; ++i) {
+            const auto& e = edges[i];
+            double square = 0;
+            for (const double x : e) square += x * x;
+            for (std::size_t k = 0; k < D; ++k) {
+                const auto [plus, minus] = cofactor(edges, i, k);
+                const double size = std::fabs(plus) + std::fabs(minus);
+                this->numerator[k] += square * (plus - minus);
+                numerator_size[k] += square * size;
+                if (i != 0) continue;
+                this->determinant += e[k] * (plus - minus);
+                determinant_size += std::fabs(e[k]) * size;
+            }
+        }
+    }
+
+private:
+    /// Of element k of edge i: a difference.
+    static std::array<double, 2> cofactor(const Square<double, D>& e, std::size_t i, std::size_t k) noexcept {
+        if constexpr (D == 2) {
+            const double x = e[1 - i][1 - k];
+            return i == k ? std::array<double, 2>{x, 0} : std::array<double, 2>{0, x};
+        } else {
+            const auto &a = e[(i + 1) % 3], &b = e[(i + 2) % 3];
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            return {a[l] * b[m], a[m] * b[l]};
+        }
+    }
+};
+
 /// A circumcentre, and a bound of the error of its largest component.
 template <std::size_t D>
 struct Centre {
     Vec<double, D> at;
     double error;
 };
+
+/// `in_sphere` of a simplex from its first corner and circumcentre, by |q|² − 2 q·c with that corner
+/// as origin; 2 where that is not certain.
+template <std::size_t D>
+int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Place<D>& p) noexcept {
+    double value = 0, size = 0, reach = 0;
+    for (std::size_t k = 0; k < D; ++k) {
+        const double q = double(p[k] - first[k]), diameter = 2 * centre.at[k];
+        value += q * (diameter - q);
+        size += std::fabs(q) * (std::fabs(diameter) + std::fabs(q));
+        reach += std::fabs(q);
+    }
+    const double error = determinant_error * size + 2 * centre.error * reach;
+    if (value > error) return 1;
+    if (value < -error) return -1;
+    return 2;
+}
 
 /// Seen from the first corner, to 2^-50 from integers.
 template <std::size_t D>
@@ -230,27 +313,27 @@ Centre<D> exact_centre(const std::array<Place<D>, D + 1>& a) noexcept {
     }
     return c;
 }
-/// The same, in double where that is certain to 2^-42 of the largest component.
+/// The same of edges in double; false where it is not certain to 2^-42 of the largest component.
 template <std::size_t D>
-Centre<D> circumcentre(const std::array<Place<D>, D + 1>& a) noexcept {
-    const auto edges = edge_rows<double, D>(a);
-    const auto q = centre_quotient<double, D>(edges);
-    const double size = std::fabs(q.determinant), error = 0x1p-49 * permanent(edges);
-    if (!(error < 0x1p-42 * size)) return exact_centre<D>(a);
-    Centre<D> c{};
+bool find_centre(const Square<double, D>& edges, Centre<D>& c) noexcept {
+    const SizedCentreQuotient<D> q(edges);
+    const double size = std::fabs(q.determinant), error = 0x1p-49 * q.determinant_size;
+    if (!(error < 0x1p-42 * size)) return false;
+    c = {};
+    const double scale = 0.5 / q.determinant;
     double largest = 0;
     for (std::size_t k = 0; k < D; ++k) {
-        c.at[k] = q.numerator[k] / (2 * q.determinant);
-        largest = std::fmax(largest, std::fabs(c.at[k]));
-        Square<double, D> m = edges;
-        for (std::size_t i = 0; i < D; ++i) {
-            m[i][k] = 0;
-            for (std::size_t l = 0; l < D; ++l) m[i][k] += edges[i][l] * edges[i][l];
-        }
-        c.error = std::fmax(c.error, 0x1p-49 * permanent(m) / (2 * size));
+        c.at[k] = q.numerator[k] * scale;
+        largest = std::max(largest, std::fabs(c.at[k]));
+        c.error = std::max(c.error, q.numerator_size[k]);
     }
-    c.error += largest * (error / size);
-    return c.error <= 0x1p-42 * largest ? c : exact_centre<D>(a);
+    c.error = (0x1p-49 * c.error + 2 * largest * error) * std::fabs(scale);
+    return c.error <= 0x1p-42 * largest;
+}
+template <std::size_t D>
+Centre<D> circumcentre(const std::array<Place<D>, D + 1>& a) noexcept {
+    Centre<D> c{};
+    return find_centre<D>(edge_rows<double, D>(a), c) ? c : exact_centre<D>(a);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -49,7 +49,8 @@ class NaturalNeighbours {
 public:
     /// What an evaluation needs, one for every thread; it holds what was found.
     struct Scratch {
-        std::vector<Neighbour<D>> found; ///< in ascending order of the triangulation's vertices
+        std::vector<Neighbour<D>> found; ///< in an order that follows from the triangulation alone
+        bool gradients = true;           ///< whether gradients are asked for: in, the only one
         bool at_site = false;
         typename Delaunay<D>::Search search;
         NewCell<D> cell;
@@ -69,7 +70,6 @@ public:
         for (const auto& site : sites) places.push_back(lattice_.place(site));
         sites_ = Delaunay<D>(std::move(places));
         if (sites_.empty()) return;
-        centres_ = centres_of(sites_);
         at_.reserve(sites_.size());
         for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.seen(sites_.place(v)));
         facets_ = HullFacets<D>(sites_, at_, tolerance_).facets;
@@ -175,8 +175,10 @@ private:
         const auto is_ghost = [&](std::uint32_t s) { return sites_.simplices()[s].is_ghost(); };
         if (std::any_of(cavity.begin(), cavity.end(), is_ghost)) return false;
         NewCell<D>& cell = scratch.cell;
-        const bool sound =
-            smooth_ ? cell.fill_smooth(sites_, place, cavity) : cell.fill(sites_, centres_, place, cavity);
+        const auto parts = smooth_             ? StolenParts::smooth
+                           : scratch.gradients ? StolenParts::moments
+                                               : StolenParts::measures;
+        const bool sound = cell.fill(sites_, place, cavity, parts);
         if (find_site(place, cell.cavity.vertices, scratch)) return true;
         if (!sound) return false;
         take_cell(cell, scratch.found);
@@ -199,13 +201,15 @@ private:
     }
     void take_cell(const NewCell<D>& cell, std::vector<Neighbour<D>>& found) const {
         Vec<double, D> sum{};
+        const double share = 1 / cell.total;
         for (std::size_t n = 0; n < cell.measure.size(); ++n) {
             const auto away = cell.seen(sites_, n);
-            const auto slope = (2 / dot(away, away)) * cell.moment[n];
+            Vec<double, D> slope{};
+            if (!cell.moment.empty()) slope = (2 / dot(away, away)) * cell.moment[n];
             sum = sum + slope;
             if (cell.measure[n] > 0)
-                found.push_back({sites_.site(cell.cavity.vertices[n]), cell.measure[n] / cell.total, slope,
-                                 0x1p-60 * away});
+                found.push_back(
+                    {sites_.site(cell.cavity.vertices[n]), cell.measure[n] * share, slope, 0x1p-60 * away});
         }
         restore(found);
         const double per_step = 1 / lattice_.units(0x1p-60);
@@ -219,7 +223,7 @@ private:
     /// y·(1, away_i). None where the neighbours are flat to rounding.
     static void restore(std::vector<Neighbour<D>>& found) {
         double size = 0;
-        for (const auto& n : found) size = std::fmax(size, length(n.away));
+        for (const auto& n : found) size = std::max(size, length(n.away));
         for (int round = 0; round < 2; ++round) {
             Square<double, D + 1> m{};
             std::array<double, D + 1> y{1};
@@ -232,7 +236,7 @@ private:
             }
             if (!solve_symmetric(m, y)) return;
             double largest = 0;
-            for (const auto& n : found) largest = std::fmax(largest, std::fabs(factor(n, size, y)));
+            for (const auto& n : found) largest = std::max(largest, std::fabs(factor(n, size, y)));
             if (!(largest < 1e-6)) return; // more than rounding is not for this to mend
             for (auto& n : found) n.weight += n.weight * factor(n, size, y);
             if (largest < 1e-12) return;
@@ -316,7 +320,6 @@ private:
     Vec<double, D> upper_{}; ///< of the sites' bounds, in extents
     double tolerance_ = 0;   ///< in extents
     Delaunay<D> sites_;
-    std::vector<Centre<D>> centres_;
     std::vector<Vec<double, D>> at_; ///< vertices, in extents
     std::vector<HullFacet<D>> facets_;
     std::vector<FlatFacet> flat_; ///< in space, for every facet

@@ -5,16 +5,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The circumcentres of a triangulation, seen from the first vertex of each simplex.
-template <std::size_t D>
-std::vector<Centre<D>> centres_of(const Delaunay<D>& sites) {
-    std::vector<Centre<D>> centres;
-    centres.reserve(sites.simplices().size());
-    for (const auto& simplex : sites.simplices())
-        centres.push_back(simplex.is_ghost() ? Centre<D>{} : circumcentre<D>(sites.corners(simplex)));
-    return centres;
-}
-
 /// Measures, facets and moments of the cell of a place (coordinates/detail/stolen.hpp). In double
 /// where a bound of the rounding allows, else with circumcentres from integers and sums of 120 bits:
 /// next to flat facets of the hull, where the cell is long and thin.
@@ -32,21 +22,18 @@ public:
     bool exact = false; ///< whether double was not enough
 
     /// The search has found the cavity of `p`, which holds no ghosts. False where the cell has no
-    /// measure.
-    bool fill(const Delaunay<D>& sites, std::span<const Centre<D>> centres, const Place<D>& p,
-              std::span<const std::uint32_t> found) {
+    /// measure. Moments are left empty unless asked for; smooth measures are always exact.
+    bool fill(const Delaunay<D>& sites, const Place<D>& p, std::span<const std::uint32_t> found,
+              StolenParts parts) {
         cavity.fill(sites, p, found);
-        fill_double(sites, centres);
-        fast_.sum(cavity, false);
-        take(fast_);
-        exact = !(total > 0 && fast_.bound < enough * total);
-        if (exact) fill_exact(sites, false);
-        return total > 0;
-    }
-    /// With the measures of C² coordinates, without facets and moments.
-    bool fill_smooth(const Delaunay<D>& sites, const Place<D>& p, std::span<const std::uint32_t> found) {
-        cavity.fill(sites, p, found);
-        fill_exact(sites, true);
+        exact = parts == StolenParts::smooth;
+        if (!exact) {
+            fill_double(sites);
+            fast_.sum(cavity, parts);
+            take(fast_);
+            exact = !(total > 0 && fast_.bound < enough * total);
+        }
+        if (exact) fill_exact(sites, parts);
         return total > 0;
     }
     /// A vertex of the cavity seen from the place, in steps.
@@ -60,14 +47,16 @@ private:
         const std::size_t count = cavity.vertices.size();
         measure.resize(count);
         facet.resize(count);
-        moment.resize(count);
+        moment.resize(sums.moment.size());
         total = 0;
         for (std::size_t n = 0; n < count; ++n) {
             measure[n] = double(sums.measure[n]);
             facet[n] = double(sums.facet[n]);
-            for (std::size_t k = 0; k < D; ++k) moment[n][k] = double(sums.moment[n][k]);
             if (measure[n] < 0) measure[n] = 0; // rounding
             total += measure[n];
+        }
+        for (std::size_t n = 0; n < moment.size(); ++n) {
+            for (std::size_t k = 0; k < D; ++k) moment[n][k] = double(sums.moment[n][k]);
         }
     }
 
@@ -82,34 +71,36 @@ private:
         return a;
     }
 
-    void fill_double(const Delaunay<D>& sites, std::span<const Centre<D>> centres) {
-        fast_.site.clear();
-        fast_.centre.clear();
-        fast_.rim_centre.clear();
-        fast_.size.clear();
-        fast_.error.clear();
+    void fill_double(const Delaunay<D>& sites) {
+        fast_.clear();
         for (std::size_t n = 0; n < cavity.vertices.size(); ++n)
             fast_.site.push_back(numbers(seen(sites, n)));
         for (std::size_t n = 0; n < cavity.numbers.size(); ++n) {
-            const Centre<D>& c = centres[cavity.numbers[n]];
+            const Centre<D>& c = sites.centre(cavity.numbers[n]);
             const auto& first = fast_.site[cavity.simplices[n].vertex[0]];
             Vec<double, D> at = c.at;
-            double rounding = c.error;
+            double largest = 0;
             for (std::size_t k = 0; k < D; ++k) {
-                rounding = std::fmax(rounding, c.error + 0x1p-52 * (std::fabs(first[k]) + std::fabs(at[k])));
+                largest = std::max(largest, std::fabs(first[k]) + std::fabs(at[k]));
                 at[k] += first[k];
             }
-            note(fast_.centre, at, rounding);
+            note_centre(at, c.error + 0x1p-52 * largest);
         }
         for (std::size_t n = 0; n < cavity.rim.size(); ++n) {
-            const Centre<D> c = circumcentre<D>(rim_corners(sites, n));
-            note(fast_.rim_centre, c.at, c.error);
+            const auto& rim = cavity.rim[n];
+            Square<double, D> edges;
+            for (std::uint32_t k = 0, next = 0; k <= D; ++k) {
+                if (k != rim.index) edges[next++] = fast_.site[cavity.simplices[rim.simplex].vertex[k]];
+            }
+            Centre<D> c{};
+            if (!find_centre<D>(edges, c)) c = exact_centre<D>(rim_corners(sites, n));
+            note_centre(c.at, c.error);
         }
     }
-    void note(std::vector<Numbers<double, D>>& list, const Vec<double, D>& at, double error) {
+    void note_centre(const Vec<double, D>& at, double error) {
         double size = 0;
         for (std::size_t k = 0; k < D; ++k) size += std::fabs(at[k]);
-        list.push_back(numbers(at));
+        fast_.centre.push_back(numbers(at));
         fast_.size.push_back(size);
         fast_.error.push_back(error);
     }
@@ -119,10 +110,8 @@ private:
         return a;
     }
 
-    void fill_exact(const Delaunay<D>& sites, bool smooth) {
-        wide_.site.clear();
-        wide_.centre.clear();
-        wide_.rim_centre.clear();
+    void fill_exact(const Delaunay<D>& sites, StolenParts parts) {
+        wide_.clear();
         for (const std::uint32_t v : cavity.vertices)
             wide_.site.push_back(wide_vector(difference<D>(sites.place(v), cavity.place)));
         for (std::size_t n = 0; n < cavity.numbers.size(); ++n) {
@@ -133,8 +122,8 @@ private:
             wide_.centre.push_back(c);
         }
         for (std::size_t n = 0; n < cavity.rim.size(); ++n)
-            wide_.rim_centre.push_back(wide_centre(rim_corners(sites, n)));
-        wide_.sum(cavity, smooth);
+            wide_.centre.push_back(wide_centre(rim_corners(sites, n)));
+        wide_.sum(cavity, parts);
         take(wide_);
     }
     static Numbers<WideFloat, D> wide_vector(const Place<D>& a) noexcept {

@@ -78,7 +78,7 @@ private:
         for (const std::uint32_t s : search_.cavity()) {
             if (local.simplices()[s].is_ghost()) return mirrored ? void() : fill(v, true);
         }
-        if (!cell_.fill(local, centres_of(local), {}, search_.cavity())) return;
+        if (!cell_.fill(local, {}, search_.cavity(), StolenParts::measures)) return;
         fit(v, local);
     }
 

@@ -21,31 +21,32 @@ struct Cavity {
     };
 
     Place<D> place{};
-    std::vector<std::uint32_t> vertices; ///< of the triangulation, ascending
-    std::vector<std::uint32_t> numbers;  ///< of the triangulation's simplices
+    std::vector<std::uint32_t> vertices; ///< of the triangulation, as they come in its simplices
+    std::vector<std::uint32_t> numbers;  ///< of the triangulation's simplices, ascending
     std::vector<Simplex> simplices;
     std::vector<RimFacet> rim;
 
+    /// `cavity`: without ghosts, ascending.
     void fill(const Delaunay<D>& sites, const Place<D>& p, std::span<const std::uint32_t> cavity) {
+        for (const std::uint32_t v : vertices) of_vertex_[v] = none;
+        for (const std::uint32_t s : numbers) of_simplex_[s] = none;
+        if (of_vertex_.size() < sites.size()) of_vertex_.resize(sites.size(), none);
+        if (of_simplex_.size() < sites.simplices().size()) of_simplex_.resize(sites.simplices().size(), none);
         place = p;
-        numbers.assign(cavity.begin(), cavity.end());
         vertices.clear();
-        for (const std::uint32_t s : numbers) {
-            const auto& vertex = sites.simplices()[s].vertex;
-            vertices.insert(vertices.end(), vertex.begin(), vertex.end());
-        }
-        std::sort(vertices.begin(), vertices.end());
-        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        numbers.assign(cavity.begin(), cavity.end());
         simplices.resize(numbers.size());
         rim.clear();
+        for (std::uint32_t n = 0; n < numbers.size(); ++n) of_simplex_[numbers[n]] = n;
         for (std::uint32_t n = 0; n < numbers.size(); ++n) {
             const auto& from = sites.simplices()[numbers[n]];
+            Simplex& to = simplices[n];
             for (std::uint32_t k = 0; k <= D; ++k) {
-                simplices[n].vertex[k] = find(vertices, from.vertex[k]);
-                simplices[n].inner[k] = find(numbers, from.neighbour[k]);
-                simplices[n].rim[k] = none;
-                if (simplices[n].inner[k] != none) continue;
-                simplices[n].rim[k] = std::uint32_t(rim.size());
+                to.vertex[k] = number_of(from.vertex[k]);
+                to.inner[k] = of_simplex_[from.neighbour[k]];
+                to.rim[k] = none;
+                if (to.inner[k] != none) continue;
+                to.rim[k] = std::uint32_t(rim.size());
                 rim.push_back({n, k});
             }
         }
@@ -68,10 +69,16 @@ struct Cavity {
     }
 
 private:
-    static std::uint32_t find(const std::vector<std::uint32_t>& sorted, std::uint32_t x) noexcept {
-        const auto at = std::lower_bound(sorted.begin(), sorted.end(), x);
-        return at != sorted.end() && *at == x ? std::uint32_t(at - sorted.begin()) : none;
+    std::uint32_t number_of(std::uint32_t vertex) {
+        std::uint32_t& number = of_vertex_[vertex];
+        if (number == none) {
+            number = std::uint32_t(vertices.size());
+            vertices.push_back(vertex);
+        }
+        return number;
     }
+
+    std::vector<std::uint32_t> of_vertex_, of_simplex_; ///< numbers here, none of what is not in it
 };
 
 /// A vector of numbers of any kind.
@@ -83,10 +90,16 @@ N cross_of(const Numbers<N, 2>& a, const Numbers<N, 2>& b) noexcept {
     return a[0] * b[1] - a[1] * b[0];
 }
 template <class N>
-N triple(const Numbers<N, 3>& m, const Numbers<N, 3>& a, const Numbers<N, 3>& b) noexcept {
-    return m[0] * (a[1] * b[2] - a[2] * b[1]) + m[1] * (a[2] * b[0] - a[0] * b[2]) +
-           m[2] * (a[0] * b[1] - a[1] * b[0]);
+Numbers<N, 3> cross_of(const Numbers<N, 3>& a, const Numbers<N, 3>& b) noexcept {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+
+/// What is summed over stolen parts.
+enum class StolenParts : std::uint8_t {
+    measures, ///< and facets
+    moments,  ///< measures, facets and moments
+    smooth,   ///< smooth measures
+};
 
 /// The measures of the stolen parts, with p as origin, summed over the edges of Voronoi facets
 /// (specification, section 5): sums of determinants of circumcentres in which no loop needs an
@@ -97,8 +110,7 @@ struct Stolen {
 
     // In: seen from p, in steps of the lattice.
     std::vector<Vector> site;        ///< of the cavity's vertices
-    std::vector<Vector> centre;      ///< of its simplices
-    std::vector<Vector> rim_centre;  ///< of p and the facets of its rim
+    std::vector<Vector> centre;      ///< of its simplices, then of p and the facets of its rim
     std::vector<double> size, error; ///< Σ|x| of all centres, and bounds of their errors; double only
     // Out, for every vertex.
     std::vector<N> measure; ///< D! times the stolen area or volume
@@ -106,78 +118,70 @@ struct Stolen {
     std::vector<Vector> moment; ///< |P|²/2 times the gradient of `measure` in p
     double bound = 0;           ///< of the rounding of all measures together; double only
 
-    /// `smooth`: the measures are those of the C² coordinates of Hiyoshi & Sugihara, in the plane:
-    /// ∫ (|y − P|² − |y − p|²) dy over the stolen part, times 6. Without facets and moments.
-    void sum(const Cavity<D>& cavity, bool smooth) {
+    void clear() noexcept {
+        site.clear();
+        centre.clear();
+        size.clear();
+        error.clear();
+    }
+    /// Smooth measures are those of the C² coordinates of Hiyoshi & Sugihara, in the plane:
+    /// ∫ (|y − P|² − |y − p|²) dy over the stolen part, times 6. They have no facets and moments.
+    void sum(const Cavity<D>& cavity, StolenParts parts) {
+        parts_ = parts;
         const std::size_t count = cavity.vertices.size();
         measure.assign(count, N(0));
         facet.assign(count, N(0));
-        moment.assign(count, Vector{});
+        moment.assign(parts == StolenParts::moments ? count : 0, Vector{});
         bound = 0;
-        if constexpr (D == 2) heights(cavity, smooth);
+        if constexpr (D == 2) find_heights(cavity);
         for (std::size_t n = 0; n < cavity.simplices.size(); ++n) {
             const auto& simplex = cavity.simplices[n];
             for (std::uint32_t k = 0; k <= D; ++k) {
                 if (simplex.inner[k] == Cavity<D>::none) {
-                    dual_edge(simplex, k, n, centre.size() + simplex.rim[k]);
+                    dual_edge(simplex, k, n, cavity.simplices.size() + simplex.rim[k]);
                 } else if (n < simplex.inner[k]) {
                     dual_edge(simplex, k, n, simplex.inner[k]);
                 }
             }
         }
-        for (std::size_t n = 0; n < cavity.rim.size(); ++n) close(cavity, n, smooth);
+        for (std::size_t n = 0; n < cavity.rim.size(); ++n) close(cavity, n);
     }
 
 private:
-    std::vector<N> height_; ///< |y − P|² − |y − p|² at circumcentres, for the sites P of each; smooth only
-
-    const Vector& at(std::size_t c) const noexcept {
-        return c < centre.size() ? centre[c] : rim_centre[c - centre.size()];
-    }
     static constexpr bool measures_error = std::is_same_v<N, double>;
 
-    void heights(const Cavity<D>& cavity, bool smooth) {
+    /// The other vertices of a simplex than k, in an order that makes an even permutation of it with
+    /// k as the last.
+    static constexpr auto others(std::uint32_t k) noexcept {
+        if constexpr (D == 2) {
+            constexpr std::uint32_t all[3][2] = {{1, 2}, {2, 0}, {0, 1}};
+            return std::to_array(all[k]);
+        } else {
+            constexpr std::uint32_t all[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+            return std::to_array(all[k]);
+        }
+    }
+
+    void find_heights(const Cavity<D>& cavity) {
         height_.clear();
-        if (!smooth) return;
+        if (parts_ != StolenParts::smooth) return;
         for (std::size_t n = 0; n < cavity.simplices.size(); ++n) {
             const Vector& r = site[cavity.simplices[n].vertex[0]];
             const Vector& c = centre[n];
             height_.push_back(r[0] * r[0] + r[1] * r[1] - N(2) * (c[0] * r[0] + c[1] * r[1]));
         }
-        height_.resize(centre.size() + rim_centre.size(), N(0));
+        height_.resize(centre.size(), N(0));
     }
 
-    /// Whether the vertices at the places i, j (, y) of a simplex, then its vertex k, are an even
-    /// permutation of the simplex.
-    static bool is_even(std::array<std::uint32_t, D + 1> order) noexcept {
-        bool even = true;
-        for (std::size_t a = 0; a <= D; ++a) {
-            for (std::size_t b = a + 1; b <= D; ++b) even ^= order[b] < order[a];
-        }
-        return even;
-    }
-
-    /// The edge from centre `a` of a simplex across its facet without vertex `k` to centre `b`.
+    /// The edge from centre `a` of a simplex across its facet without vertex `k` to centre `b`: one
+    /// of the Voronoi facets of every two vertices of that facet, as a determinant of the middle of
+    /// both, a and b.
     void dual_edge(const typename Cavity<D>::Simplex& simplex, std::uint32_t k, std::size_t a,
                    std::size_t b) {
+        const auto order = others(k);
+        const std::uint32_t i = simplex.vertex[order[0]], j = simplex.vertex[order[1]];
         if constexpr (D == 2) {
-            std::uint32_t i = (k + 1) % 3, j = (k + 2) % 3; // (i, j, k) is even
-            add_edge(simplex.vertex[i], simplex.vertex[j], b, a);
-        } else {
-            for (std::uint32_t y = 0; y < 4; ++y) {
-                if (y == k) continue;
-                std::uint32_t i = 0;
-                while (i == k || i == y) ++i;
-                const std::uint32_t j = 6 - i - k - y;
-                const bool even = is_even({i, j, y, k});
-                add_edge(simplex.vertex[i], simplex.vertex[j], even ? b : a, even ? a : b);
-            }
-        }
-    }
-    /// An edge of the Voronoi facet of i and j, counter-clockwise seen from j.
-    void add_edge(std::uint32_t i, std::uint32_t j, std::size_t a, std::size_t b) {
-        if constexpr (D == 2) {
-            const N t = cross_of(at(a), at(b));
+            const N t = cross_of(centre[b], centre[a]);
             if (height_.empty()) {
                 measure[i] = measure[i] + t;
                 measure[j] = measure[j] - t;
@@ -188,57 +192,55 @@ private:
             }
             note_error(1, a, b);
         } else {
-            Vector m;
-            for (std::size_t k = 0; k < D; ++k) m[k] = half() * (site[i][k] + site[j][k]);
-            const N t = triple(m, at(a), at(b));
-            measure[i] = measure[i] + t;
-            measure[j] = measure[j] - t;
-            note_error(size_of(m), a, b);
+            const std::uint32_t l = simplex.vertex[order[2]];
+            const Vector normal = cross_of(centre[b], centre[a]);
+            const N x = half_of(i, normal), y = half_of(j, normal), z = half_of(l, normal);
+            measure[i] = measure[i] + (y - z);
+            measure[j] = measure[j] + (z - x);
+            measure[l] = measure[l] + (x - y);
+            note_error(size_of(i) + size_of(j) + size_of(l), a, b);
         }
     }
     /// At each ridge of a facet of the rim, from the centre at which the path about it leaves the
     /// cavity to that at which it enters.
-    void close(const Cavity<D>& cavity, std::size_t n, bool smooth) {
+    void close(const Cavity<D>& cavity, std::size_t n) {
         const auto& rim = cavity.rim[n];
-        const auto& simplex = cavity.simplices[rim.simplex];
-        for (std::uint32_t y = 0; y <= D; ++y) {
-            if (y == rim.index) continue;
-            if constexpr (D == 2) {
-                const std::uint32_t i = 3 - y - rim.index;
-                if (!is_even({i, y, rim.index})) continue;
-                const std::size_t enter = centre.size() + n, leave = centre.size() + cavity.across(rim, y);
-                const std::uint32_t v = simplex.vertex[i];
-                const N t = cross_of(at(leave), at(enter));
-                measure[v] = measure[v] + (smooth ? t * square(v) : t);
-                add_facet(v, t, enter, leave);
-                note_error(1, leave, enter);
-            } else {
-                std::uint32_t i = 0;
-                while (i == rim.index || i == y) ++i;
-                std::uint32_t j = 6 - i - y - rim.index;
-                if (simplex.vertex[j] < simplex.vertex[i]) std::swap(i, j);
-                if (!is_even({i, j, y, rim.index})) continue;
-                const std::size_t enter = centre.size() + n, leave = centre.size() + cavity.across(rim, y);
-                add_edge(simplex.vertex[i], simplex.vertex[j], leave, enter);
-                close_facet(simplex.vertex[i], enter, leave);
-                close_facet(simplex.vertex[j], leave, enter);
+        const auto& vertex = cavity.simplices[rim.simplex].vertex;
+        const std::size_t first = cavity.simplices.size();
+        const auto order = others(rim.index);
+        if constexpr (D == 2) {
+            const std::uint32_t v = vertex[order[0]];
+            const std::size_t leave = first + cavity.across(rim, order[1]);
+            const N t = cross_of(centre[leave], centre[first + n]);
+            measure[v] = measure[v] + (parts_ == StolenParts::smooth ? t * square(v) : t);
+            add_facet(v, t, centre[first + n], centre[leave]);
+            note_error(1, leave, first + n);
+        } else {
+            for (std::size_t r = 0; r < 3; ++r) {
+                const std::uint32_t i = vertex[order[r]], j = vertex[order[(r + 1) % 3]];
+                if (i < j) close(i, j, first + n, first + cavity.across(rim, order[(r + 2) % 3]));
             }
         }
     }
-    /// An edge of the facet of p's cell towards i.
-    void close_facet(std::uint32_t i, std::size_t a, std::size_t b) requires(D == 3) {
-        Vector m;
-        for (std::size_t k = 0; k < D; ++k) m[k] = half() * site[i][k];
-        const N t = triple(m, at(a), at(b));
-        measure[i] = measure[i] + t;
-        Vector& sum = moment[i];
-        facet[i] = facet[i] + t;
-        for (std::size_t k = 0; k < D; ++k) sum[k] = sum[k] + t * (m[k] + at(a)[k] + at(b)[k]);
-        note_error(size_of(m), a, b);
+    /// The edge from b to a of the facet between i and j, and back those of p's facets towards both.
+    void close(std::uint32_t i, std::uint32_t j, std::size_t a, std::size_t b) requires(D == 3) {
+        const Vector normal = cross_of(centre[a], centre[b]);
+        const N x = half_of(i, normal), y = half_of(j, normal);
+        measure[i] = measure[i] - y;
+        measure[j] = measure[j] + x;
+        add_facet(i, x, centre[a], centre[b]);
+        add_facet(j, N(0) - y, centre[a], centre[b]);
+        note_error(size_of(i) + size_of(j), a, b);
     }
-    void add_facet(std::uint32_t i, const N& t, std::size_t a, std::size_t b) requires(D == 2) {
+    /// An edge a b of the facet of p's cell towards i.
+    void add_facet(std::uint32_t i, const N& t, const Vector& a, const Vector& b) {
         facet[i] = facet[i] + t;
-        for (std::size_t k = 0; k < D; ++k) moment[i][k] = moment[i][k] + t * (at(a)[k] + at(b)[k]);
+        if (parts_ != StolenParts::moments) return;
+        for (std::size_t k = 0; k < D; ++k) {
+            N sum = a[k] + b[k];
+            if constexpr (D == 3) sum = sum + half() * site[i][k];
+            moment[i][k] = moment[i][k] + t * sum;
+        }
     }
 
     static N half() noexcept {
@@ -247,24 +249,30 @@ private:
         else
             return inverse(N(2));
     }
+    N half_of(std::uint32_t i, const Vector& normal) const noexcept {
+        N sum(0);
+        for (std::size_t k = 0; k < D; ++k) sum = sum + site[i][k] * normal[k];
+        return half() * sum;
+    }
     N square(std::uint32_t i) const noexcept {
         N sum(0);
         for (const N& x : site[i]) sum = sum + x * x;
         return sum;
     }
-    static double size_of(const Vector& m) noexcept {
+    double size_of(std::uint32_t i) const noexcept {
+        double sum = 0;
         if constexpr (measures_error) {
-            double sum = 0;
-            for (const double x : m) sum += std::fabs(x);
-            return sum;
-        } else {
-            return 0;
+            for (const double x : site[i]) sum += std::fabs(x);
         }
+        return sum;
     }
     void note_error(double length, std::size_t a, std::size_t b) noexcept {
         if constexpr (measures_error)
             bound += length * (size[a] * error[b] + size[b] * error[a] + 0x1p-52 * size[a] * size[b]);
     }
+
+    StolenParts parts_ = StolenParts::moments;
+    std::vector<N> height_; ///< |y − P|² − |y − p|² at circumcentres, for the sites P of each; smooth only
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
