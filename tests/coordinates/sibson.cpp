@@ -569,6 +569,56 @@ TEST_CASE("a site without weight changes no other weight, to the bit", "[coordin
     CHECK(rows_of(SibsonCoordinates<double, 3>(more), points)[0].back() == 1);
 }
 
+/// Sibson's weights, each wrong by a part of it.
+template <class T, bool Local>
+struct Disturbed {
+    using scalar = T;
+    static constexpr std::size_t dimension = 3;
+    static constexpr bool has_extension = false, closed_form = true, local = Local;
+    SibsonCoordinates<T, 3> sibson;
+
+    auto handles() const noexcept { return sibson.handles(); }
+    const cageform::CageReport& cage_report() const noexcept { return sibson.cage_report(); }
+    cageform::Evaluation evaluate(cageform::BlockView<const T> points, cageform::BlockView<T> weights,
+                                  std::span<PointState> states, const cageform::Running& running = {}) const {
+        const auto result = sibson.evaluate(points, weights, states, running);
+        for (std::size_t i = 0; i < points.points; ++i) {
+            for (std::size_t h = 0; h < handles().size(); ++h)
+                weights(i, h) *= T(1) + T(0x1p-12) * T(int(h % 3) - 1);
+        }
+        return result;
+    }
+    Vec<T, 3> nearest_boundary(const Vec<T, 3>& p, std::span<T> row) const {
+        return sibson.nearest_boundary(p, row);
+    }
+};
+
+TEMPLATE_TEST_CASE("where bind restores linear precision local zeros stay zeros",
+                   "[coordinates][sibson][property]", float, double) {
+    using T = TestType;
+    const auto seed = std::uint64_t(GENERATE(range(0, 4)));
+    CAPTURE(seed);
+    const auto wide = random_sites<3>(seed);
+    const auto sites = rounded<T>(wide), points = rounded<T>(mixtures(wide, seed, 60));
+    const SibsonCoordinates<T, 3> sibson(sites);
+    REQUIRE(sibson.cage_report().status == Status::ok);
+    const auto result = bind(Disturbed<T, true>{sibson}, points);
+    CHECK(result.report.weight_change.value > 0x1p-20);
+    CHECK(result.report.not_restored.empty());
+    const auto everywhere = bind(Disturbed<T, false>{sibson}, points);
+    const auto exact = bind(sibson, points);
+    std::size_t lost = 0, lost_everywhere = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t h = 0; h < sites.size(); ++h) {
+            if (exact.binding.weight(i, h) != 0) continue;
+            lost += result.binding.weight(i, h) != 0 ? 1 : 0;
+            lost_everywhere += everywhere.binding.weight(i, h) != 0 ? 1 : 0;
+        }
+    }
+    CHECK(lost == 0);
+    CHECK(lost_everywhere > 0);
+}
+
 TEST_CASE("sibson gives the same bits whatever the threads", "[coordinates][sibson]") {
     const auto sites = random_sites<3>(2);
     const auto points = mixtures(sites, 1, 500);

@@ -110,7 +110,7 @@ protected:
         , options_(options)
         , piece_blocks_(piece_blocks)
         , handles_(input.handles())
-        , restorer_(handles_)
+        , restorer_(handles_, input.local)
         , count_(input.points.size)
         , states_(count_, PointState::unreached)
         , missed_(count_)

@@ -244,8 +244,9 @@ private:
 
     bool is_free(std::uint32_t s) const noexcept { return simplices_[s].neighbour[0] == none; }
     bool has_infinite(std::uint32_t s) const noexcept {
-        const auto& vertex = simplices_[s].vertex;
-        return std::find(vertex.begin(), vertex.end(), infinite) != vertex.end();
+        bool found = false;
+        for (const std::uint32_t v : simplices_[s].vertex) found |= v == infinite;
+        return found;
     }
 
     /// The neighbour across a facet that `p` lies strictly beyond; none where there is none. Facets

@@ -34,6 +34,8 @@ concept CageCoordinateConstants = requires {
 ///   has_extension       whether weights are defined outside the cage
 ///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in
 ///                       cache
+///   local               need not be there: whether most weights of a point are exact zeros, which
+///                       `bind` then leaves alone where it restores linear precision
 ///   evaluate(points, weights, states, running)
 ///                       fills the weights of a whole batch (rows of `weights` are handles) and
 ///                       where each point lies. Points whose state is not_finite on entry are
@@ -53,6 +55,13 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.evaluate(points, weights, states, running) } -> std::same_as<Evaluation>;
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
+
+/// Whether zeros among the weights of a point are to stay zeros.
+template <class C>
+inline constexpr bool has_local_rows = false;
+template <class C>
+    requires(bool(C::local))
+inline constexpr bool has_local_rows<C> = true;
 
 /// Coordinates that can be differentiated.
 ///

@@ -51,6 +51,7 @@ public:
     static constexpr std::size_t dimension = D;
     static constexpr bool has_extension = false;
     static constexpr bool closed_form = true;
+    static constexpr bool local = true;
 
     explicit SibsonCoordinates(PointSet<T, D> sites, const SibsonOptions& options = {})
         : options_(options) {

@@ -46,7 +46,7 @@ template <Scalar T, std::size_t D>
 struct BindInput {
     const CageReport& cage;
     std::function<HandleView<T, D>()> handles; ///< of a sound cage
-    bool has_extension = false, closed_form = false;
+    bool has_extension = false, closed_form = false, local = false;
     /// The rows are weights; of vectors gradients.
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate;
     std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
@@ -61,6 +61,7 @@ BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
             [&coordinates] { return handle_view(coordinates); },
             C::has_extension,
             C::closed_form,
+            has_local_rows<C>,
             [&coordinates](const Batch<T>& batch, const Running& running) {
                 return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
             },

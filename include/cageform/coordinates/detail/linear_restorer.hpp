@@ -16,7 +16,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The rows of A are the affine rows of the handles, r is the residual of the row sums. With A = QR
 /// the change is Q R⁻ᵀ r, the same as A(AᵀA)⁻¹ r but without squaring the condition number, which
 /// is one over the width of a thin cage. Where weights are large, rounding them may be worse than
-/// the residual: a change is made only where it lowers it.
+/// the residual: a change is made only where it lowers it. Where rows are local a zero stays zero:
+/// the change is the least among the other handles, Q M⁻¹ R⁻ᵀ r with M their part of QᵀQ.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
@@ -25,8 +26,9 @@ public:
         Lanes<T> missed; ///< one where more than rounding is left to restore, zero in other lanes
     };
 
-    explicit LinearRestorer(const HandleView<T, D>& handles)
-        : rows_(handles, frame_of(handles)) {
+    explicit LinearRestorer(const HandleView<T, D>& handles, bool local = false)
+        : rows_(handles, frame_of(handles))
+        , local_(local) {
         Buffer<Vec<double, D + 1>> rows;
         rows.reserve(rows_.size());
         basis_.reserve(rows_.size());
@@ -75,14 +77,15 @@ private:
             treat = select<T>(enough < worst, treat, zero);
             if (!any(zero < treat)) break;
             Row step = in_basis(triangle_, missing);
+            if (local_) step = solve_among(row, step);
             const auto tried =
-                measure(wanted, [&](std::size_t i) { return Simd::load(row[i]) + change_of(step, i); });
+                measure(wanted, [&](std::size_t i) { return Simd::load(row[i]) + change_of(step, row, i); });
             const Simd left = largest(tried.missing);
             treat = select<T>(left < worst, treat, zero);
             const auto taken = zero < treat;
             for (Simd& s : step) s = select<T>(taken, s, zero);
             for (std::size_t i = 0; i < rows_.size(); ++i) {
-                const Simd delta = change_of(step, i);
+                const Simd delta = change_of(step, row, i);
                 change = max<T>(change, abs<T>(delta));
                 (Simd::load(row[i]) + delta).store(row[i]);
             }
@@ -103,10 +106,46 @@ private:
     }
 
     /// The change of a handle's weight.
-    Simd change_of(const Row& step, std::size_t handle) const {
+    Simd change_of(const Row& step, const Lanes<T>* row, std::size_t handle) const {
         Simd delta = step[0] * Simd(basis_[handle][0]);
         for (std::size_t r = 1; r <= D; ++r) delta = delta + step[r] * Simd(basis_[handle][r]);
-        return delta;
+        return local_ ? delta * weighted(row[handle]) : delta;
+    }
+    /// One where there is a weight, else zero.
+    static Simd weighted(const Lanes<T>& weight) {
+        const Simd zero(T(0));
+        return select<T>(zero < abs<T>(Simd::load(weight)), Simd(T(1)), zero);
+    }
+
+    /// Solves M y = step by elimination, M the sum of q qᵀ over the handles with a weight. Where they
+    /// lie in a plane, y is zero along it: nothing is to be divided by.
+    Row solve_among(const Lanes<T>* row, Row step) const {
+        std::array<Row, D + 1> m;
+        for (Row& sums : m) sums.fill(Simd(T(0)));
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const Simd one = weighted(row[i]);
+            for (std::size_t r = 0; r <= D; ++r) {
+                for (std::size_t c = r; c <= D; ++c)
+                    m[r][c] = m[r][c] + one * Simd(basis_[i][r] * basis_[i][c]);
+            }
+        }
+        Row first, inverse;
+        for (std::size_t k = 0; k <= D; ++k) first[k] = m[k][k];
+        for (std::size_t k = 0; k <= D; ++k) {
+            const Simd zero(T(0)), one(T(1)), &pivot = m[k][k];
+            const auto sound = Simd(64 * epsilon<T>) * first[k] < pivot;
+            inverse[k] = select<T>(sound, one / select<T>(sound, pivot, one), zero);
+            for (std::size_t r = k + 1; r <= D; ++r) {
+                const Simd factor = m[k][r] * inverse[k];
+                for (std::size_t c = r; c <= D; ++c) m[r][c] = m[r][c] - factor * m[k][c];
+                step[r] = step[r] - factor * step[k];
+            }
+        }
+        for (std::size_t k = D + 1; k-- > 0;) {
+            for (std::size_t c = k + 1; c <= D; ++c) step[k] = step[k] - m[k][c] * step[c];
+            step[k] = step[k] * inverse[k];
+        }
+        return step;
     }
 
     struct Measures {
@@ -145,6 +184,7 @@ private:
     }
 
     AffineRows<T, D> rows_;
+    bool local_ = false;
     Buffer<Vec<T, D + 1>> basis_; ///< the rows of Q
     Vec<Vec<T, D + 1>, D + 1> triangle_{};
 };

@@ -189,7 +189,7 @@ private:
     bool find_site(const Place<D>& place, const Vertices& vertices, Scratch& scratch) const {
         for (const std::uint32_t v : vertices) {
             const auto away = 0x1p-60 * to_double<D>(difference<D>(sites_.place(v), place));
-            if (length(away) > tolerance_) continue;
+            if (dot(away, away) > tolerance_ * tolerance_) continue;
             take_site(v, away, scratch);
             return true;
         }
