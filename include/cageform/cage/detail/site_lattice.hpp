@@ -39,12 +39,7 @@ public:
             if (bounds.upper[k] > bounds.lower[k]) largest = std::max(largest, exponent + 1);
         }
         exponent_ = 60 - largest;
-        if (std::abs(exponent_ - 60) < 1000) scale_ = std::ldexp(1.0, exponent_ - 60);
-        far_ = exponent_ > -560 ? std::ldexp(1.0, 460 - exponent_) : std::numeric_limits<double>::max();
-        for (std::size_t k = 0; k < D; ++k) {
-            origin_[k] = fixed(lower_[k]);
-            lower_seen_[k] = extents(lower_[k]);
-        }
+        for (std::size_t k = 0; k < D; ++k) origin_[k] = fixed(lower_[k]);
     }
 
     /// `p` lies within the bounds, or not farther outside than they are long.
@@ -54,16 +49,17 @@ public:
         return result;
     }
     /// A length in extents: between a half and one for the longest side of the bounds.
-    double extents(double length) const noexcept {
-        return scale_ > 0 ? length * scale_ : std::ldexp(length, exponent_ - 60);
-    }
+    double extents(double length) const noexcept { return std::ldexp(length, exponent_ - 60); }
     double units(double extents) const noexcept { return std::ldexp(extents, 60 - exponent_); }
     /// Seen from the lower bounds, in extents. Places beyond 2^400 extents are drawn nearer along
     /// their axes.
     Vec<double, D> seen(const Vec<double, D>& p) const noexcept {
         Vec<double, D> r{};
         for (std::size_t k = 0; k < D; ++k) {
-            r[k] = std::fabs(p[k]) >= far_ ? std::copysign(0x1p400, p[k]) : extents(p[k]) - lower_seen_[k];
+            int exponent = 0;
+            std::frexp(p[k], &exponent);
+            r[k] = exponent + exponent_ > 460 ? std::copysign(0x1p400, p[k])
+                                              : extents(p[k]) - extents(lower_[k]);
         }
         return r;
     }
@@ -96,9 +92,6 @@ private:
     Vec<double, D> lower_{};
     std::array<std::uint64_t, D> origin_{};
     int exponent_ = 0;
-    double scale_ = 0; ///< units to extents; 0 where it is no normal number
-    double far_ = 0;   ///< 2^400 extents from the origin, about
-    Vec<double, D> lower_seen_{};
 };
 
 // ---- determinants -------------------------------------------------------------------------------
