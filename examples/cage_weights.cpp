@@ -12,6 +12,9 @@
 // A point of a chain that equals a vertex given before is that vertex. A cage in space is an OBJ of a closed
 // mesh. Points have "x,y" a line, or "x,y,z" in space.
 //
+// sibson and sibson-c1 take points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an SVG or
+// the vertices of an OBJ (site_file.hpp).
+//
 // The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
 // weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
 // ones of chains and points; --labels names them. Points are read, bound and written in batches, so a file may have any
@@ -30,6 +33,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <functional>
 #include <iostream>
 #include <set>
 
@@ -100,8 +104,11 @@ SvgResult<std::string> header_line(const std::string& labels_path, std::size_t h
     return text + '\n';
 }
 
+/// Says what is wrong with the cage, or with the sites.
+using Describe = std::function<std::string(const cageform::BindReport&)>;
+
 template <class T, std::size_t D>
-int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
+int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Describe& describe_faults) {
     PointReader<D, T> reader(settings.points_path);
     if (!reader.error().empty()) return fail(reader.error());
     auto header = header_line(settings.labels_path, coordinates.handles);
@@ -116,10 +123,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
                                                    : cageform::OutsidePoints::nearest_boundary;
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
-    const auto refuse = [&](const cageform::BindReport& report) {
-        return fail(D == 2 ? describe_faults(settings.cage_path, report)
-                           : describe_mesh_faults(settings.cage_path, report));
-    };
+    const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
     warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report);
     cageform::BindReport total;
     if (!coordinates.closed_form) {
@@ -189,15 +193,31 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates) {
     return 0;
 }
 
-/// Reads the cage.
+/// Reads sites.
+template <class T, std::size_t D>
+int run_with_sites(const Settings& settings) {
+    const auto sites = load_sites<D>(settings.cage_path);
+    if (!sites) return fail(to_string(sites.error()));
+    if (const auto why = single_precision_fault(*sites); !why.empty() && sizeof(T) == 4) return fail(why);
+    return run(settings, *make_coordinates<T>(settings.choice, *sites),
+               [&](const auto& report) { return describe_site_faults(*sites, report); });
+}
+
+/// Reads the cage, or sites.
 template <class T>
 int run(const Settings& settings) {
+    if (settings.choice.takes_sites()) {
+        const auto dimension = site_dimension(settings.cage_path);
+        if (!dimension) return fail(to_string(dimension.error()));
+        return *dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
+    }
     if (settings.cage_path.ends_with(".obj")) {
         const auto file = load_mesh_cage(settings.cage_path);
         if (!file) return fail(to_string(file.error()));
         if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
             return fail(to_string(*fault));
-        return run(settings, *make_coordinates<T>(settings.choice, *file));
+        return run(settings, *make_coordinates<T>(settings.choice, *file),
+                   [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); });
     }
     const auto file = load_cage(settings.cage_path);
     if (!file) return fail(to_string(file.error()));
@@ -208,22 +228,25 @@ int run(const Settings& settings) {
                 return fail(settings.cage_path + ": vertex " + std::to_string(i) + ": " + why);
         }
     }
-    return run(settings, *make_coordinates<T>(settings.choice, *file));
+    return run(settings, *make_coordinates<T>(settings.choice, *file),
+               [&](const auto& report) { return describe_faults(settings.cage_path, report); });
 }
 
 int run_program(int argc, char** argv) {
     CommandLine line("Writes the cage coordinates of points.");
     Settings settings;
-    line.add("--cage", settings.cage_path, "in the plane a CSV or an SVG, in space an OBJ of a closed mesh")
+    line.add("--cage", settings.cage_path,
+             "in the plane a CSV or an SVG, in space an OBJ of a closed mesh; of sibson and sibson-c1 points")
         .required();
     line.add("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space").required();
     line.add("--labels", settings.labels_path, "names of the cage's vertices, for the columns: a text file");
     line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required().ends_with({".csv"});
-    line.set_footer(cage_formats + std::string("\n") + obj_format +
-                    "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
-                    "of chains and points, as they come in the file; nan where a point has no weights.\n"
-                    "\n" +
-                    labels_format);
+    line.set_footer(
+        cage_formats + std::string("\n") + obj_format + "\n" + site_formats +
+        "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
+        "of chains and points, or to the sites, as they come in the file; nan where a point has no weights.\n"
+        "\n" +
+        labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
     line.add("--outside", settings.outside,
              "points outside: extend (where the coordinates are defined), keep or nearest")
@@ -234,6 +257,7 @@ int run_program(int argc, char** argv) {
         .one_of({"restore", "leave"})
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report");
+    settings.choice.with_sites = true;
     settings.choice.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);

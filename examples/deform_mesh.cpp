@@ -2,6 +2,8 @@
 //
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
 //
+// Coordinates of points without a cage, sibson and sibson-c1, take the vertices of both files for points.
+//
 // Vertices move with the cage and normals turn with the faces. Everything else in the file stays: groups,
 // materials, texture coordinates, comments.
 
@@ -16,6 +18,7 @@
 
 #include <cageform/clone/clone.hpp>
 
+#include <functional>
 #include <iostream>
 
 namespace {
@@ -34,9 +37,47 @@ struct Arguments {
     CoordinatesChoice choice;
 };
 
+/// What moves the figure: coordinates, and the pose of their handles.
+struct Control {
+    std::unique_ptr<AnyCoordinates<double, 3>> coordinates;
+    ObjFile cage, pose; // of sites with points alone
+    std::function<std::string(const cageform::BindReport&)> describe_faults;
+};
+
+SvgResult<Control> read_sites(const Arguments& given) {
+    auto sites = load_sites<3>(given.cage);
+    if (!sites) return sites.error();
+    auto pose = load_site_pose(given.pose, *sites);
+    if (!pose) return pose.error();
+    Control control{make_coordinates<double>(given.choice, *sites), {}, {}, {}};
+    control.cage.name = given.cage;
+    control.cage.vertices = sites->points;
+    control.pose.name = given.pose;
+    control.pose.vertices = std::move(pose->points);
+    control.describe_faults = [sites = std::move(*sites)](const cageform::BindReport& report) {
+        return describe_site_faults(sites, report);
+    };
+    return control;
+}
+
+SvgResult<Control> read_control(const Arguments& given) {
+    if (given.choice.takes_sites()) return read_sites(given);
+    auto cage = load_mesh_cage(given.cage);
+    if (!cage) return cage.error();
+    auto pose = load_obj(given.pose);
+    if (!pose) return pose.error();
+    const std::string why = pose_difference(*cage, *pose);
+    if (!why.empty()) return SvgError{why};
+    auto coordinates = make_coordinates<double>(given.choice, *cage);
+    return Control{std::move(coordinates), std::move(*cage), std::move(*pose),
+                   [name = given.cage](const cageform::BindReport& report) {
+                       return describe_mesh_faults(name, report);
+                   }};
+}
+
 /// Binds the figure, moves it and writes what was asked for.
-int deform_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage, const ObjFile& pose) {
-    const auto coordinates = make_coordinates<double>(given.choice, cage);
+int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
+    const auto& [coordinates, cage, pose, describe_faults] = control;
     warn_of_closed_gaps("deform_mesh", cage.name, coordinates->cage_report);
     cageform::BindOptions options;
     options.outside = given.outside.policy(*coordinates);
@@ -46,7 +87,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const ObjFile& 
         bound = coordinates->bind(figure.vertices, options, {.progress = bar.callback()});
     }
     const auto& report = bound.report;
-    if (report.status != cageform::Status::ok) return fail(describe_mesh_faults(cage.name, report));
+    if (report.status != cageform::Status::ok) return fail(describe_faults(report));
     warn_of_coarse_grid("deform_mesh", cage.name, report.solver);
     const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
@@ -81,28 +122,25 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("figure", given.figure, "the OBJ file to deform").required();
     line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; of sibson "
+             "and sibson-c1 points")
         .required();
-    line.add("--pose", given.pose, "the same mesh with its vertices moved").required();
+    line.add("--pose", given.pose, "the same mesh with its vertices moved, or the points").required();
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
+    given.outside.with_sites = given.choice.with_sites = true;
     given.outside.add_option(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
     line.add_flag("--report", given.report, "print the bind report");
     given.choice.add_options(line);
-    line.set_footer(obj_format);
+    line.set_footer(obj_format + std::string("\n") + site_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
-    const auto cage = load_mesh_cage(given.cage);
-    if (!cage) return fail(to_string(cage.error()));
-    const auto pose = load_obj(given.pose);
-    if (!pose) return fail(to_string(pose.error()));
-    const std::string why = pose_difference(*cage, *pose);
-    if (!why.empty()) return fail(why);
-
-    return deform_figure(given, *figure, *cage, *pose);
+    const auto control = read_control(given);
+    if (!control) return fail(to_string(control.error()));
+    return deform_figure(given, *figure, *control);
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 //
 // Cages of CSV files may have chains and points inside (see cage_weights.cpp), which harmonic coordinates
 // honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
+// Coordinates of points without a cage, sibson and sibson-c1, take the circles of an SVG or the lines of a CSV.
 
 #include "bind_report.hpp"
 #include "cage_file.hpp"
@@ -20,6 +21,7 @@
 
 #include <cageform/clone/clone.hpp>
 
+#include <functional>
 #include <iostream>
 
 namespace {
@@ -31,8 +33,39 @@ int fail(const std::string& message) {
     return 1;
 }
 
+/// What moves the figure: coordinates, and the pose of their handles.
+struct Control {
+    std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
+    std::vector<Point2> pose;
+    std::vector<CageBlock> drawn; // the pose
+    std::function<std::string(const cageform::BindReport&)> describe_faults;
+};
+
+SvgResult<Control> read_control(const CoordinatesChoice& choice, const std::string& cage_path,
+                                const std::string& pose_path) {
+    if (choice.takes_sites()) {
+        auto sites = load_sites<2>(cage_path);
+        if (!sites) return sites.error();
+        auto pose = load_site_pose(pose_path, *sites);
+        if (!pose) return pose.error();
+        std::vector<CageBlock> drawn;
+        for (const Point2& p : pose->points) drawn.push_back({CageBlock::Kind::point, 0, {p}});
+        return Control{make_coordinates<double>(choice, *sites), std::move(pose->points), std::move(drawn),
+                       [sites = std::move(*sites)](const cageform::BindReport& report) {
+                           return describe_site_faults(sites, report);
+                       }};
+    }
+    const auto cage = load_cage(cage_path);
+    if (!cage) return cage.error();
+    auto pose = load_pose(pose_path, *cage);
+    if (!pose) return pose.error();
+    return Control{
+        make_coordinates<double>(choice, *cage), std::move(pose->vertices), std::move(pose->blocks),
+        [cage_path](const cageform::BindReport& report) { return describe_faults(cage_path, report); }};
+}
+
 /// Appends a cage to a document, in root user space: loops and chains as lines, points as circles.
-void draw_cage(SvgDocument& document, const CageFile& cage) {
+void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks) {
     const auto view = view_box(document);
     const double diagonal = view ? std::hypot(view->width, view->height) : 100;
     auto group = document.xml.document_element().append_child("g");
@@ -41,13 +74,18 @@ void draw_cage(SvgDocument& document, const CageFile& cage) {
     group.append_attribute("stroke-width") = diagonal / 400;
     group.append_attribute("stroke-linejoin") = "round";
     group.append_attribute("stroke-dasharray") = diagonal / 100;
-    for (const CageBlock& block : cage.blocks) {
+    for (const CageBlock& block : blocks) {
         const Point2& first = block.points.front();
         if (block.kind == CageBlock::Kind::point) {
             auto circle = group.append_child("circle");
             circle.append_attribute("cx") = first.x;
             circle.append_attribute("cy") = first.y;
-            circle.append_attribute("r") = block.radius;
+            if (block.radius > 0) {
+                circle.append_attribute("r") = block.radius;
+            } else { // a site: a dot
+                circle.append_attribute("r") = diagonal / 120;
+                circle.append_attribute("fill") = "#c2377a";
+            }
             continue;
         }
         Subpath line;
@@ -73,12 +111,14 @@ int run_program(int argc, char** argv) {
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
     line.add("--cage", cage_path,
-             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points")
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; "
+             "of sibson and sibson-c1 points")
         .required();
-    line.add("--pose", pose_path, "the moved cage: the same blocks, vertex by vertex").required();
+    line.add("--pose", pose_path, "the moved cage: the same blocks, vertex by vertex, or points").required();
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
+    outside.with_sites = choice.with_sites = true;
     outside.add_option(line);
     line.add_flag(
         "--text-as-paths", text_as_paths,
@@ -91,15 +131,13 @@ int run_program(int argc, char** argv) {
     line.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
     line.add_flag("--report", report, "print the bind report and what became of the shapes");
     choice.add_options(line);
-    line.set_footer(cage_formats);
+    line.set_footer(cage_formats + std::string("\n") + site_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     auto document = load_svg(figure_path);
     if (!document) return fail(to_string(document.error()));
-    const auto cage = load_cage(cage_path);
-    if (!cage) return fail(to_string(cage.error()));
-    const auto pose = load_pose(pose_path, *cage);
-    if (!pose) return fail(to_string(pose.error()));
+    const auto control = read_control(choice, cage_path, pose_path);
+    if (!control) return fail(to_string(control.error()));
 
     if (text_as_paths) {
         std::vector<std::string> warnings;
@@ -107,7 +145,7 @@ int run_program(int argc, char** argv) {
         if (!count) return fail(to_string(count.error()));
         for (const std::string& text : warnings) std::cerr << "deform_svg: warning: " << text << '\n';
     }
-    const auto coordinates = make_coordinates<double>(choice, *cage);
+    const auto& coordinates = control->coordinates;
     cageform::BindReport last;
     if (!coordinates->closed_form) {
         // The points come in several batches; the functions are solved once.
@@ -116,7 +154,7 @@ int run_program(int argc, char** argv) {
         last.status = evaluation.status;
         last.cage = coordinates->cage_report;
         last.solver = evaluation.solver;
-        if (evaluation.status != cageform::Status::ok) return fail(describe_faults(cage_path, last));
+        if (evaluation.status != cageform::Status::ok) return fail(control->describe_faults(last));
         warn_of_coarse_grid("deform_svg", cage_path, last.solver);
     }
     cageform::BindOptions bind_options;
@@ -125,14 +163,14 @@ int run_program(int argc, char** argv) {
     const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
         const auto [binding, bound] = coordinates->bind(in, bind_options);
         if (bound.status != cageform::Status::ok) {
-            failure = describe_faults(cage_path, bound);
+            failure = control->describe_faults(bound);
             return false;
         }
         auto verdict = outside.judge(*coordinates, bound, in, figure_path, cage_path);
         failure = std::move(verdict.fault);
         if (!failure.empty()) return false;
         if (warning.empty()) warning = std::move(verdict.warning); // of all points, not of those between them
-        const auto status = cageform::clone(binding, pose->vertices, moved);
+        const auto status = cageform::clone(binding, control->pose, moved);
         if (status != cageform::Status::ok) failure = pose_path + ": " + cageform::to_string(status);
         if (last.points == 0) last = bound;
         return status == cageform::Status::ok;
@@ -150,7 +188,7 @@ int run_program(int argc, char** argv) {
         std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
                   << " segments miss the --flatness asked for\n";
     }
-    if (show_cage) draw_cage(*document, *pose);
+    if (show_cage) draw_cage(*document, control->drawn);
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(out_path);
     svg.write(to_text(*document));

@@ -7,13 +7,11 @@
 
 namespace cageform_examples {
 
-constexpr std::size_t most_listed = 10; // faults or warnings
-
-/// How many of its two numbers mean something to a kind of fault.
 int numbers_of(cageform::CageFaultKind kind) {
     using Kind = cageform::CageFaultKind;
     switch (kind) {
     case Kind::degenerate_simplex:
+    case Kind::sites_in_a_plane:
     case Kind::no_volume: // of a mesh; no program reads a box, which would have an axis
         return 0;
     case Kind::vertex_not_finite:
@@ -138,6 +136,7 @@ std::string describe(const cageform::BindReport& report) {
     extreme("largest |sum w - 1|", report.partition_error);
     extreme("largest |sum w c - p|", report.reproduction_error);
     extreme("least weight", report.least_weight);
+    extreme("amplification (largest sum |w|)", report.amplification);
     text << "linear precision restored from: " << report.residual_restored.value
          << " (largest change of a weight " << report.weight_change.value << ")\n";
     if (!report.not_restored.empty())

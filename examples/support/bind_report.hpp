@@ -10,6 +10,11 @@
 
 namespace cageform_examples {
 
+constexpr std::size_t most_listed = 10; // faults or warnings
+
+/// How many of its two numbers mean something to a kind of fault.
+int numbers_of(cageform::CageFaultKind kind);
+
 /// "edges cross or touch (3, 7)", with only the numbers that mean something.
 std::string describe_fault(const cageform::CageFault& fault);
 

@@ -15,14 +15,28 @@ const std::vector<std::string>& CoordinatesChoice::names() {
 }
 
 void CoordinatesChoice::add_options(CommandLine& line) {
-    line.add("--coordinates", name, "barycentric (of a triangle or tetrahedron), mean-value or harmonic")
-        .check([](const std::string& given) {
-            const auto& known = names();
-            return std::find(known.begin(), known.end(), given) != known.end()
-                       ? std::string()
-                       : "\"" + given + "\" is not one of barycentric, mean-value, harmonic";
+    std::vector<std::string> known = names();
+    std::string help = "barycentric (of a triangle or tetrahedron), mean-value or harmonic";
+    if (with_sites) {
+        known.insert(known.end(), {"sibson", "sibson-c1"});
+        help = "barycentric (of a triangle or tetrahedron), mean-value, harmonic, or of points without a "
+               "cage sibson, or sibson-c1, which is smooth at the points too";
+    }
+    line.add("--coordinates", name, help)
+        .check([known](const std::string& given) {
+            if (std::find(known.begin(), known.end(), given) != known.end()) return std::string();
+            std::string why = "\"" + given + "\" is not one of ";
+            for (const std::string& each : known) why += (each == known.front() ? "" : ", ") + each;
+            return why;
         })
         .show_default();
+    if (with_sites) {
+        line.add("--gradients", gradients,
+                 "sibson-c1: how gradients at the points are estimated: facets, gentle (less negative "
+                 "weights) or mirrored (for rings of points)")
+            .one_of({"facets", "gentle", "mirrored"})
+            .show_default();
+    }
     line.add("--resolution", resolution, "harmonic: grid cells along the cage's longest side")
         .range(8, 16384)
         .show_default("128 in the plane, 64 in space");
@@ -71,8 +85,9 @@ void OutsideChoice::add_option(CommandLine& line) {
              std::string("points outside the cage: refuse, keep (in place), nearest (follow the nearest "
                          "boundary point)") +
                  (can_extend ? ", extend (by the coordinates, where they are defined outside) or auto "
-                               "(extend, else nearest; with a warning)"
-                             : " or auto (nearest, with a warning)"))
+                               "(extend, else nearest"
+                             : " or auto (nearest") +
+                 (with_sites ? "; with sibson keep; with a warning)" : ", with a warning)"))
         .one_of(words)
         .show_default();
 }
@@ -81,8 +96,9 @@ template <cageform::Scalar T, std::size_t D>
 cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<T, D>& coordinates) const {
     if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension))
         return cageform::OutsidePoints::extend;
-    return word == "nearest" || word == "auto" ? cageform::OutsidePoints::nearest_boundary
-                                               : cageform::OutsidePoints::keep_in_place;
+    return word == "nearest" || (word == "auto" && !coordinates.takes_sites)
+               ? cageform::OutsidePoints::nearest_boundary
+               : cageform::OutsidePoints::keep_in_place;
 }
 
 template <cageform::Scalar T, std::size_t D>
@@ -92,23 +108,30 @@ OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordina
                                             const std::string& figure, const std::string& cage) const {
     const std::string what = D == 2 ? " points of " : " vertices of ";
     const std::string found = std::to_string(report.outside.size()) + " of " + std::to_string(report.points) +
-                              what + figure + " lie outside the cage " + cage + ", first " +
+                              what + figure + " lie outside the " +
+                              (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               name_points(points, report.outside);
     const bool some = !report.outside.empty();
     if (some && word == "refuse") return {found + "; --outside says what to do with them", {}};
     if (some && word == "extend" && !coordinates.has_extension)
-        return {found + "; these coordinates are not defined outside the cage", {}};
+        return {found + "; these coordinates are not defined outside" +
+                    (coordinates.takes_sites ? "" : " the cage"),
+                {}};
     if (!report.unreached.empty()) {
         return {figure + ": no weights can be had for " + name_points(points, report.unreached) +
-                    (coordinates.closed_form ? ": too far from the cage"
-                                             : ": the grid is too coarse, raise --resolution"),
+                    (coordinates.takes_sites   ? ": their weights are beyond all numbers"
+                     : coordinates.closed_form ? ": too far from the cage"
+                                               : ": the grid is too coarse, raise --resolution"),
                 {}};
     }
     if (!some || word != "auto") return {};
-    const bool extended = policy(coordinates) == cageform::OutsidePoints::extend;
+    const auto done = policy(coordinates);
     return {{},
-            found + "; they follow " +
-                (extended ? "the extension of the coordinates" : "the nearest points of the boundary") +
+            found + "; they " +
+                (done == cageform::OutsidePoints::extend ? "follow the extension of the coordinates"
+                 : done == cageform::OutsidePoints::keep_in_place
+                     ? "stay in place"
+                     : "follow the nearest points of the boundary") +
                 " (--outside)"};
 }
 

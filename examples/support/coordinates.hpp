@@ -6,6 +6,7 @@
 #include "cage_file.hpp"
 #include "command_line.hpp"
 #include "obj_file.hpp"
+#include "site_file.hpp"
 
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
@@ -20,13 +21,18 @@ namespace cageform_examples {
 
 /// What --coordinates, --resolution, --tolerance and --solver say. The same in all programs.
 struct CoordinatesChoice {
-    std::string name = "mean-value"; // one of names()
-    std::size_t resolution = 0;      // 0: 128 in the plane, 64 in space
+    std::string name = "mean-value";  // one of names(), or with with_sites sibson or sibson-c1
+    bool with_sites = false;          // whether the program takes control points without a cage
+    std::string gradients = "facets"; // of sibson-c1
+    std::size_t resolution = 0;       // 0: 128 in the plane, 64 in space
     cageform::HarmonicOptions harmonic;
 
     static const std::vector<std::string>& names();
 
     void add_options(CommandLine& line);
+
+    /// Whether the type takes sites instead of a cage.
+    bool takes_sites() const { return name.starts_with("sibson"); }
 
     /// Of harmonic coordinates, in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
@@ -41,6 +47,7 @@ public:
     virtual ~AnyCoordinates() = default;
 
     bool has_extension = false, closed_form = false; // as the library's types say
+    bool takes_sites = false;                        // control points without a cage
     std::size_t handles = 0;
     cageform::CageReport cage_report;
 
@@ -54,11 +61,16 @@ template <class T>
 std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice, const CageFile& cage);
 template <class T>
 std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
+template <class T, std::size_t D>
+std::unique_ptr<AnyCoordinates<T, D>> make_coordinates(const CoordinatesChoice& choice,
+                                                       const SiteFile<D>& sites);
 
 /// What --outside says. The same in all programs that move a figure.
 struct OutsideChoice {
-    std::string word = "auto"; // extend where the coordinates are defined outside, else nearest
-    bool can_extend = true;    // whether the program can do with weights of points outside
+    std::string word =
+        "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
+    bool with_sites = false; // whether the program takes control points without a cage
+    bool can_extend = true;  // whether the program can do with weights of points outside
 
     void add_option(CommandLine& line);
 

@@ -93,6 +93,9 @@ public:
 
     const std::string& error() const { return error_; }
 
+    /// Of the last point read, counted from 1.
+    std::size_t line() const { return line_; }
+
     /// How much of the file has been read, in [0, 1].
     double fraction() const {
         return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;

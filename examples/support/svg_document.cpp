@@ -122,7 +122,8 @@ SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document) {
     std::vector<SvgShape> shapes;
     shapes.reserve(drawing->shapes.size());
     for (DrawnShape& shape : drawing->shapes) {
-        shapes.push_back({label(work, shape.node), std::move(shape.path)});
+        const bool is_circle = local_name(shape.node) == "circle";
+        shapes.push_back({label(work, shape.node), std::move(shape.path), is_circle});
     }
     return shapes;
 }

@@ -625,6 +625,105 @@ if [ -d $icons ]; then
   done
 fi
 
+# ---- points without a cage: sibson, sibson-c1 ----
+row_is() { # WHAT STATE "w0 w1 …"   the first point's row in w.csv, to 1e-12; the reference values are those of tests/data/sibson
+  sed -n 2p w.csv >log
+  awk -F, -v state="$2" -v expected="$3" '{ n = split(expected, w, " ")
+    bad = $1 != state || NF != n + 1
+    for (i = 1; i <= n; ++i) { d = $(i + 1) - w[i]; if (d * d > 1e-24) bad = 1 } }
+    END { exit bad || NR != 1 }' log && ok=yes || ok=no
+  report $ok "$1"
+}
+printf '# a square\n0,0\n1,0\n\n1,1\n0,1\n0.5,0.5\n' >sites.csv
+printf '0.25,0.375\n3,3\n' >point.csv
+works "weights of sites" "$weights" --cage sites.csv --points point.csv --coordinates sibson -o w.csv --report
+grep -q '^amplification (largest sum |w|): 1 at point 0$' log && ok=yes || ok=no
+report $ok "degree 1 amplifies nothing"
+row_is "Sibson's coordinates" inside "0.375 0.006521739130434782 0 0.13152173913043477 0.48695652173913045"
+sed -n 3p w.csv >log
+grep -q '^outside,nan,nan,nan,nan,nan$' log && ok=yes || ok=no
+report $ok "no weights outside the hull"
+works "weights of sites, smooth" "$weights" --cage sites.csv --points point.csv --coordinates sibson-c1 -o w.csv --report
+grep -q '^amplification (largest sum |w|): 1.1357' log && ok=yes || ok=no
+report $ok "the report has the amplification"
+row_is "Farin's interpolant" inside "0.321624200792444 -0.014479358870304923 -0.05337579920755596 0.11052064112969508 0.6357103161557217"
+works "weights of sites, single precision" "$weights" --cage sites.csv --points point.csv --coordinates sibson-c1 --scalar float -o w.csv
+{ echo x,y,z; for x in 0 1; do for y in 0 1; do for z in 0 1; do echo $x,$y,$z; done; done; done; echo 0.5,0.5,0.5; } >sites_3d.csv
+awk -F, 'NR > 1 { print "v", $1, $2, $3 }' sites_3d.csv >sites.obj
+echo 0.625,0.5,0.4375 >point_3d.csv
+for sites in sites_3d.csv sites.obj; do
+  works "weights of $sites" "$weights" --cage $sites --points point_3d.csv --coordinates sibson-c1 -o w.csv
+  row_is "Farin's interpolant, $sites" inside "-0.006034235353040686 -0.027254366194391165 -0.006034235353040686 -0.027254366194391165 0.06649563380560883 0.025215764646959314 0.06649563380560883 0.025215764646959314 0.8831544061897274"
+done
+sed 's/^0.5,0.5$/0.3,0.4/' sites.csv >uneven.csv
+works "weights of uneven sites" "$weights" --cage uneven.csv --points point.csv --coordinates sibson-c1 -o w.csv
+for rule in gentle mirrored; do
+  works "weights of sites, $rule" "$weights" --cage uneven.csv --points point.csv --coordinates sibson-c1 --gradients $rule -o w_$rule.csv
+  cmp -s w.csv w_$rule.csv && ok=no || ok=yes
+  report $ok "$rule is another rule"
+done
+refuses 'steep not in' "$weights" --cage sites.csv --points point.csv --coordinates sibson-c1 --gradients steep -o out.csv
+printf '# two\n0,0\n1,0\n' >bad.csv
+refuses 'bad.csv: holds too few points, 2: the plane takes three' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf 'x,y\n0,0\n1,0\n\n1,1\n1,0\n' >bad.csv
+refuses 'line 3 and line 6' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '0,0\n# a hole\n1,nan\n1,1\n' >bad.csv
+refuses 'line 3' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '0,0\n1,1\n2,2\n7,7\n' >bad.csv
+refuses 'bad.csv: all sites lie in a plane, or in the plane on a line' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '0,0\n1,0\n0,1e39\n' >bad.csv
+refuses 'bad.csv: line 3: 1e+39 is beyond single precision' "$weights" --cage bad.csv --points point.csv --coordinates sibson --scalar float -o out.csv
+printf '0,0\n1,0\n0,1,2\n' >bad.csv
+refuses 'bad.csv:3: 3 columns' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '# nothing\n' >bad.csv
+refuses 'bad.csv: holds no points' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+: >bad.csv
+refuses 'bad.csv' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+refuses 'is not one of barycentric, mean-value, harmonic' "$field" --cage "$cage" --vertex 0 --coordinates sibson -o out.png
+# circles of an SVG; what lies outside their hull stays, with a warning
+circles() { printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><rect width="9" height="9"/><g transform="translate(1 1)"><circle r="1"/><circle id="b" cx="6" r="1"/><circle cx="6" cy="%s" r="2"/><circle cy="6" r="1"/></g></svg>' "$1"; }
+circles 6 >circles.svg
+circles 8 >circles_pose.svg
+echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M7 7 L4 4 L1 1"/></svg>' >line.svg
+for type in sibson sibson-c1; do
+  works "deform by circles, $type" "$deform" line.svg --cage circles.svg --pose circles_pose.svg --coordinates $type -o circled.svg --show-cage
+  [ ! -s log ] && grep -q 'd="M7 9' circled.svg && grep -q '<circle cx="7" cy="9" r="0.1' circled.svg && ok=yes || ok=no
+  report $ok "the end of the line follows its circle, $type"
+  works "the same at rest, $type" "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates $type -o circled.svg
+  cmp -s line.svg circled.svg && ok=yes || ok=no
+  report $ok "at rest nothing has changed, $type"
+done
+echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M9 9 L8 8"/></svg>' >beyond.svg
+works "outside the hull" "$deform" beyond.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson -o circled.svg
+[ "$(wc -l <log)" = 1 ] && grep -q 'lie outside the convex hull of circles.svg, first (9, 9).*; they stay in place (--outside)' log && grep -q 'd="M9 9' circled.svg && ok=yes || ok=no
+report $ok "what lies outside the hull stays, with one warning"
+works "outside the hull, nearest" "$deform" beyond.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson --outside nearest -o circled.svg
+grep -q 'd="M9 11' circled.svg && ok=yes || ok=no
+report $ok "or follows the nearest point of the hull"
+refuses 'outside the convex hull' "$deform" beyond.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson --outside refuse -o out.svg
+refuses 'not defined outside' "$deform" beyond.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson --outside extend -o out.svg
+sed 's/<circle r="1"\/>//' circles.svg >bad.svg
+refuses 'bad.svg: the pose has 3 points, circles.svg 4' "$deform" line.svg --cage circles.svg --pose bad.svg --coordinates sibson -o out.svg
+refuses 'bow_tie.svg: holds no circles' "$deform" line.svg --cage bow_tie.svg --pose circles.svg --coordinates sibson -o out.svg
+sed 's/cx="6" r/r/' circles.svg >bad.svg
+refuses 'circle (line 1) and circle "b" (line 1)' "$deform" line.svg --cage bad.svg --pose bad.svg --coordinates sibson -o out.svg
+printf '0,0\n1,0\n1,1\n0,1\n0.5,inf\n' >bad.csv
+refuses 'bad.csv: line 5: a number is not finite' "$deform" line.svg --cage sites.csv --pose bad.csv --coordinates sibson -o out.svg
+# vertices of an OBJ
+sed 's/0.5 0.5 0.5/0.5 0.5 0.75/' sites.obj >sites_pose.obj
+printf 'v 0.5 0.5 0.5\nv 2 2 2\nv 0 0 1\nf 1 2 3\n' >figure.obj
+for type in sibson sibson-c1; do
+  works "deform by vertices, $type" "$mesh" figure.obj --cage sites.obj --pose sites_pose.obj --coordinates $type -o moved.obj --picture moved.png
+  printf 'v 0.5 0.5 0.75\nv 2 2 2\nv 0 0 1\nf 1 2 3\n' | cmp -s - moved.obj && grep -q '1 of 3 vertices of figure.obj lie outside the convex hull of sites.obj, first v 2 (2, 2, 2); they stay in place' log && ok=yes || ok=no
+  report $ok "a vertex at a site goes with it, one outside stays, $type"
+done
+printf 'v 0 0 0\nv 1 0 0\n' >bad.obj
+refuses 'bad.obj: the pose has 2 points, sites.obj 9' "$mesh" figure.obj --cage sites.obj --pose bad.obj --coordinates sibson -o out.obj
+refuses 'bad.obj: holds too few points, 2: space takes four' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
+sed '5s/.*/v 0 1 1/' sites.obj >bad.obj
+refuses 'line 4 and line 5' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
+refuses 'sites.obj: holds no faces' "$mesh" figure.obj --cage sites.obj --pose sites.obj -o out.obj
+
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
