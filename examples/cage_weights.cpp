@@ -241,12 +241,12 @@ int run_program(int argc, char** argv) {
     line.add("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space").required();
     line.add("--labels", settings.labels_path, "names of the cage's vertices, for the columns: a text file");
     line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required().ends_with({".csv"});
-    line.set_footer(
-        cage_formats + std::string("\n") + obj_format + "\n" + site_formats +
-        "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
-        "of chains and points, or to the sites, as they come in the file; nan where a point has no weights.\n"
-        "\n" +
-        labels_format);
+    line.set_footer(cage_formats + std::string("\n") + obj_format + "\n" + site_formats +
+                    "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
+                    "of chains and points, or to those given instead of a cage, as they come in the\n"
+                    "file; nan where a point has no weights.\n"
+                    "\n" +
+                    labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
     line.add("--outside", settings.outside,
              "points outside: extend (where the coordinates are defined), keep or nearest")

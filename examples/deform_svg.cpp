@@ -85,6 +85,7 @@ void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks) {
             } else { // a site: a dot
                 circle.append_attribute("r") = diagonal / 120;
                 circle.append_attribute("fill") = "#c2377a";
+                circle.append_attribute("stroke") = "none";
             }
             continue;
         }

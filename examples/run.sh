@@ -2,8 +2,8 @@
 # Usage: sh examples/run.sh [--build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
 # pictures: the cat at rest and in every pose by mean value and harmonic coordinates, with cells inside its cage,
-# the man, the aleph, a character in space, heat maps of coordinates, how the solver converges, a key-frame
-# curve and its pieces. What programs print goes to out/*.txt: tables of figures and of fits of key-frame curves.
+# the man, the aleph, a fish moved by points without a cage, a character in space, heat maps of coordinates, how
+# the solver converges, a key-frame curve and its pieces. What programs print goes to out/*.txt: tables of figures and of fits of key-frame curves.
 # Prints a line a step, and at the end what to open.
 set -eu
 cd "$(dirname "$0")/.."
@@ -11,7 +11,7 @@ sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev 
 
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 13 "$1"
+  printf '[%d/%d] %s\n' $count 14 "$1"
 }
 mkdir -p out
 step "configure"
@@ -83,6 +83,15 @@ deform aleph_harmonic aleph aleph_cage aleph_pose harmonic
 "$programs/contact_sheet" -o out/aleph.svg --columns 3 --png "at rest" out/aleph_rest.svg \
   "mean value" out/aleph_mean_value.svg "harmonic" out/aleph_harmonic.svg
 
+step "the fish, by points without a cage"
+deform fish_points fish fish_points fish_points sibson
+for pose in pose_tail pose_fins; do
+  for type in sibson sibson-c1; do deform "fish_${pose}_$type" fish fish_points fish_$pose $type; done
+done
+"$programs/contact_sheet" -o out/fish.svg --columns 2 --png --png-width 1400 "at rest" "$data/fish.svg" \
+  "its points" out/fish_points.svg "tail: sibson" out/fish_pose_tail_sibson.svg "tail: sibson-c1" out/fish_pose_tail_sibson-c1.svg \
+  "fins: sibson" out/fish_pose_fins_sibson.svg "fins: sibson-c1" out/fish_pose_fins_sibson-c1.svg
+
 step "a character in space"
 "$programs/make_character" out >>$report
 for type in mean-value harmonic; do
@@ -140,6 +149,7 @@ Open, in out/:
   cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   aleph.png, man.png         other figures
+  fish.png                   a fish moved by points without a cage
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
   biped_signs.png            what negative weights mean; field_*.png: more heat maps
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces

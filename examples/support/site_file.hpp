@@ -28,10 +28,10 @@ struct SiteFile {
 inline constexpr const char* site_formats =
     "The types sibson and sibson-c1 take control points anywhere on, in or about the\n"
     "figure instead of a cage. In the plane they are the centres of the circles drawn\n"
-    "in an SVG file (radius above 0), in their order; in space the vertices of an OBJ\n"
-    "file, with or without faces; in both a CSV file (.csv) of lines x,y or x,y,z. Empty\n"
-    "lines and lines that begin with # are skipped. A pose has as many points, in the\n"
-    "same order. Only what lies in their convex hull can move.\n";
+    "in an SVG file (radius above 0), in their order; in space the vertices of an\n"
+    "OBJ file, with or without faces; in both the lines x,y or x,y,z of a CSV file\n"
+    "(.csv), where empty lines and lines that begin with # are skipped. A pose has as\n"
+    "many points, in the same order. Only what lies in their convex hull can move.\n";
 
 /// 2 or 3: what sites a file holds. An SVG has those of the plane, an OBJ those of space, a CSV file tells by its first
 /// point; what is no point there is for load_sites() to refuse.
