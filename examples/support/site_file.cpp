@@ -29,8 +29,8 @@ SvgResult<SiteFile<2>> read_site_circles(const std::string& path) {
     SiteFile<2> sites{path, {}, {}};
     for (SvgShape& shape : *all) {
         if (!shape.is_circle) continue;
-        const Subpath& outline = shape.path.front(); // of four arcs
-        const Point2 &a = outline.start, &b = outline.segments[1].p3;
+        const Subpath& outline = shape.path.front(); // of four arcs, or fewer where they are too small
+        const Point2 &a = outline.start, &b = outline.segments.size() == 4 ? outline.segments[1].p3 : a;
         sites.points.push_back({a.x + (b.x - a.x) / 2, a.y + (b.y - a.y) / 2});
         sites.places.push_back(std::move(shape.label));
     }

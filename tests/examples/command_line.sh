@@ -707,6 +707,10 @@ refuses 'bad.svg: the pose has 3 points, circles.svg 4' "$deform" line.svg --cag
 refuses 'bow_tie.svg: holds no circles' "$deform" line.svg --cage bow_tie.svg --pose circles.svg --coordinates sibson -o out.svg
 sed 's/cx="6" r/r/' circles.svg >bad.svg
 refuses 'circle (line 1) and circle "b" (line 1)' "$deform" line.svg --cage bad.svg --pose bad.svg --coordinates sibson -o out.svg
+sed 's/r="1"/r="1e-18"/g' circles.svg >tiny.svg # arcs shorter than a rounding
+works "tiny circles" "$deform" line.svg --cage tiny.svg --pose circles_pose.svg --coordinates sibson -o tiny_out.svg
+"$deform" line.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson -o circled.svg && cmp -s circled.svg tiny_out.svg && ok=yes || ok=no
+report $ok "a circle has its place, however small"
 printf '0,0\n1,0\n1,1\n0,1\n0.5,inf\n' >bad.csv
 refuses 'bad.csv: line 5: a number is not finite' "$deform" line.svg --cage sites.csv --pose bad.csv --coordinates sibson -o out.svg
 # vertices of an OBJ
