@@ -14,6 +14,7 @@
 #include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
@@ -26,6 +27,7 @@
 #include <cstring>
 #include <map>
 #include <numeric>
+#include <random>
 
 namespace {
 
@@ -363,6 +365,101 @@ void clone_with_normals(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// Points that listen to their 16 nearest handles, as natural neighbours are in space, packed.
+template <class T>
+struct Neighbours {
+    std::vector<cageform::Vec<T, 3>> pose;
+    std::vector<T> weights; ///< of handles
+    cageform::PackedBinding<T, 3> binding;
+    double rows_a_block = 0;
+
+    Neighbours(std::size_t points, std::size_t handles) {
+        std::mt19937 random(1);
+        std::uniform_real_distribution<double> in_cube(0, 1);
+        const auto places = [&](std::size_t count) {
+            std::vector<cageform::Vec<T, 3>> made(count);
+            for (auto& p : made) p = {T(in_cube(random)), T(in_cube(random)), T(in_cube(random))};
+            return made;
+        };
+        const auto rest_handles = places(handles), figure = places(points);
+        const std::size_t blocks = cageform::block_count<T>(points);
+        std::vector<cageform::Lanes<T>> rows(blocks * handles), rest(blocks * 3);
+        for (auto& row : rows) std::fill(std::begin(row.v), std::end(row.v), T(0));
+        const cageform::BlockView<T> w{rows.data(), handles, points}, p{rest.data(), 3, points};
+        for (std::size_t i = 0; i < blocks * cageform::lane_count<T>; ++i) {
+            const auto& at = figure[std::min(i, points - 1)];
+            std::vector<std::pair<T, std::size_t>> near;
+            for (std::size_t h = 0; h < handles; ++h)
+                near.emplace_back(dot(rest_handles[h] - at, rest_handles[h] - at), h);
+            std::nth_element(near.begin(), near.begin() + 16, near.end());
+            T sum = 0;
+            for (std::size_t n = 0; n < 16; ++n) sum += 1 / (T(1e-3) + near[n].first);
+            for (std::size_t n = 0; n < 16; ++n) w(i, near[n].second) = 1 / (T(1e-3) + near[n].first) / sum;
+            for (std::size_t k = 0; k < 3; ++k) p(i, k) = at[k];
+        }
+        const cageform::Binding<T, 3> dense(std::move(rows), std::move(rest), rest_handles, points);
+        binding = cageform::pack(dense, {.threshold = 1e-30}).binding;
+        rows_a_block = double(binding.view().row_count()) / double(blocks);
+        pose = rest_handles;
+        for (auto& handle : pose)
+            handle = handle + T(0.1) * cageform::Vec<T, 3>{handle[1], handle[2], handle[0]};
+        for (std::size_t h = 0; h < handles; ++h) weights.push_back(h % 20 == 0 ? T(3) : T(1));
+    }
+
+    void finish(benchmark::State& state) const {
+        const auto view = binding.view();
+        state.counters["rows_a_block"] = rows_a_block;
+        state.SetBytesProcessed(std::int64_t(state.iterations()) * std::int64_t(view.row_count() * 64));
+    }
+};
+
+/// Weights of handles that change every frame, over a view that was judged once, or judged every time.
+template <class T, bool Judged>
+void clone_rational_sparse(benchmark::State& state) {
+    const Neighbours<T> work(std::size_t(state.range(0)), std::size_t(state.range(1)));
+    const auto view = work.binding.view();
+    const auto fit = cageform::rational_view(view);
+    std::vector<cageform::Vec<T, 3>> out(view.point_count());
+    for (auto _ : state) {
+        cageform::Status status = fit.status;
+        if constexpr (Judged) {
+            status = cageform::clone_rational(fit.binding, work.pose, work.weights, out);
+        } else {
+            status = cageform::clone_rational(view, work.pose, work.weights, out);
+        }
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    work.finish(state);
+}
+template <class T>
+void clone_sparse(benchmark::State& state) {
+    const Neighbours<T> work(std::size_t(state.range(0)), std::size_t(state.range(1)));
+    std::vector<cageform::Vec<T, 3>> out(work.binding.view().point_count());
+    for (auto _ : state) {
+        const auto status = cageform::clone(work.binding, work.pose, out);
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    work.finish(state);
+}
+template <class T>
+void limit_read_sparse(benchmark::State& state) {
+    const Neighbours<T> work(std::size_t(state.range(0)), std::size_t(state.range(1)));
+    const auto view = work.binding.view();
+    for (auto _ : state) {
+        std::array<cageform::detail::Simd<T>, 8> sums;
+        sums.fill(T(0));
+        for (std::size_t i = 0; i + 8 <= view.row_count(); i += 8) {
+            for (std::size_t s = 0; s < 8; ++s)
+                sums[s] = sums[s] + cageform::detail::load_row<cageform::WeightFormat::scalar, T>(
+                                        view.weights + (i + s) * 64);
+        }
+        benchmark::DoNotOptimize(sums);
+    }
+    work.finish(state);
+}
+
 template <class T, std::size_t D, int Order>
 void eigen_product(benchmark::State& state) {
     using Weights = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Order>;
@@ -398,6 +495,9 @@ void sizes_mapped(benchmark::internal::Benchmark* benchmark) {
         ->Args({100000, 0})
         ->Args({100000, 8});
 }
+void sizes_sparse(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"points", "handles"})->Unit(benchmark::kMicrosecond)->Args({5000, 300});
+}
 void sizes_packed(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "largest", "in_order"})->Unit(benchmark::kMicrosecond);
     for (const long points : {8019L, 100000L})
@@ -416,6 +516,10 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
     BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::RowMajor)->Apply(sizes_3d);                               \
     BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::ColMajor)->Apply(sizes_3d);                               \
     BENCHMARK_TEMPLATE(limit_read_memory, T)->Unit(benchmark::kMicrosecond);                                 \
+    BENCHMARK_TEMPLATE(limit_read_sparse, T)->Apply(sizes_sparse);                                           \
+    BENCHMARK_TEMPLATE(clone_sparse, T)->Apply(sizes_sparse);                                                \
+    BENCHMARK_TEMPLATE(clone_rational_sparse, T, true)->Apply(sizes_sparse);                                 \
+    BENCHMARK_TEMPLATE(clone_rational_sparse, T, false)->Apply(sizes_sparse);                                \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::scalar)->Apply(sizes_packed);                \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::half)->Apply(sizes_packed);                  \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::int16)->Apply(sizes_packed);                 \

@@ -6,7 +6,10 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/compose.hpp>
+#include <cageform/cage/control_points.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/clone/pose_handles.hpp>

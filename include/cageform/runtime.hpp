@@ -7,6 +7,7 @@
 #include <cageform/animate/track.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_figure.hpp>
+#include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/glsl.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>

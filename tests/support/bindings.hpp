@@ -50,6 +50,13 @@ Vec<long double, D> by_definition(const cageform::Binding<T, D>& binding, const 
     return p;
 }
 
+/// Where the handles were when bound.
+template <class T, std::size_t D>
+std::vector<Vec<T, D>> binding_handles(const cageform::Binding<T, D>& binding) {
+    const auto handles = binding.handle_view();
+    return {handles.rest, handles.rest + handles.count};
+}
+
 template <class T, std::size_t D, class Pose>
 std::vector<Vec<T, D>> cloned(const cageform::Binding<T, D>& binding, const Pose& pose) {
     std::vector<Vec<T, D>> out(binding.point_count());

@@ -15,6 +15,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(ok, "ok")                                                                                   \
     X(cancelled, "cancelled by the progress callback")                                            \
     X(out_of_memory, "out of memory")                                                             \
+    X(index_out_of_range, "an index names a point that does not exist")                           \
     /* cage/: check */                                                                            \
     X(too_few_vertices, "a cage loop has fewer than three vertices, or a point set too few sites")\
     X(loops_do_not_match, "the loop sizes do not add up to the number of vertices")               \
@@ -52,7 +53,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(curve_turns_back, "time turns back along the curve")                                        \
     X(degree_not_supported, "pieces are of degree 3, 4 or 5")                                     \
     X(norm_not_supported, "the sup norm is for pieces that are not tied together")                \
-    X(weights_not_positive, "the weights of the norm are not positive numbers")                   \
+    X(weights_not_positive, "some weights are not positive numbers")                              \
     X(keys_missing, "the track has no keys")                                                      \
     X(keys_not_ascending, "a key is not later than the one before it")                            \
     X(knots_not_ascending, "the knots do not ascend from key to key")                             \
@@ -92,6 +93,9 @@ namespace cageform::inline CAGEFORM_ABI {
     X(pose_not_finite, "the pose holds a number that is not finite")                              \
     X(output_too_small, "the output has fewer places than there are points")                      \
     X(mask_too_small, "the mask has fewer numbers than there are points")                         \
+    X(weights_do_not_match, "there is not one weight for every handle")                           \
+    X(weights_too_far_apart, "one weight of a handle is too many times another")                  \
+    X(binding_weights_negative, "the binding has negative weights, and a rational clone none")    \
     X(handles_not_faces, "some vectors among the handles belong to no face")                      \
     X(handles_not_bones, "the handles are not the origins and axes of bones")
 // clang-format on

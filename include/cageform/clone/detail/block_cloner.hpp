@@ -7,10 +7,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The best affine fit to the displacements: a_r = Σ_i F_ir d_i.
-template <Scalar T, std::size_t D>
+/// The best affine fit to the displacements: a_r = Σ_i F_ir d_i, of `K` numbers each.
+template <Scalar T, std::size_t D, std::size_t K = D>
 struct AffineFit {
-    Vec<T, D> part[D + 1]{};
+    Vec<T, K> part[D + 1]{};
 
     template <class Displacement>
     AffineFit(const PackedBindingView<T, D>& binding, const Displacement& displacement) noexcept {
@@ -18,7 +18,7 @@ struct AffineFit {
         for (std::size_t i = 0; i < binding.handles; ++i) {
             const auto& d = displacement(i);
             for (std::size_t r = 0; r <= D; ++r) {
-                for (std::size_t k = 0; k < D; ++k)
+                for (std::size_t k = 0; k < K; ++k)
                     part[r][k] = multiply_add<T>(binding.affine_fit[i][r], d[k], part[r][k]);
             }
         }
@@ -28,7 +28,7 @@ struct AffineFit {
     void complete(const PackedBindingView<T, D>& binding, std::size_t block, Lanes<T>* sums) const noexcept {
         if (binding.scale == nullptr) return;
         const Lanes<T>* const residual = binding.residual + block * (D + 1);
-        for (std::size_t k = 0; k < D; ++k) {
+        for (std::size_t k = 0; k < K; ++k) {
             Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
             for (std::size_t r = 0; r <= D; ++r)
                 sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(part[r][k]), sum);
@@ -39,43 +39,70 @@ struct AffineFit {
 
 inline constexpr std::size_t clone_grain = 256; ///< blocks that are worth a thread
 
-/// The blocks of a clone: the sums of their rows, completed and written.
-template <Scalar T, std::size_t D, class Out>
-struct DisplacedBlocks {
-    PackedBindingView<T, D> binding; ///< a dense binding is a packed one from which nothing was dropped
-    CloneTarget<T, D, Out> target;
+/// The blocks of a clone: the sums of their rows, completed and given to a target, as many numbers a
+/// point as it asks for.
+template <Scalar T, std::size_t D, class Target>
+class DisplacedBlocks {
+public:
+    DisplacedBlocks(const PackedBindingView<T, D>& binding, const Target& target) noexcept
+        : binding_(binding)
+        , target_(target) {}
+
+    /// Writes blocks [begin, end). `View` is what the caller had: a dense binding is a packed one from
+    /// which nothing was dropped, and has but one format.
+    template <class View, class Taken>
+    void write(const Taken& taken, std::size_t begin, std::size_t end) const noexcept {
+        const Displacements<Taken> displacements(taken, binding_.handles);
+        displacements.with([&](const auto& displacement) {
+            const Fit fit(binding_, displacement);
+            if constexpr (std::is_same_v<View, BindingView<T, D>>) {
+                add_dense<WeightFormat::scalar>(displacement, fit, begin, end);
+            } else {
+                switch (binding_.format) {
+                case WeightFormat::scalar: return add<WeightFormat::scalar>(displacement, fit, begin, end);
+                case WeightFormat::half: return add<WeightFormat::half>(displacement, fit, begin, end);
+                case WeightFormat::int16: return add<WeightFormat::int16>(displacement, fit, begin, end);
+                case WeightFormat::int8: return add<WeightFormat::int8>(displacement, fit, begin, end);
+                }
+            }
+        });
+    }
+
+private:
+    static constexpr std::size_t K = Target::columns;
+    using Fit = AffineFit<T, D, K>;
 
     /// For blocks that have rows for all handles or for some.
     template <WeightFormat Format, class Displacement>
-    void add(const Displacement& displacement, const AffineFit<T, D>& fit, std::size_t begin,
+    void add(const Displacement& displacement, const Fit& fit, std::size_t begin,
              std::size_t end) const noexcept {
-        if (binding.row_begin == nullptr) return add_dense<Format>(displacement, fit, begin, end);
+        if (binding_.row_begin == nullptr) return add_dense<Format>(displacement, fit, begin, end);
         for (std::size_t b = begin; b < end; ++b) {
-            Lanes<T> sums[D];
-            const std::size_t first = binding.row_begin[b];
-            const DisplacementsOfRows<Displacement> of_rows{displacement, binding.row_handle + first};
-            sum_block<Format, T, D>(binding.weights + first * row_bytes<Format>,
-                                    binding.row_begin[b + 1] - first, of_rows, sums);
+            Lanes<T> sums[K];
+            const std::size_t first = binding_.row_begin[b];
+            const DisplacementsOfRows<Displacement> of_rows{displacement, binding_.row_handle + first};
+            sum_block<Format, T, K>(binding_.weights + first * row_bytes<Format>,
+                                    binding_.row_begin[b + 1] - first, of_rows, sums);
             finish(fit, b, sums);
         }
     }
 
     /// For blocks that have a row for every handle.
     template <WeightFormat Format, class Displacement>
-    void add_dense(const Displacement& displacement, const AffineFit<T, D>& fit, std::size_t begin,
+    void add_dense(const Displacement& displacement, const Fit& fit, std::size_t begin,
                    std::size_t end) const noexcept {
         // From caches, blocks beside each other take a third less time, for they save loads; from
         // memory a third more, for one stream is fetched ahead better than several that break off
         // at every block.
         constexpr std::size_t cached = std::size_t{16} << 20;
-        constexpr std::size_t together = blocks_together<D>;
-        const std::size_t handles = binding.handles, block_bytes = handles * row_bytes<Format>;
+        constexpr std::size_t together = blocks_together<K>;
+        const std::size_t handles = binding_.handles, block_bytes = handles * row_bytes<Format>;
         std::size_t b = begin;
-        if (binding.block_count() * block_bytes < cached) {
+        if (binding_.block_count() * block_bytes < cached) {
             // One by one at the end, in the same order of additions: ranges may be cut anywhere.
             const auto sum = [&](auto count, std::size_t block) {
-                Lanes<T> sums[count][D];
-                sum_rows<count, 1, Format, T, D>(binding.weights + block * block_bytes, handles, handles,
+                Lanes<T> sums[count][K];
+                sum_rows<count, 1, Format, T, K>(binding_.weights + block * block_bytes, handles, handles,
                                                  displacement, sums);
                 for (std::size_t n = 0; n < count; ++n) finish(fit, block + n, sums[n]);
             };
@@ -85,20 +112,22 @@ struct DisplacedBlocks {
             return;
         }
         for (; b < end; ++b) {
-            Lanes<T> sums[D];
-            sum_block<Format, T, D>(binding.weights + b * block_bytes, handles, displacement, sums);
+            Lanes<T> sums[K];
+            sum_block<Format, T, K>(binding_.weights + b * block_bytes, handles, displacement, sums);
             finish(fit, b, sums);
         }
     }
 
-private:
     template <WeightFormat Format>
     static constexpr std::size_t row_bytes = lane_count<T>* weight_bytes<T>(Format);
 
-    void finish(const AffineFit<T, D>& fit, std::size_t block, Lanes<T>* sums) const noexcept {
-        fit.complete(binding, block, sums);
-        target.write(block, sums);
+    void finish(const Fit& fit, std::size_t block, Lanes<T>* sums) const noexcept {
+        fit.complete(binding_, block, sums);
+        target_.write(block, sums);
     }
+
+    PackedBindingView<T, D> binding_;
+    Target target_;
 };
 
 /// One clone: `View` by `pose` into `out`, any of its blocks at a time.
@@ -110,35 +139,17 @@ public:
 
     /// Refers to all its arguments but the view.
     BlockCloner(const View& binding, const Pose& pose, Out& out, const CloneOptions<T>& options) noexcept
-        : blocks_{binding, {binding, options, out}}
-        , pose_(pose) {}
+        : blocks_(binding, {binding, options, out})
+        , displacements_{binding.rest_handles, pose} {}
 
     /// Writes the points of blocks [begin, end).
     void run(std::size_t begin, std::size_t end) const noexcept {
-        const PackedBindingView<T, D>& binding = blocks_.binding;
-        const Displacements<T, D, Pose> displacements(binding.rest_handles, binding.handles, pose_);
-        displacements.with([&](const auto& displacement) {
-            const AffineFit<T, D> fit(binding, displacement);
-            if constexpr (std::is_same_v<View, BindingView<T, D>>) { // one format, rows for all handles
-                blocks_.template add_dense<WeightFormat::scalar>(displacement, fit, begin, end);
-            } else {
-                switch (binding.format) {
-                case WeightFormat::scalar:
-                    return blocks_.template add<WeightFormat::scalar>(displacement, fit, begin, end);
-                case WeightFormat::half:
-                    return blocks_.template add<WeightFormat::half>(displacement, fit, begin, end);
-                case WeightFormat::int16:
-                    return blocks_.template add<WeightFormat::int16>(displacement, fit, begin, end);
-                case WeightFormat::int8:
-                    return blocks_.template add<WeightFormat::int8>(displacement, fit, begin, end);
-                }
-            }
-        });
+        blocks_.template write<View>(displacements_, begin, end);
     }
 
 private:
-    DisplacedBlocks<T, D, Out> blocks_;
-    const Pose& pose_;
+    DisplacedBlocks<T, D, CloneTarget<T, D, Out>> blocks_;
+    TakenDisplacements<T, D, Pose> displacements_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -10,11 +10,11 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The displacement of a handle, from a table of them.
-template <Scalar T, std::size_t D>
+template <class Displacement>
 struct TabledDisplacements {
-    const Vec<T, D>* table;
+    const Displacement* table;
 
-    const Vec<T, D>& operator()(std::size_t i) const noexcept { return table[i]; }
+    const Displacement& operator()(std::size_t i) const noexcept { return table[i]; }
 };
 
 /// The displacement of a handle, taken from the pose.
@@ -35,13 +35,13 @@ struct DisplacementsOfRows {
     decltype(auto) operator()(std::size_t row) const noexcept { return source(handle[row]); }
 };
 
-/// The displacements of handles. Up to 16 kB of them are put into a table on the stack, more are
-/// taken again for each use: nothing is allocated whatever their number.
-template <Scalar T, std::size_t D, class Pose>
+/// The displacements of handles as `taken` has them. Up to 16 kB of them are put into a table on the
+/// stack, more are taken again for each use: nothing is allocated whatever their number.
+template <class Taken>
 class Displacements {
 public:
-    Displacements(const Vec<T, D>* rest, std::size_t handles, const Pose& pose) noexcept
-        : taken_{rest, pose}
+    Displacements(const Taken& taken, std::size_t handles) noexcept
+        : taken_(taken)
         , tabled_(handles <= capacity) {
         if (!tabled_) return;
         for (std::size_t i = 0; i < handles; ++i) table_[i] = taken_(i);
@@ -51,18 +51,19 @@ public:
     template <class F>
     void with(const F& f) const noexcept {
         if (tabled_) {
-            f(TabledDisplacements<T, D>{table_});
+            f(TabledDisplacements<Displacement>{table_});
         } else {
             f(taken_);
         }
     }
 
 private:
-    static constexpr std::size_t capacity = 16384 / sizeof(Vec<T, D>);
+    using Displacement = decltype(std::declval<const Taken&>()(std::size_t{}));
+    static constexpr std::size_t capacity = 16384 / sizeof(Displacement);
 
-    TakenDisplacements<T, D, Pose> taken_;
+    Taken taken_;
     bool tabled_;
-    Vec<T, D> table_[capacity];
+    Displacement table_[capacity];
 };
 
 /// f(0), f(1), … f(N − 1), each index a constant: arrays indexed by it are kept in registers.

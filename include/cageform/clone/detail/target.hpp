@@ -107,6 +107,8 @@ decltype(auto) as_target(Out& out) noexcept {
 template <Scalar T, std::size_t D, class Out>
 class CloneTarget {
 public:
+    static constexpr std::size_t columns = D; ///< numbers a point that it is given
+
     CloneTarget(const PackedBindingView<T, D>& binding, const CloneOptions<T>& options, Out& out) noexcept
         : rest_(binding.rest)
         , place_{binding.order}

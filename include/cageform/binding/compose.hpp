@@ -1,0 +1,107 @@
+// Two levels of handles as one: a figure bound to sites, and the sites bound to fewer handles.
+#pragma once
+
+#include <cageform/binding/binding.hpp>
+#include <cageform/core/detail/guard_memory.hpp>
+#include <cageform/core/running.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D>
+struct ComposeResult {
+    Binding<T, D> binding; ///< of the fine one's points to the coarse one's handles; empty unless ok
+    Status status = Status::ok;
+    std::vector<std::uint32_t> still; ///< sites that listen to no coarse handle, and so never move
+};
+
+namespace detail {
+
+/// The weights of a few sites, one after the other, for one point: rows of a product that are not 0.
+template <Scalar T>
+struct SparseRows {
+    std::vector<std::size_t> begin; ///< #sites + 1
+    std::vector<std::size_t> handle;
+    std::vector<double> weight;
+
+    template <std::size_t D>
+    explicit SparseRows(const Binding<T, D>& binding) {
+        begin.push_back(0);
+        for (std::size_t i = 0; i < binding.point_count(); ++i) {
+            for (std::size_t h = 0; h < binding.handle_count(); ++h) {
+                const T w = binding.weight(i, h);
+                if (w == T(0)) continue;
+                handle.push_back(h);
+                weight.push_back(double(w));
+            }
+            begin.push_back(handle.size());
+        }
+    }
+};
+
+template <Scalar T, std::size_t D>
+Status check_compose(const Binding<T, D>& fine, const Binding<T, D>& coarse) noexcept {
+    if (fine.handle_view().vector_count() != 0) return Status::handles_not_points;
+    if (coarse.point_count() != fine.handle_count()) return Status::bindings_differ;
+    for (std::size_t i = 0; i < fine.handle_count(); ++i) {
+        if (coarse.rest_point(i) != fine.rest_handle(i)) return Status::bindings_differ;
+    }
+    return Status::ok;
+}
+
+} // namespace detail
+
+/// One binding in place of two clones, one after the other: weights U V of a figure bound to sites
+/// (U) that are bound to handles themselves (V).
+///
+///     clone(compose(fine, coarse)) = clone(fine) by the pose clone(coarse), to rounding
+///
+///   fine     the figure, bound to n sites, all of them points
+///   coarse   the n sites as points, bound where the fine one has its handles, to the bit
+///   running  threads, progress, cancel; the result does not depend on it
+///   returns  the binding. Weights sum to one and meet the point, to rounding, where the fine ones
+///            do and every site's do. A site kept in place is listed: it stands still, and so does
+///            its share of the figure
+///   cost     a product for each weight of the fine binding with each of its site's that is not 0;
+///            (#coarse handles + D) scalars of memory a point. Sums are in double
+///   fails    handles_not_points, bindings_differ, cancelled, out_of_memory
+template <Scalar T, std::size_t D>
+ComposeResult<T, D> compose(const Binding<T, D>& fine, const Binding<T, D>& coarse,
+                            const Running& running = {}) {
+    constexpr std::size_t lanes = lane_count<T>;
+    ComposeResult<T, D> result;
+    result.status = detail::guard_memory([&] {
+        Status status = detail::check_compose(fine, coarse);
+        if (status != Status::ok) return status;
+        const detail::SparseRows<T> rows(coarse);
+        for (std::size_t i = 0; i < fine.handle_count(); ++i) {
+            if (rows.begin[i] == rows.begin[i + 1]) result.still.push_back(static_cast<std::uint32_t>(i));
+        }
+        const auto view = fine.view();
+        const std::size_t handles = coarse.handle_count(), blocks = view.weights.blocks();
+        std::vector<Lanes<T>> weights(blocks * handles);
+        status = detail::for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
+            std::vector<double> sums(handles);
+            for (std::size_t n = begin * lanes; n < end * lanes; ++n) {
+                const std::size_t block = n / lanes, lane = n % lanes;
+                std::fill(sums.begin(), sums.end(), 0.0);
+                for (std::size_t i = 0; i < fine.handle_count(); ++i) {
+                    const auto w = double(view.weights.block(block)[i][lane]);
+                    if (w == 0) continue;
+                    for (std::size_t r = rows.begin[i]; r < rows.begin[i + 1]; ++r)
+                        sums[rows.handle[r]] += w * rows.weight[r];
+                }
+                for (std::size_t h = 0; h < handles; ++h)
+                    weights[block * handles + h][lane] = static_cast<T>(sums[h]);
+            }
+        });
+        if (status != Status::ok) return status;
+        std::vector<Lanes<T>> rest(view.rest.data, view.rest.data + blocks * D);
+        result.binding =
+            Binding<T, D>(std::move(weights), std::move(rest), coarse.handle_view(), fine.point_count());
+        return Status::ok;
+    });
+    if (result.status != Status::ok) result.still.clear();
+    return result;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

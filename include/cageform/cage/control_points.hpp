@@ -1,0 +1,128 @@
+// Sets of control points made from a figure: points of its own as handles, and points about it that
+// stand still.
+#pragma once
+
+#include <cageform/cage/primitives.hpp>
+#include <cageform/core/detail/guard_memory.hpp>
+#include <cageform/core/view.hpp>
+
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D>
+struct ConstraintPoints {
+    Status status = Status::ok;
+    std::vector<Vec<T, D>> sites;       ///< those given, then those added; empty unless ok
+    std::vector<std::uint32_t> handles; ///< #indices: the site at each figure point
+};
+
+/// Adds points of a figure to a set of control points, so that they can be moved directly: a figure
+/// point at a site follows it exactly.
+///
+///   sites    any PointRange
+///   figure   any PointRange of the same dimension, converted to the scalar of the sites
+///   indices  of figure points; one nearer to a site before it than coincidence_tolerance (of sites
+///            and chosen points) adds none and takes that site for its handle
+///   cost     O(#indices · #sites)
+///   fails    index_out_of_range, vertex_not_finite, out_of_memory
+template <PointRange S, PointRangeIn<range_dimension<S>> F>
+ConstraintPoints<range_scalar_t<S>, range_dimension<S>>
+sites_with_figure_points(const S& sites, const F& figure, std::span<const std::size_t> indices) {
+    using T = range_scalar_t<S>;
+    using Site = Vec<T, range_dimension<S>>;
+    ConstraintPoints<T, range_dimension<S>> result;
+    const auto run = [&] {
+        for (std::size_t i = 0; i < std::size(sites); ++i) result.sites.push_back(to_vec<T>(sites[i]));
+        std::vector<Site> chosen;
+        for (const std::size_t index : indices) {
+            if (index >= std::size(figure)) return Status::index_out_of_range;
+            chosen.push_back(to_vec<T>(figure[index]));
+        }
+        std::vector<Site> all = result.sites;
+        all.insert(all.end(), chosen.begin(), chosen.end());
+        for (const Site& p : all) {
+            if (!is_finite(p)) return Status::vertex_not_finite;
+        }
+        const double tolerance = coincidence_tolerance(bounds_of(std::span<const Site>(all)));
+        for (const Site& p : chosen) {
+            const auto at_it = [&](const Site& site) {
+                const auto d = vec_cast<double>(site) - vec_cast<double>(p);
+                return std::sqrt(dot(d, d)) <= tolerance;
+            };
+            const auto found = std::find_if(result.sites.begin(), result.sites.end(), at_it);
+            result.handles.push_back(static_cast<std::uint32_t>(found - result.sites.begin()));
+            if (found == result.sites.end()) result.sites.push_back(p);
+        }
+        return Status::ok;
+    };
+    result.status = detail::guard_memory(run);
+    if (result.status != Status::ok) {
+        result.sites.clear();
+        result.handles.clear();
+    }
+    return result;
+}
+
+/// Which points of a box `surround` makes.
+enum class SurroundSites : std::uint8_t {
+    corners, ///< 2^D
+    lattice, ///< 3^D − 1: corners, and the middles of edges and, in space, of faces
+};
+
+struct SurroundOptions {
+    double margin = 0.25; ///< from the points to the sides of the box, in diagonals of the points; above 0
+    SurroundSites sites = SurroundSites::corners;
+};
+
+template <Scalar T, std::size_t D>
+struct SurroundResult {
+    Status status = Status::ok;
+    std::vector<Vec<T, D>> sites; ///< the first axis fastest; empty unless ok
+};
+
+/// Sites of a box around points, to stand still: a deformation by sites among the points and these
+/// fades to nothing towards the box, and no point is outside.
+///
+///   points  any PointRange: figure and sites. In a plane, or on a line, they have a margin across
+///   fails   too_few_vertices where there is no point, vertex_not_finite, cage_has_no_area or
+///           cage_has_no_volume where all points are one, radius_not_positive of the margin,
+///           value_not_finite where a corner is beyond the scalar's range, out_of_memory
+template <PointRange R>
+SurroundResult<range_scalar_t<R>, range_dimension<R>> surround(const R& points,
+                                                               const SurroundOptions& options = {}) {
+    using T = range_scalar_t<R>;
+    constexpr std::size_t D = range_dimension<R>;
+    SurroundResult<T, D> result;
+    result.status = detail::guard_memory([&] {
+        if (!is_finite(options.margin) || !(options.margin > 0)) return Status::radius_not_positive;
+        std::vector<Vec<double, D>> places;
+        for (std::size_t i = 0; i < std::size(points); ++i) {
+            places.push_back(to_vec<double>(points[i]));
+            if (!is_finite(places.back())) return Status::vertex_not_finite;
+        }
+        if (places.empty()) return Status::too_few_vertices;
+        const auto bounds = bounds_of(std::span<const Vec<double, D>>(places));
+        if (!(bounds.diagonal() > coincidence_tolerance(bounds)))
+            return D == 2 ? Status::cage_has_no_area : Status::cage_has_no_volume;
+        const auto box = bounds.widened(options.margin * bounds.diagonal());
+        const std::size_t steps = options.sites == SurroundSites::corners ? 2 : 3;
+        std::size_t count = 1;
+        for (std::size_t k = 0; k < D; ++k) count *= steps;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (2 * i + 1 == count) continue; // the middle of a lattice
+            Vec<double, D> site{};
+            for (std::size_t k = 0, rest = i; k < D; ++k, rest /= steps) {
+                const double share = double(rest % steps) / double(steps - 1);
+                site[k] = (1 - share) * box.lower[k] + share * box.upper[k];
+            }
+            result.sites.push_back(vec_cast<T>(site));
+            if (!is_finite(result.sites.back())) return Status::value_not_finite;
+        }
+        return Status::ok;
+    });
+    if (result.status != Status::ok) result.sites.clear();
+    return result;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
