@@ -56,9 +56,12 @@ TEMPLATE_TEST_CASE("a composed binding moves points as one clone after the other
     const auto once = cloned(composed, pose), twice = cloned(levels.fine, cloned(levels.coarse, pose));
     const auto at_rest = cloned(composed, levels.triangle);
     for (std::size_t i = 0; i < 100; ++i) {
-        double error = 0; // of sums of weights up to this, each rounded a few times
-        for (std::size_t h = 0; h < levels.star.size(); ++h)
-            error += 20 * double(epsilon<T>) * std::fabs(double(levels.fine.weight(i, h)));
+        double error = 0; // of sums of products of weights, each rounded a few times
+        for (std::size_t h = 0; h < levels.star.size(); ++h) {
+            for (std::size_t k = 0; k < 3; ++k)
+                error += 20 * double(epsilon<T>) *
+                         std::fabs(double(levels.fine.weight(i, h)) * double(levels.coarse.weight(h, k)));
+        }
         CAPTURE(i, error);
         CHECK(distance(once[i], twice[i]) <= 80 * error); // the pose and the triangle reach that far
         const auto p = levels.fine.rest_point(i);
