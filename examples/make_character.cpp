@@ -4,13 +4,14 @@
 //
 // writes out/character.obj, out/character_cage.obj, out/character_pose.obj and out/character_clip.csv, a dance of the
 // cage that begins again (support/clip_file.hpp). The puppet is a smooth union of rounded bodies, meshed by surface
-// nets. It stands at y = 0 on the ground, y up, and faces along z.
+// nets (support/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
 
 #include "atomic_file.hpp"
 #include "clip_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
 #include "guard.hpp"
+#include "surface_nets.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
 
@@ -29,16 +30,14 @@
 namespace {
 
 using Point = cageform::Vec<double, 3>;
-using Face = std::array<std::uint32_t, 3>;
 
-struct Mesh {
-    std::vector<Point> vertices;
-    std::vector<Face> faces;
-};
-
-double length(const Point& p) {
-    return std::hypot(p[0], p[1], p[2]);
-}
+using Mesh = cageform_examples::ImplicitMesh;
+using cageform_examples::ball;
+using cageform_examples::carve;
+using cageform_examples::ellipsoid;
+using cageform_examples::join;
+using cageform_examples::length;
+using cageform_examples::limb;
 
 /// 0 up to `from`, 1 beyond `to`, smooth between; `to` may be the lesser.
 double ramp(double from, double to, double x) {
@@ -46,38 +45,7 @@ double ramp(double from, double to, double x) {
     return t * t * (3 - 2 * t);
 }
 
-// ---- the puppet: functions that are negative inside and grow about as fast as the distance ----
-
-double ball(const Point& p, const Point& centre, double radius) {
-    return length(p - centre) - radius;
-}
-
-double ellipsoid(const Point& p, const Point& centre, const Point& radii) {
-    const Point d = p - centre;
-    const Point u{d[0] / radii[0], d[1] / radii[1], d[2] / radii[2]};
-    const Point slope{u[0] / radii[0], u[1] / radii[1], u[2] / radii[2]}; // of |u|, times |u|
-    const double level = length(u);
-    // Near the centre, where the slope is lost, anything negative serves.
-    return level > 1e-6 ? level * (level - 1) / length(slope) : -radii[0];
-}
-
-/// A rod from `a` to `b` with round ends, as thick as told at both.
-double limb(const Point& p, const Point& a, const Point& b, double radius_a, double radius_b) {
-    const Point axis = b - a;
-    const double t = std::clamp(dot(p - a, axis) / dot(axis, axis), 0.0, 1.0);
-    return length(p - a - t * axis) - (radius_a + t * (radius_b - radius_a));
-}
-
-/// The lesser of two, with the crease between them filled up where they differ by less than `blend`.
-double join(double a, double b, double blend) {
-    const double near = std::max(blend - std::fabs(a - b), 0.0);
-    return std::min(a, b) - near * near / (4 * blend);
-}
-
-/// What is in `a` and not in `b`.
-double carve(double a, double b, double blend) {
-    return -join(-a, b, blend);
-}
+// ---- the puppet ----
 
 double puppet(const Point& at) {
     const Point p{std::fabs(at[0]), at[1], at[2]}; // left and right are alike
@@ -106,88 +74,6 @@ double puppet(const Point& at) {
     const double smile = std::hypot(std::hypot(p[0], p[1] - 1.705) - 0.088, p[2] - 0.155) - 0.018;
     head = carve(head, std::max(smile, p[1] - 1.66), 0.012);
     return join(body, head, 0.03);
-}
-
-Point slope(const Point& p) {
-    constexpr double step = 1e-5;
-    Point g;
-    for (std::size_t k = 0; k < 3; ++k) {
-        Point a = p, b = p;
-        a[k] -= step;
-        b[k] += step;
-        g[k] = (puppet(b) - puppet(a)) / (2 * step);
-    }
-    return g;
-}
-
-/// The surface where the puppet's function is zero, by surface nets (Gibson 1998): a vertex in every cell
-/// of a grid that the surface passes, a quadrilateral about every edge of the grid that it crosses.
-Mesh surface(const Point& low, const Point& high, double cell) {
-    std::array<std::size_t, 3> n;
-    for (std::size_t k = 0; k < 3; ++k) n[k] = std::size_t(std::ceil((high[k] - low[k]) / cell)) + 1;
-    const auto node = [&](std::size_t x, std::size_t y, std::size_t z) { return (z * n[1] + y) * n[0] + x; };
-    const std::array<std::size_t, 3> stride{1, n[0], n[0] * n[1]};
-    const auto place = [&](std::size_t x, std::size_t y, std::size_t z) {
-        return low + cell * Point{double(x), double(y), double(z)};
-    };
-    std::vector<double> value(n[0] * n[1] * n[2]);
-    for (std::size_t z = 0; z < n[2]; ++z) {
-        for (std::size_t y = 0; y < n[1]; ++y) {
-            for (std::size_t x = 0; x < n[0]; ++x) value[node(x, y, z)] = puppet(place(x, y, z));
-        }
-    }
-
-    Mesh mesh;
-    std::vector<std::uint32_t> vertex(value.size(), ~std::uint32_t{0}); // of the cell above a node
-    for (std::size_t z = 0; z + 1 < n[2]; ++z) {
-        for (std::size_t y = 0; y + 1 < n[1]; ++y) {
-            for (std::size_t x = 0; x + 1 < n[0]; ++x) {
-                // The mean of where the surface crosses the twelve edges.
-                Point sum{};
-                int crossings = 0;
-                for (std::size_t axis = 0; axis < 3; ++axis) {
-                    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-                    for (std::size_t edge = 0; edge < 4; ++edge) {
-                        Point from{};
-                        from[u] = double(edge % 2);
-                        from[v] = double(edge / 2);
-                        const std::size_t i = node(x, y, z) + (edge % 2) * stride[u] + (edge / 2) * stride[v];
-                        const double a = value[i], b = value[i + stride[axis]];
-                        if ((a < 0) == (b < 0)) continue;
-                        from[axis] = a / (a - b);
-                        sum = sum + from;
-                        ++crossings;
-                    }
-                }
-                if (crossings == 0) continue;
-                Point p = place(x, y, z) + (cell / crossings) * sum;
-                for (int step = 0; step < 3; ++step) { // onto the surface, by Newton's method
-                    const Point g = slope(p);
-                    p = p - (puppet(p) / dot(g, g)) * g;
-                }
-                vertex[node(x, y, z)] = std::uint32_t(mesh.vertices.size());
-                mesh.vertices.push_back(p);
-            }
-        }
-    }
-
-    for (std::size_t i = 0; i < value.size(); ++i) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::size_t u = stride[(axis + 1) % 3], v = stride[(axis + 2) % 3];
-            if (i + stride[axis] >= value.size()) continue;
-            const bool inside = value[i] < 0;
-            if (inside == (value[i + stride[axis]] < 0)) continue;
-            // The grid's rim is outside, so the four cells about the edge are there.
-            std::array<std::uint32_t, 4> quad{vertex[i - u - v], vertex[i - v], vertex[i], vertex[i - u]};
-            if (!inside) std::swap(quad[1], quad[3]);
-            const auto& p = mesh.vertices;
-            const bool other = length(p[quad[1]] - p[quad[3]]) < length(p[quad[0]] - p[quad[2]]);
-            const std::size_t first = other ? 1 : 0;
-            for (const std::size_t k : {first + 1, first + 2})
-                mesh.faces.push_back({quad[first], quad[k % 4], quad[(k + 1) % 4]});
-        }
-    }
-    return mesh;
 }
 
 // ---- the cage: a sheet of cells around the outline, with a front and a back ----
@@ -391,10 +277,11 @@ int run_program(int argc, char** argv) {
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const Mesh figure = surface({-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
+    const Mesh figure =
+        cageform_examples::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
     std::vector<Point> normals;
     for (const Point& p : figure.vertices) {
-        const Point g = slope(p);
+        const Point g = cageform_examples::slope(puppet, p);
         normals.push_back((1 / length(g)) * g);
     }
     const Cage cage = make_cage();

@@ -1,0 +1,126 @@
+#pragma once
+
+// A right hand in three layers (Moccozet, Magnenat-Thalmann, Dirichlet free-form deformations and their application to
+// hand simulation, Computer Animation '97, sec. 3): joint angles move control points, and these move the skin.
+//
+// Lengths are in hand lengths. The wrist is at the origin, the fingers point along y, the thumb to -x, the back of the
+// hand faces z.
+
+#include "obj_file.hpp"
+#include "surface_nets.hpp"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// What turns: four fingers of a metacarpal (which bends in the ring and the little finger alone) and three phalanges,
+/// and a thumb of three bones. The first joint of a finger's phalanges and of the thumb turns in two ways.
+enum class HandAngle : std::uint8_t {
+    index_spread,
+    index_mcp,
+    index_pip,
+    index_dip,
+    middle_spread,
+    middle_mcp,
+    middle_pip,
+    middle_dip,
+    ring_spread,
+    ring_mcp,
+    ring_pip,
+    ring_dip,
+    little_spread,
+    little_mcp,
+    little_pip,
+    little_dip,
+    ring_metacarpal,
+    little_metacarpal,
+    thumb_cmc,
+    thumb_oppose,
+    thumb_mcp,
+    thumb_ip,
+};
+inline constexpr std::size_t hand_angle_count = 22;
+using HandPose = std::array<double, hand_angle_count>; ///< degrees, in the order of HandAngle
+
+struct HandAngleRange {
+    const char* name;
+    double least, most; // degrees
+};
+extern const std::array<HandAngleRange, hand_angle_count> hand_angle_ranges;
+
+struct NamedHandPose {
+    const char* name;
+    HandPose angles;
+};
+/// rest, fist, point, ball, rod, spread, pinch.
+const std::vector<NamedHandPose>& hand_poses();
+
+/// A joint at rest, and what turns it.
+struct HandJoint {
+    static constexpr std::size_t none = ~std::size_t{0};
+
+    std::size_t parent = none;
+    Point3 place, bend_axis, spread_axis;
+    std::size_t bend = none, spread = none; ///< angles; none where it does not turn so
+    double radius = 0;                      ///< of the skin about it
+    Point3 end;                             ///< of its bone
+    double end_radius = 0;
+};
+
+enum class HandPointKind : std::uint8_t {
+    ring,
+    base,
+    thenar,
+    middle,
+    tip,
+    inflation,
+    metacarpal,
+    wrist,
+    surround
+};
+const char* to_string(HandPointKind kind);
+
+/// A control point.
+struct HandPoint {
+    Point3 place;
+    HandPointKind kind = HandPointKind::surround;
+    std::size_t joint = HandJoint::none;  ///< none: fixed
+    std::size_t other = HandJoint::none;  ///< shared between two joints: turned by the mean of both
+    double part = 1;                      ///< of the joint's angles: rings turn by half
+    std::size_t vertex = HandJoint::none; ///< of the skin, where it is a constraint point
+};
+
+struct RigidMotion3 {
+    std::array<Point3, 3> rows{Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{0, 0, 1}};
+    Point3 shift{};
+
+    Point3 operator()(const Point3& p) const {
+        return Point3{dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)} + shift;
+    }
+};
+
+struct Hand {
+    std::vector<HandJoint> joints;                ///< five rays, from the wrist outwards
+    std::array<std::vector<std::size_t>, 5> rays; ///< index, middle, ring, little, thumb: joints of each
+    ImplicitMesh skin;
+    std::vector<std::size_t> vertex_joint; ///< the bone that each vertex of the skin is nearest to
+    std::vector<HandPoint> points;
+
+    std::vector<Point3> sites() const;
+    /// Where the control points go; `half` false turns the rings with their bones, as a rigid skin would.
+    std::vector<Point3> pose(const HandPose& angles, bool half = true) const;
+    /// How every bone moves.
+    std::vector<RigidMotion3> bones(const HandPose& angles) const;
+    /// Weights of the control points: 1, and 1 + kappa (1 − cos angle) of inflation points.
+    std::vector<double> weights(const HandPose& angles, double kappa) const;
+};
+
+/// The hand at rest.
+///
+///   cell   of the grid that the skin is meshed on
+Hand make_hand(double cell);
+
+} // namespace cageform_examples
