@@ -207,6 +207,13 @@ private:
         return from + inside * direction;
     }
 
+    /// How far outside the skin a shield stands: less than half the way to the next finger.
+    double apart(const Point3& p, const Point3& direction) const {
+        double gap = 0.004;
+        while (gap < 0.08 && skin_(p + gap * direction) > 0) gap += 0.002;
+        return std::min(0.02, 0.35 * gap);
+    }
+
     void add_free(HandPoint point) { hand_.points.push_back(point); }
 
     /// Onto the nearest vertex of the skin, unless it has a point already.
@@ -247,13 +254,18 @@ private:
                         {on_skin(from, direction, 0.1), HandPointKind::ring, joint, HandJoint::none, 0.5});
                 });
             }
-            for (const double share : {0.32, 0.68}) { // a short bone has its middle alone
-                if (k + 1 == joints.size() && share > 0.5) continue;
-                const double at = k + 1 == joints.size() ? 0.5 : share;
-                around(joint, at, 6, [&](const Point3& from, const Point3& direction) {
-                    add_constraint({on_skin(from, direction, 0.1), HandPointKind::middle, joint});
-                });
+            const bool is_last = k + 1 == joints.size();
+            for (const double share : {0.33, 0.67}) {
+                around(joint, is_last ? share - 0.06 : share, 8,
+                       [&](const Point3& from, const Point3& direction) {
+                           add_constraint({on_skin(from, direction, 0.1), HandPointKind::middle, joint});
+                       });
             }
+            for (const double share : {0.1, 0.37, 0.63, 0.9})
+                around(joint, share, 8, [&](const Point3& from, const Point3& direction) {
+                    const Point3 p = on_skin(from, direction, 0.1);
+                    add_free({p + apart(p, direction) * direction, HandPointKind::shield, joint});
+                });
             const HandJoint& j = hand_.joints[joint];
             const Point3 inner = cross(j.bend_axis, unit(j.end - j.place)), middle = 0.5 * (j.place + j.end);
             add_free({on_skin(middle, inner, 0.1) + beyond * inner, HandPointKind::inflation, joint});
@@ -383,6 +395,7 @@ const char* to_string(HandPointKind kind) {
     case HandPointKind::base: return "base";
     case HandPointKind::thenar: return "thenar";
     case HandPointKind::middle: return "middle";
+    case HandPointKind::shield: return "shield";
     case HandPointKind::tip: return "tip";
     case HandPointKind::inflation: return "inflation";
     case HandPointKind::metacarpal: return "metacarpal";

@@ -75,6 +75,7 @@ enum class HandPointKind : std::uint8_t {
     base,
     thenar,
     middle,
+    shield, ///< free points between a finger and the next
     tip,
     inflation,
     metacarpal,
