@@ -109,6 +109,12 @@ step "a character for a game"
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \
   --coordinates harmonic -o out/character_morph.glb >>$report
 
+step "a hand"
+# Control points without a cage: natural neighbours, moved by 22 joint angles.
+"$programs/make_hand" out >>$report
+"$programs/pose_hand" --pose fist --picture out/hand_fist.png
+"$programs/hand_sheet" out >out/hand.txt || cat out/hand.txt
+
 step "heat maps"
 field() { # NAME CAGE VERTEX COORDINATES
   "$programs/coordinate_field" --cage "$data/$2.svg" --vertex "$3" --coordinates "$4" --resolution 256 -o "out/$1.png" >>$report
@@ -151,6 +157,7 @@ Open, in out/:
   aleph.png, man.png         other figures
   fish.png                   a fish moved by points without a cage
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
+  hand_poses.png             a hand moved by its joints; hand_builds.png, hand_bend.png, hand_points.png; hand.txt: measured
   biped_signs.png            what negative weights mean; field_*.png: more heat maps
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed

@@ -4,7 +4,6 @@
 
 #include <limits>
 #include <numbers>
-#include <set>
 
 namespace cageform_examples {
 
@@ -214,9 +213,13 @@ private:
         return std::min(0.02, 0.35 * gap);
     }
 
-    void add_free(HandPoint point) { hand_.points.push_back(point); }
+    /// Unless there is one already so near that between both the skin would be torn.
+    void add(const HandPoint& point) {
+        const auto at_it = [&](const HandPoint& other) { return length(other.place - point.place) < 0.004; };
+        if (std::none_of(hand_.points.begin(), hand_.points.end(), at_it)) hand_.points.push_back(point);
+    }
 
-    /// Onto the nearest vertex of the skin, unless it has a point already.
+    /// Onto the nearest vertex of the skin.
     void add_constraint(HandPoint point) {
         double least = std::numeric_limits<double>::max();
         for (std::size_t i = 0; i < hand_.skin.vertices.size(); ++i) {
@@ -226,9 +229,8 @@ private:
                 point.vertex = i;
             }
         }
-        if (!taken_.insert(point.vertex).second) return;
         point.place = hand_.skin.vertices[point.vertex];
-        hand_.points.push_back(point);
+        add(point);
     }
 
     /// `count` rays about a bone, at a share of its length.
@@ -256,26 +258,31 @@ private:
             }
             const bool is_last = k + 1 == joints.size();
             for (const double share : {0.33, 0.67}) {
-                around(joint, is_last ? share - 0.06 : share, 8,
+                around(joint, is_last ? share - 0.06 : share, 6,
                        [&](const Point3& from, const Point3& direction) {
                            add_constraint({on_skin(from, direction, 0.1), HandPointKind::middle, joint});
                        });
             }
-            for (const double share : {0.1, 0.37, 0.63, 0.9})
-                around(joint, share, 8, [&](const Point3& from, const Point3& direction) {
+            for (const double share : {0.2, 0.5, 0.8})
+                around(joint, share, 6, [&](const Point3& from, const Point3& direction) {
                     const Point3 p = on_skin(from, direction, 0.1);
-                    add_free({p + apart(p, direction) * direction, HandPointKind::shield, joint});
+                    add({p + apart(p, direction) * direction, HandPointKind::shield, joint});
                 });
             const HandJoint& j = hand_.joints[joint];
             const Point3 inner = cross(j.bend_axis, unit(j.end - j.place)), middle = 0.5 * (j.place + j.end);
-            add_free({on_skin(middle, inner, 0.1) + beyond * inner, HandPointKind::inflation, joint});
+            add({on_skin(middle, inner, 0.1) + beyond * inner, HandPointKind::inflation, joint});
         }
         const std::size_t last = joints.back();
         const HandJoint& j = hand_.joints[last];
         const Point3 along = unit(j.end - j.place), inner = cross(j.bend_axis, along);
-        for (const Point3& d :
-             {along, along + inner, along - inner, along + j.bend_axis, along - j.bend_axis})
-            add_constraint({on_skin(j.end, unit(d), 0.1), HandPointKind::tip, last});
+        for (int k = -1; k < 6; ++k) {
+            const double angle = std::numbers::pi / 3 * k;
+            const Point3 d =
+                unit(k < 0 ? along : along + std::cos(angle) * inner + std::sin(angle) * j.bend_axis);
+            const Point3 p = on_skin(j.end, d, 0.1);
+            add_constraint({p, HandPointKind::tip, last});
+            add({p + apart(p, d) * d, HandPointKind::shield, last});
+        }
     }
 
     /// Open lines, whose ends neighbours share: turned by the mean of both.
@@ -316,7 +323,7 @@ private:
             HandPoint point{on_skin(from, direction, 0.2), HandPointKind::thenar, cmc, HandJoint::none, 0.5};
             if (on) return add_constraint(point);
             point.place = point.place + beside * direction;
-            add_free(point);
+            this->add(point);
         };
         for (const auto& [x, y] : {std::pair{-0.045, 0.07}, {-0.035, 0.15}, {-0.04, 0.23}, {-0.065, 0.31}})
             add({x, y, -0.02}, {0, 0, -1}, true);
@@ -333,20 +340,20 @@ private:
                 const Point3 from = j.place + share * (j.end - j.place);
                 for (const double z : {1.0, -1.0}) {
                     const Point3 direction{0, 0, z};
-                    add_free({on_skin(from, direction, 0.2) + beside * direction, HandPointKind::metacarpal,
-                              joint});
+                    add({on_skin(from, direction, 0.2) + beside * direction, HandPointKind::metacarpal,
+                         joint});
                 }
                 if (ray == 3)
-                    add_free({on_skin(from, {1, 0, 0}, 0.2) + beside * Point3{1, 0, 0},
-                              HandPointKind::metacarpal, joint});
+                    add({on_skin(from, {1, 0, 0}, 0.2) + beside * Point3{1, 0, 0}, HandPointKind::metacarpal,
+                         joint});
                 if (ray < 1 || ray == 3 || share < 0.5) continue; // between this one and the next
                 const std::size_t next = hand_.rays[ray + 1][0];
                 const HandJoint& n = hand_.joints[next];
                 const Point3 between = 0.5 * (from + n.place + share * (n.end - n.place));
                 for (const double z : {1.0, -1.0}) {
                     const Point3 direction{0, 0, z};
-                    add_free({on_skin(between, direction, 0.2) + beside * direction,
-                              HandPointKind::metacarpal, joint, next});
+                    add({on_skin(between, direction, 0.2) + beside * direction, HandPointKind::metacarpal,
+                         joint, next});
                 }
             }
         }
@@ -362,7 +369,6 @@ private:
 
     Hand& hand_;
     const Skin& skin_;
-    std::set<std::size_t> taken_;
 };
 
 } // namespace

@@ -1,0 +1,102 @@
+// Poses the hand of make_hand by joint angles and draws it, from the back and from the inner side.
+//
+//     pose_hand --pose poses.csv --picture poses.png
+//     pose_hand --pose fist --kappa 0 --picture fist.png
+
+#include "bound_hand.hpp"
+#include "command_line.hpp"
+#include "csv.hpp"
+#include "guard.hpp"
+#include "mesh_picture.hpp"
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+int fail(const std::string& message) {
+    std::cerr << "pose_hand: " << message << '\n';
+    return 1;
+}
+
+/// The angles of a line; empty, or why there are none.
+std::string parse_angles(std::string_view line, HandPose& pose) {
+    const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
+    if (columns != hand_angle_count)
+        return std::to_string(columns) + " numbers where a pose has " + std::to_string(hand_angle_count);
+    for (std::size_t i = 0; i < hand_angle_count; ++i) {
+        const std::string_view field = line.substr(0, line.find(','));
+        const std::string why = detail::parse_number(detail::trim(field), pose[i]);
+        if (!why.empty()) return why;
+        const auto& range = hand_angle_ranges[i];
+        if (!(range.least <= pose[i] && pose[i] <= range.most)) {
+            return std::string(range.name) + " is " + detail::short_number(pose[i]) + ", and goes from " +
+                   detail::short_number(range.least) + " to " + detail::short_number(range.most);
+        }
+        line.remove_prefix(std::min(field.size() + 1, line.size()));
+    }
+    return {};
+}
+
+SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
+    for (const NamedHandPose& pose : hand_poses()) {
+        if (path == pose.name) return std::vector{pose.angles};
+    }
+    const auto file = read_file(path);
+    if (!file) return file.error();
+    std::vector<HandPose> poses;
+    std::string_view rest = *file, line;
+    for (std::size_t number = 1; take_line(rest, line); ++number) {
+        const std::string_view text = detail::trim(line);
+        if (text.empty() || text.front() == '#') continue;
+        const std::string why = parse_angles(text, poses.emplace_back());
+        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+    }
+    if (poses.empty()) return SvgError{path + ": holds no pose"};
+    if (poses.size() > 16)
+        return SvgError{path + ": holds more than the 16 poses that a picture has room for"};
+    return poses;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Poses a hand by 22 joint angles in degrees, and draws it from the back and the inner side.");
+    std::string pose, picture;
+    double kappa = hand_kappa;
+    line.add("--pose", pose,
+             "a file of poses, 22 numbers a line, or one of rest, fist, point, ball, rod, spread, pinch")
+        .required();
+    line.add("--picture", picture, "PNG file to write").required().ends_with({".png"});
+    line.add("--kappa", kappa, "of the inflation 1 + kappa (1 - cos angle)").range(0, 100).show_default();
+    std::string angles = "The angles of a line, in this order, with their ranges:\n";
+    for (const auto& range : hand_angle_ranges) {
+        angles += std::string("  ") + range.name + "  " + detail::short_number(range.least) + " to " +
+                  detail::short_number(range.most) + '\n';
+    }
+    line.set_footer(angles);
+    if (const auto code = line.parse(argc, argv)) return *code;
+
+    const auto poses = load_poses(pose);
+    if (!poses) return fail(poses.error().message);
+    const BoundHand bound;
+    if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));
+    std::vector<std::vector<Point3>> skins;
+    for (const HandPose& angles_of_pose : *poses) {
+        skins.push_back(bound.clone(angles_of_pose, kappa));
+        if (skins.back().empty()) return fail("a pose cannot be cloned");
+        skins.push_back(turned_over(skins.back()));
+    }
+    std::vector<MeshScene> scenes;
+    for (const auto& skin : skins) scenes.push_back({{skin, bound.hand.skin.faces}, {}});
+    OutputFiles outputs;
+    draw_meshes(scenes, 450 * scenes.size(), 650).write_png(outputs.add(picture));
+    if (const auto failure = outputs.commit()) return fail(*failure);
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return cageform_examples::guarded("pose_hand", [&] { return run_program(argc, argv); });
+}
