@@ -67,12 +67,12 @@ const std::array<Ray, 5>& measures() {
         return Point3{std::sin(angle), std::cos(angle), 0};
     };
     static const std::array<Ray, 5> rays{{
-        {{-0.055, 0.05, 0}, {-0.13, 0.46, 0}, direction(-11), up, {0.245, 0.143, 0.097}, radii},
-        {{-0.01, 0.05, 0}, {-0.01, 0.48, 0}, direction(-1), up, {0.266, 0.170, 0.108}, radii},
+        {{-0.055, 0.05, 0}, {-0.13, 0.46, 0}, direction(-15), up, {0.245, 0.143, 0.097}, radii},
+        {{-0.01, 0.05, 0}, {-0.01, 0.48, 0}, direction(-3), up, {0.266, 0.170, 0.108}, radii},
         {{0.035, 0.05, 0}, {0.10, 0.45, 0}, direction(9), up, {0.244, 0.165, 0.107}, radii},
         {{0.075, 0.05, 0},
          {0.20, 0.40, 0},
-         direction(19),
+         direction(23),
          up,
          {0.204, 0.117, 0.093},
          {0.045, 0.041, 0.036, 0.031}},
@@ -210,7 +210,7 @@ private:
     double apart(const Point3& p, const Point3& direction) const {
         double gap = 0.004;
         while (gap < 0.08 && skin_(p + gap * direction) > 0) gap += 0.002;
-        return std::min(0.02, 0.35 * gap);
+        return std::min(0.02, 0.3 * gap);
     }
 
     /// Unless there is one already so near that between both the skin would be torn.
@@ -233,14 +233,14 @@ private:
         add(point);
     }
 
-    /// `count` rays about a bone, at a share of its length.
+    /// `count` rays about a bone, at a share of its length, the first an `offset` of a step from the inner side.
     template <class Add>
-    void around(std::size_t joint, double share, std::size_t count, const Add& add) const {
+    void around(std::size_t joint, double share, std::size_t count, const Add& add, double offset = 0) const {
         const HandJoint& j = hand_.joints[joint];
         const Point3 along = unit(j.end - j.place), axis = j.bend_axis, inner = cross(axis, along);
         const Point3 from = j.place + share * (j.end - j.place);
         for (std::size_t k = 0; k < count; ++k) {
-            const double angle = 2 * std::numbers::pi * double(k) / double(count);
+            const double angle = 2 * std::numbers::pi * (double(k) + offset) / double(count);
             add(from, std::cos(angle) * inner + std::sin(angle) * axis);
         }
     }
@@ -250,27 +250,37 @@ private:
         const std::size_t phalanx = ray == 4 ? 0 : 1;
         for (std::size_t k = phalanx; k < joints.size(); ++k) {
             const std::size_t joint = joints[k];
+            const HandJoint& j = hand_.joints[joint];
+            const Point3 inner = cross(j.bend_axis, unit(j.end - j.place)), middle = 0.5 * (j.place + j.end);
+            add({on_skin(middle, inner, 0.1) + beyond * inner, HandPointKind::inflation, joint});
             if (k > phalanx) { // its own line
                 around(joint, 0, 8, [&](const Point3& from, const Point3& direction) {
                     add_constraint(
                         {on_skin(from, direction, 0.1), HandPointKind::ring, joint, HandJoint::none, 0.5});
                 });
             }
+            // What is thicker is no finger but the web to the next. Half a step on, so that two of six look to the fingers beside.
+            const double thick = 1.25 * hand_.joints[joint].radius;
             const bool is_last = k + 1 == joints.size();
-            for (const double share : {0.33, 0.67}) {
-                around(joint, is_last ? share - 0.06 : share, 6,
-                       [&](const Point3& from, const Point3& direction) {
-                           add_constraint({on_skin(from, direction, 0.1), HandPointKind::middle, joint});
-                       });
-            }
-            for (const double share : {0.2, 0.5, 0.8})
-                around(joint, share, 6, [&](const Point3& from, const Point3& direction) {
+            const auto shares = k == 1 && ray < 4 ? std::vector{0.24, 0.47, 0.72}
+                                : is_last         ? std::vector{0.27, 0.61}
+                                                  : std::vector{0.33, 0.67};
+            for (const double share : shares) {
+                const auto add_middle = [&](const Point3& from, const Point3& direction) {
                     const Point3 p = on_skin(from, direction, 0.1);
-                    add({p + apart(p, direction) * direction, HandPointKind::shield, joint});
-                });
-            const HandJoint& j = hand_.joints[joint];
-            const Point3 inner = cross(j.bend_axis, unit(j.end - j.place)), middle = 0.5 * (j.place + j.end);
-            add({on_skin(middle, inner, 0.1) + beyond * inner, HandPointKind::inflation, joint});
+                    if (length(p - from) < thick) add_constraint({p, HandPointKind::middle, joint});
+                };
+                around(joint, share, 6, add_middle, 0.5);
+            }
+            for (const double share : {0.13, 0.35, 0.6, 0.85}) {
+                const auto add_shield = [&](const Point3& from, const Point3& direction) {
+                    const Point3 p = on_skin(from, direction, 0.1);
+                    if (length(p - from) < thick)
+                        add({p + apart(p, direction) * direction, HandPointKind::shield, joint});
+                };
+                around(joint, share, 6, add_shield, 0.5);
+                if (ray < 4 && k < 3) around(joint, share + 0.115, 2, add_shield, 0.5); // the sides alone
+            }
         }
         const std::size_t last = joints.back();
         const HandJoint& j = hand_.joints[last];
