@@ -30,6 +30,13 @@ struct BoundHand {
         packed = cageform::pack(dense, {.threshold = 1e-30}).binding;
     }
 
+    /// One of hand_poses(), closed about what it grasps.
+    HandPose closed(const NamedHandPose& pose) const {
+        if (pose.name == std::string_view("ball")) return grasp(hand, pose.angles, hand_ball());
+        if (pose.name == std::string_view("rod")) return grasp(hand, pose.angles, hand_rod());
+        return pose.angles;
+    }
+
     /// The skin in a pose of the control points; empty where it cannot be had.
     std::vector<Point3> clone(const std::vector<Point3>& pose, const std::vector<double>& weights) const {
         std::vector<Point3> out(hand.skin.vertices.size());

@@ -397,10 +397,10 @@ const std::vector<NamedHandPose>& hand_poses() {
         {"rest", {}},
         {"fist", {-8, 82, 100, 62, 0, 84, 104, 64, -6, 84, 102, 62, -14, 84, 98, 60, 5, 10, 30, 38, 45, 50}},
         {"point", {0, 0, 4, 2, 0, 84, 104, 64, -6, 84, 102, 62, -14, 84, 98, 60, 5, 10, 34, 42, 45, 50}},
-        {"ball", {4, 38, 42, 28, 0, 40, 44, 30, 2, 40, 44, 30, 4, 40, 44, 28, 5, 10, 8, 48, 24, 30}},
-        {"rod", {-6, 58, 72, 46, 0, 60, 74, 48, -5, 60, 74, 48, -10, 60, 72, 46, 4, 8, 22, 50, 34, 34}},
+        {"ball", {6, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 6, 0, 0, 0, 4, 8, -10, 60, 0, 0}},
+        {"rod", {-8, 0, 0, 0, -2, 0, 0, 0, -6, 0, 0, 0, -16, 0, 0, 0, 4, 8, -5, 58, 0, 0}},
         {"spread", {14, -6, 0, 0, 2, -6, 0, 0, 10, -6, 0, 0, 18, -6, 0, 0, 0, 0, -10, 0, 0, 0}},
-        {"pinch", {0, 14, 14, 9, 0, 18, 18, 12, -2, 34, 34, 22, -8, 60, 62, 36, 10, 20, 34, 58, 26, 26}},
+        {"pinch", {0, 14, 14, 9, 0, 20, 20, 14, -2, 34, 34, 22, 16, 89, 100, 80, 10, 12, 19, 51, 41, 80}},
     };
     return poses;
 }
@@ -464,6 +464,49 @@ std::vector<double> Hand::weights(const HandPose& angles, double kappa) const {
         all[i] += kappa * (1 - std::cos(angle));
     }
     return all;
+}
+
+double HandObject::distance(const Point3& p) const {
+    return length(to - from) > 0 ? limb(p, from, to, radius, radius) : ball(p, from, radius);
+}
+
+const HandObject& hand_ball() {
+    static const HandObject object{{0.0, 0.44, -0.29}, {0.0, 0.44, -0.29}, 0.2};
+    return object;
+}
+const HandObject& hand_rod() {
+    static const HandObject object{{-0.35, 0.48, -0.165}, {0.4, 0.42, -0.165}, 0.075};
+    return object;
+}
+
+HandPose grasp(const Hand& hand, const HandPose& open, const HandObject& object) {
+    HandPose pose = open;
+    for (const auto& ray : hand.rays) {
+        const std::size_t first = &ray == &hand.rays[4] ? 0 : 1;
+        for (std::size_t k = first; k < ray.size(); ++k) {
+            const std::size_t angle = hand.joints[ray[k]].bend;
+            const auto touches = [&] {
+                const auto places = hand.pose(pose);
+                for (std::size_t i = 0; i < places.size(); ++i) {
+                    const HandPoint& point = hand.points[i];
+                    const bool beyond =
+                        std::find(ray.begin() + std::ptrdiff_t(k), ray.end(), point.joint) != ray.end();
+                    const bool own = point.kind == HandPointKind::middle || point.kind == HandPointKind::tip;
+                    if (beyond && own && point.vertex != HandJoint::none && object.distance(places[i]) < 0)
+                        return true;
+                }
+                return false;
+            };
+            double closed = hand_angle_ranges[angle].most, free = pose[angle];
+            if (touches()) continue;
+            for (int step = 0; step < 30; ++step) {
+                pose[angle] = (free + closed) / 2;
+                (touches() ? closed : free) = pose[angle];
+            }
+            pose[angle] = free;
+        }
+    }
+    return pose;
 }
 
 Hand make_hand(double cell) {

@@ -55,7 +55,7 @@ struct NamedHandPose {
     const char* name;
     HandPose angles;
 };
-/// rest, fist, point, ball, rod, spread, pinch.
+/// rest, fist, point, spread, pinch (thumb to little finger); and from where ball and rod are grasped.
 const std::vector<NamedHandPose>& hand_poses();
 
 /// A joint at rest, and what turns it.
@@ -118,6 +118,22 @@ struct Hand {
     /// Weights of the control points: 1, and 1 + kappa (1 − cos angle) of inflation points.
     std::vector<double> weights(const HandPose& angles, double kappa) const;
 };
+
+/// What a hand may grasp: a rod with round ends, a ball where both ends are one.
+struct HandObject {
+    Point3 from, to;
+    double radius = 0;
+
+    double distance(const Point3& p) const; ///< negative inside
+};
+const HandObject& hand_ball();
+const HandObject& hand_rod();
+
+/// Closes the fingers about an object, from the base outwards: a joint stops, by bisection, where a constraint point
+/// of its finger touches the object, or at the end of its range.
+///
+///   open   where joints begin; other angles stay
+HandPose grasp(const Hand& hand, const HandPose& open, const HandObject& object);
 
 /// The hand at rest.
 ///

@@ -40,9 +40,6 @@ std::string parse_angles(std::string_view line, HandPose& pose) {
 }
 
 SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
-    for (const NamedHandPose& pose : hand_poses()) {
-        if (path == pose.name) return std::vector{pose.angles};
-    }
     const auto file = read_file(path);
     if (!file) return file.error();
     std::vector<HandPose> poses;
@@ -77,9 +74,13 @@ int run_program(int argc, char** argv) {
     line.set_footer(angles);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto poses = load_poses(pose);
+    const auto named = std::find_if(hand_poses().begin(), hand_poses().end(),
+                                    [&](const NamedHandPose& known) { return pose == known.name; });
+    auto poses = named != hand_poses().end() ? SvgResult<std::vector<HandPose>>(std::vector{named->angles})
+                                             : load_poses(pose);
     if (!poses) return fail(poses.error().message);
     const BoundHand bound;
+    if (named != hand_poses().end()) poses->front() = bound.closed(*named);
     if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));
     std::vector<std::vector<Point3>> skins;
     for (const HandPose& angles_of_pose : *poses) {
