@@ -116,7 +116,7 @@ void judge_locality(const BoundHand& bound, Findings& findings) {
                                  const HandJoint& base = hand.joints[hand.rays[other][other == 4 ? 0 : 1]];
                                  const Point3 along = base.end - base.place;
                                  return dot(hand.skin.vertices[i] - base.place, along) / length(along) >
-                                        base.radius;
+                                        1.5 * base.radius;
                              }));
         }
         wrist = std::max(

@@ -2,11 +2,13 @@
 //
 //     make_hand out
 //
-// writes out/hand.obj, out/hand_points.csv (what each control point is, and what moves it) and out/hand_poses.csv
-// (22 angles a line, as pose_hand takes them).
+// writes out/hand.obj, out/hand_points.csv (what each control point is, and what moves it), out/hand_poses.csv (22
+// angles a line, as pose_hand takes them) and out/hand.glb: it opens, closes to a fist, points and grasps a ball, in
+// 4 s. A clip is morph targets a quarter of a second apart: a rational clone is not linear in the pose.
 
 #include "bound_hand.hpp"
 #include "command_line.hpp"
+#include "gltf_file.hpp"
 #include "guard.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -61,16 +63,90 @@ std::string poses_text() {
     return text;
 }
 
+/// The poses of the clip: every second one is come to, and smoothly left.
+HandPose pose_at(const BoundHand& bound, double seconds) {
+    const auto& poses = hand_poses();
+    const std::array<HandPose, 5> keys{poses[0].angles, poses[1].angles, poses[2].angles,
+                                       bound.closed(poses[3]), poses[0].angles};
+    const auto key = std::min(std::size_t(seconds), keys.size() - 2);
+    const double t = seconds - double(key), part = t * t * (3 - 2 * t);
+    HandPose pose;
+    for (std::size_t i = 0; i < pose.size(); ++i)
+        pose[i] = (1 - part) * keys[key][i] + part * keys[key + 1][i];
+    return pose;
+}
+
+using Rows = std::vector<std::array<float, 3>>;
+
+Rows difference(Rows a, const Rows& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        for (std::size_t k = 0; k < 3; ++k) a[i][k] -= b[i][k];
+    }
+    return a;
+}
+
+/// The clip as morph targets, one a key.
+SvgResult<std::string> clip_text(const BoundHand& bound) {
+    using Use = GltfDocument::Use;
+    constexpr std::size_t keys = 17; // the first and the last are at rest
+    const auto file = parse_obj(obj_text(bound.hand.skin), "hand.obj");
+    if (!file) return file.error();
+    const auto mesh = gltf_mesh(*file);
+    if (!mesh) return mesh.error();
+    GltfDocument document;
+    document.json["asset"]["generator"] = "cageform make_hand";
+    const Rows rest = gltf_positions(*mesh, file->vertices),
+               normals = gltf_normals(*mesh, *file, file->vertices);
+    GltfJson primitive;
+    primitive["attributes"] = {{"POSITION", document.add(rest, Use::vertices, true)},
+                               {"NORMAL", document.add(normals, Use::vertices)}};
+    primitive["indices"] = document.add(mesh->indices, Use::indices);
+    std::vector<std::array<float, 1>> times, weights;
+    GltfJson zeros;
+    for (std::size_t key = 0; key < keys; ++key) {
+        times.push_back({0.25f * float(key)});
+        for (std::size_t target = 1; target + 1 < keys; ++target)
+            weights.push_back({target == key ? 1.0f : 0.0f});
+        if (key == 0 || key + 1 == keys) continue;
+        const auto skin = bound.clone(pose_at(bound, 0.25 * double(key)));
+        if (skin.empty()) return SvgError{"a pose of the clip cannot be cloned"};
+        const Rows shift = difference(gltf_positions(*mesh, skin), rest),
+                   turn = difference(gltf_normals(*mesh, *file, skin), normals);
+        primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
+                                        {"NORMAL", document.add(turn, Use::vertices)}});
+        zeros.push_back(0.0);
+    }
+    GltfJson primitives = GltfJson::array();
+    primitives.push_back(std::move(primitive));
+    document.append("meshes", {{"name", "hand"}, {"primitives", std::move(primitives)}, {"weights", zeros}});
+    document.append("nodes", {{"name", "hand"}, {"mesh", 0}});
+    document.append("scenes", {{"nodes", {0}}});
+    document.json["scene"] = 0;
+    GltfJson animation = {{"name", "open, fist, point, grasp"}};
+    const std::size_t input = document.add(times, Use::other, true),
+                      output = document.add(weights, Use::other);
+    animation["samplers"].push_back({{"input", input}, {"interpolation", "LINEAR"}, {"output", output}});
+    animation["channels"].push_back({{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}});
+    document.append("animations", std::move(animation));
+    return document.text(true);
+}
+
 int run_program(int argc, char** argv) {
-    CommandLine line("Makes the skin of a hand, its control points and some poses of its 22 joint angles.");
+    CommandLine line(
+        "Makes the skin of a hand, its control points, some poses of its 22 joint angles, and a clip.");
     std::string folder;
-    line.add("folder", folder, "where hand.obj, hand_points.csv and hand_poses.csv are written").required();
+    line.add("folder", folder, "where hand.obj, hand_points.csv, hand_poses.csv and hand.glb are written")
+        .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const Hand hand = make_hand(hand_cell);
+    const BoundHand bound;
+    if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));
+    const Hand& hand = bound.hand;
     const auto sound = cageform::check(cageform::TriangleMesh<double>(hand.skin.vertices, hand.skin.faces));
     if (sound.status != cageform::Status::ok)
         return fail(std::string("the skin: ") + to_string(sound.status));
+    const auto clip = clip_text(bound);
+    if (!clip) return fail(clip.error().message);
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) return fail("cannot make the folder " + folder + ": " + error.message());
@@ -79,11 +155,13 @@ int run_program(int argc, char** argv) {
     outputs.add(path / "hand.obj").write(obj_text(hand.skin));
     outputs.add(path / "hand_points.csv").write(points_text(hand));
     outputs.add(path / "hand_poses.csv").write(poses_text());
+    outputs.add(path / "hand.glb").write(*clip);
     if (const auto failure = outputs.commit()) return fail(*failure);
     std::cout << (path / "hand.obj").string() << ": " << hand.skin.vertices.size() << " vertices, "
               << hand.skin.faces.size() << " faces\n"
               << (path / "hand_points.csv").string() << ": " << hand.points.size() << " control points\n"
-              << (path / "hand_poses.csv").string() << ": " << hand_poses().size() << " poses\n";
+              << (path / "hand_poses.csv").string() << ": " << hand_poses().size() << " poses\n"
+              << (path / "hand.glb").string() << ": " << clip->size() << " bytes\n";
     return 0;
 }
 

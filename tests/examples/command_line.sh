@@ -727,11 +727,27 @@ refuses 'bad.obj: holds too few points, 2: space takes four' "$mesh" figure.obj 
 sed '5s/.*/v 0 1 1/' sites.obj >bad.obj
 refuses 'line 4 and line 5' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
 refuses 'sites.obj: holds no faces' "$mesh" figure.obj --cage sites.obj --pose sites.obj -o out.obj
+# ---- a hand ----
+works "a hand" "$programs/make_hand" folder/hand
+grep -q 'hand_poses.csv: 7 poses$' log && ok=yes || ok=no
+report $ok "the hand has seven poses"
+refuses 'cannot make the folder' "$programs/make_hand" square.csv
+refuses 'cannot make the folder' "$programs/hand_sheet" square.csv
+works "the hand posed by a file" "$programs/pose_hand" --pose folder/hand/hand_poses.csv --picture hand.png
+: >empty_poses.csv
+refuses 'empty_poses.csv: holds no pose' "$programs/pose_hand" --pose empty_poses.csv --picture out.png
+echo '1,2,3' >short_pose.csv
+refuses 'short_pose.csv:1: 3 numbers where a pose has 22' "$programs/pose_hand" --pose short_pose.csv --picture out.png
+echo '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,nan' >nan_pose.csv
+refuses 'nan_pose.csv:1: thumb_ip' "$programs/pose_hand" --pose nan_pose.csv --picture out.png
+echo '0,95,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' >far_pose.csv
+refuses 'index_mcp is 95, and goes from -20 to 90' "$programs/pose_hand" --pose far_pose.csv --picture out.png
+refuses 'no_such_file' "$programs/pose_hand" --pose no_such_file --picture out.png
 
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
-  export_gltf animate_svg fit_curve bezier_tables; do
+  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
