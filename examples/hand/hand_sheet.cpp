@@ -5,6 +5,7 @@
 // writes out/hand_poses.png, out/hand_points.png, out/hand_bend.png and out/hand_builds.png, and prints one line a
 // property. It exits with 1 where one is not what it should be.
 
+#include "atomic_file.hpp"
 #include "bound_hand.hpp"
 #include "command_line.hpp"
 #include "guard.hpp"

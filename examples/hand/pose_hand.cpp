@@ -3,6 +3,7 @@
 //     pose_hand --pose poses.csv --picture poses.png
 //     pose_hand --pose fist --kappa 0 --picture fist.png
 
+#include "atomic_file.hpp"
 #include "bound_hand.hpp"
 #include "command_line.hpp"
 #include "csv.hpp"

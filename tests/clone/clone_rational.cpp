@@ -7,6 +7,7 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone_rational.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/sibson.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <algorithm>
@@ -202,6 +203,15 @@ TEMPLATE_TEST_CASE("points kept in place stay under any weights", "[clone][ratio
     const auto out = rational(binding, cage, std::vector<T>{1, 2, 3, 4});
     CHECK(out[1] == points[1]);
     CHECK(distance(out[0], points[0]) > 0.1); // nothing has moved but towards the heavier corners
+}
+
+TEST_CASE("a heavier site among five draws a point by as much as exact computation says",
+          "[clone][rational]") {
+    const std::vector<Vec<double, 2>> sites{{0, 0}, {4, 0}, {4, 3}, {0, 3}, {2, 1}}, points{{1.5, 1.25}};
+    const auto binding = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), points).binding;
+    const auto out = rational(binding, sites, std::vector<double>{1, 1, 1, 1, 3});
+    CHECK(out[0][0] == Approx(80621.0 / 44897).epsilon(1e-14));
+    CHECK(out[0][1] == Approx(98967.0 / 89794).epsilon(1e-14));
 }
 
 TEST_CASE("a rational clone refuses what it cannot do, and leaves the output alone",

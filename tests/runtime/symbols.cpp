@@ -17,6 +17,8 @@ Status move(const Binding<T, D>& dense, std::span<const std::byte> file, const C
     Status status = blob.status;
     if (status == Status::ok) status = clone(dense, pose, out, options);
     if (status == Status::ok) status = clone(blob.binding, pose, strided, options);
+    if (status == Status::ok) status = clone_rational(blob.binding, pose, {}, out);
+    if (status == Status::ok) status = clone_rational(rational_view(dense).binding, pose, {}, out);
     return status;
 }
 template <class T>
