@@ -11,7 +11,9 @@
 
 namespace cageform_examples {
 
-inline constexpr double hand_cell = 1.0 / 60; ///< some 6,500 vertices
+/// Some 7,000 vertices. Surface nets are manifold but where two sheets share a cell, between fingers or in a line: not
+/// every size will do, and make_hand checks.
+inline constexpr double hand_cell = 1.0 / 62;
 inline constexpr double hand_kappa = 3;       ///< of inflation
 
 struct BoundHand {
