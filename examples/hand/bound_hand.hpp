@@ -14,7 +14,7 @@ namespace cageform_examples {
 /// Some 7,000 vertices. Surface nets are manifold but where two sheets share a cell, between fingers or in a line: not
 /// every size will do, and make_hand checks.
 inline constexpr double hand_cell = 1.0 / 62;
-inline constexpr double hand_kappa = 3;       ///< of inflation
+inline constexpr double hand_kappa = 3; ///< of inflation
 
 struct BoundHand {
     Hand hand;
