@@ -50,7 +50,7 @@ std::string points_text(const Hand& hand) {
     return text;
 }
 
-std::string poses_text() {
+std::string poses_text(const BoundHand& bound) {
     std::string text = "# ";
     for (std::size_t i = 0; i < hand_angle_count; ++i)
         text += (i == 0 ? "" : ",") + std::string(hand_angle_ranges[i].name);
@@ -155,7 +155,7 @@ int run_program(int argc, char** argv) {
     const auto path = std::filesystem::path(folder);
     outputs.add(path / "hand.obj").write(obj_text(hand.skin));
     outputs.add(path / "hand_points.csv").write(points_text(hand));
-    outputs.add(path / "hand_poses.csv").write(poses_text());
+    outputs.add(path / "hand_poses.csv").write(poses_text(bound));
     outputs.add(path / "hand.glb").write(*clip);
     if (const auto failure = outputs.commit()) return fail(*failure);
     std::cout << (path / "hand.obj").string() << ": " << hand.skin.vertices.size() << " vertices, "
