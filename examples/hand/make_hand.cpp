@@ -57,8 +57,8 @@ std::string poses_text(const BoundHand& bound) {
     text += '\n';
     for (const NamedHandPose& pose : hand_poses()) {
         text += "# " + std::string(pose.name) + '\n';
-        for (std::size_t i = 0; i < hand_angle_count; ++i)
-            append(text, i == 0 ? "%g" : ",%g", pose.angles[i]);
+        const HandPose angles = bound.closed(pose);
+        for (std::size_t i = 0; i < hand_angle_count; ++i) append(text, i == 0 ? "%.6g" : ",%.6g", angles[i]);
         text += '\n';
     }
     return text;
