@@ -235,7 +235,7 @@ private:
         } else if (n > 6) {
             settle(piece, first, first + n / 2, next);
             settle(piece, first + n / 2, last, next);
-        } else if (piece.halvings >= max_halvings_) {
+        } else if (piece.halvings >= max_halvings_ || next.size() >= most_pieces || is_rounded(samples)) {
             ++report_.coarse;
             next.push_back(std::move(part));
         } else {
@@ -245,6 +245,16 @@ private:
             for (std::size_t i = 0; i <= n; ++i) part.samples[2 * i] = samples[i];
             next.push_back(std::move(part));
         }
+    }
+
+    /// Pieces of a document beyond which none is halved.
+    static constexpr std::size_t most_pieces = 1u << 20;
+
+    /// Whether coordinates are so large that rounding alone is more than the tolerance.
+    bool is_rounded(std::span<const Point2> samples) const {
+        return std::any_of(samples.begin(), samples.end(), [&](const Point2& p) {
+            return 0x1p-50 * std::max(std::abs(p.x), std::abs(p.y)) > tolerance_;
+        });
     }
 
     /// The line or cubic for these samples, and whether it is within the tolerance of all of them. Where the

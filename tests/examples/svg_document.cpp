@@ -850,6 +850,11 @@ TEST_CASE("depth and size have limits, not consequences", "[examples][svg_docume
     for (int i = 0; i < 20'000; ++i) long_path += "h1v1";
     const Result result = deformed(svg("<path d='" + long_path + "'/>"), shift);
     CHECK(result.report.segments == 40'000);
+
+    // Where rounding is more than the tolerance halving is of no use.
+    const Result far = deformed(svg("<path d='M1 2A1 2 3 0 1 9 1e68z'/>"), wave);
+    CHECK(far.report.coarse > 0);
+    CHECK(far.report.points < 20'000);
 }
 
 TEST_CASE("mutated documents never break the program", "[examples][svg_document][fuzz]") {
