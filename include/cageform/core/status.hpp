@@ -46,6 +46,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(tolerance_not_positive, "the solver's tolerance is not a positive number")                  \
     X(grid_too_coarse, "the grid is too coarse to see a part of the cage")                        \
     X(rim_not_given, "an unknown cell lies on the rim of the grid")                               \
+    X(cells_unreached, "some unknown cells touch no given value")                                 \
     X(value_not_finite, "a given value is not a finite number, or too large")                     \
     X(not_converged, "the solver did not reach its tolerance")                                    \
     /* animate/ */                                                                                \

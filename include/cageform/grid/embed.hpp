@@ -166,8 +166,10 @@ private:
                         cuts_.push_back({{node, direction, 1 / theta}, crossing.value});
                 };
                 const NodesAbout about(crossing.position);
-                cut(about.below, true, about.on_node ? 1.0 : crossing.position - double(about.below));
-                cut(about.above, false, about.on_node ? 1.0 : double(about.above) - crossing.position);
+                if (crossing.from_below)
+                    cut(about.below, true, about.on_node ? 1.0 : crossing.position - double(about.below));
+                if (crossing.from_above)
+                    cut(about.above, false, about.on_node ? 1.0 : double(about.above) - crossing.position);
             }
         }
         std::sort(cuts_.begin(), cuts_.end(), before);

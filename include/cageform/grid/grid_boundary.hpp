@@ -26,6 +26,7 @@ struct Crossing {
     bool turns;         ///< inside and outside change here (not where the line only touches)
     double position;    ///< along the line
     BoundaryValue<D> value;
+    bool from_below = true, from_above = true; ///< the value is that of links from below, from above
 };
 
 /// Crossings along each axis, sorted by line and position.

@@ -59,9 +59,10 @@ public:
     static constexpr std::size_t dimension = D;
     using Index = typename NodeRuns<D>::Index;
 
-    /// Of a Polygon, a TriangleMesh or a CellComplex.
+    /// Of a Polygon, a TriangleMesh or a CellComplex; or of cells in the open (grid/strokes.hpp), the
+    /// facets of which may have other handles behind: `behind` is added to theirs.
     template <class Cage>
-    SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice)
+    SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice, std::uint32_t behind = 0)
         : lattice_(lattice)
         , bones_(interior_cells(whole).bones, lattice.in_cells(whole.vertices()), lattice) {
         const auto vertices = lattice.in_cells(whole.vertices());
@@ -70,7 +71,7 @@ public:
         });
         const auto& cells = interior_cells(whole);
         for (const auto& facet : cells.facets)
-            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), false});
+            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), false, behind});
     }
 
     const Lattice<double, D>& lattice() const noexcept { return lattice_; }
@@ -159,13 +160,17 @@ public:
     }
 
     /// Multilinear; where the boundary passes the cell, the mean over D orders of the axes. A mean,
-    /// so never beyond the values it is made of.
+    /// so never beyond the values it is made of. Beyond the last nodes, where no boundary is, the
+    /// mirror image.
     CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
         CutStencil<D> stencil;
         Cell cell{nodes, {}, {}, {}, stencil};
         for (std::size_t k = 0; k < D; ++k) cell.low[k] = std::int32_t(std::floor(p[k]));
         cell.parts = parts_.find(cell.low);
-        if (cell.parts.empty()) {
+        bool between_nodes = true;
+        for (std::size_t k = 0; k < D; ++k)
+            between_nodes = between_nodes && cell.low[k] >= 0 && cell.low[k] + 1 < nodes.size()[k];
+        if (cell.parts.empty() && between_nodes) {
             add_corners(cell.low, p, nodes, stencil);
             return stencil;
         }
@@ -257,7 +262,10 @@ private:
         const auto below = first_hit(cell, {p, axis, low > p[axis], std::fabs(low - p[axis])});
         const auto above = first_hit(cell, {p, axis, high > p[axis], std::fabs(high - p[axis])});
         const double begin = below ? below->position : low, end = above ? above->position : high;
-        const double length = end - begin, at = length > 0 ? (p[axis] - begin) / length : 0.0;
+        const double length = end - begin;
+        double at = length > 0 ? (p[axis] - begin) / length : 0.0;
+        if (!below && low < 0) at = 1;
+        if (!above && high >= cell.nodes.size()[axis]) at = 0;
         const auto take = [&](const std::optional<Hit<D>>& hit, double position, double part) {
             if (!(part > 0)) return;
             if (hit) {

@@ -16,11 +16,13 @@ struct PlacedFacet : Facet<D> {
     using Weights = std::array<double, D>; ///< of the corners, which sum to 1
 
     PlacedFacet(const std::array<std::uint32_t, D>& of, std::span<const Vec<double, D>> vertices,
-                bool turning)
+                bool turning, std::uint32_t added_behind = 0)
         : Facet<D>(of, vertices)
-        , turns(turning) {}
+        , turns(turning)
+        , behind(added_behind) {}
 
-    bool turns; ///< inside and outside change at it
+    bool turns;           ///< inside and outside change at it
+    std::uint32_t behind; ///< added to its handles as seen against its normal; 0: both sides are one
 
     Vec<double, D> place(const Weights& weights) const noexcept {
         Vec<double, D> p;
@@ -37,6 +39,34 @@ struct PlacedFacet : Facet<D> {
         }
     }
 };
+
+/// Orthogonal to a facet.
+inline Vec<double, 2> normal_of(const PlacedFacet<2>& edge) noexcept {
+    const auto along = edge.corner[1] - edge.corner[0];
+    return {-along[1], along[0]};
+}
+inline Vec<double, 3> normal_of(const PlacedFacet<3>& face) noexcept {
+    return cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
+}
+
+/// The data at a place of a facet as seen along an axis, looking up or down: on the side the normal
+/// points to, or behind. In the plane a facet seen along itself shows the mean of both.
+template <std::size_t D>
+BoundaryValue<D> value_seen(const PlacedFacet<D>& facet, const std::array<double, D>& weights,
+                            std::size_t axis, bool up) noexcept {
+    auto value = value_on_facet(facet.vertex, weights);
+    if (facet.behind == 0) return value;
+    const double along = normal_of(facet)[axis];
+    if (D == 2 && along == 0) { // at an end, where one vertex has all the weight
+        const std::uint32_t end = facet.vertex[weights[0] > 0 ? 0 : 1];
+        value.handle[0] = end;
+        value.handle[1] = end + facet.behind;
+        value.weight[0] = value.weight[1] = 0.5;
+    } else if (up == (along > 0)) {
+        for (std::uint32_t& handle : value.handle) handle += facet.behind;
+    }
+    return value;
+}
 
 /// Where a ray may meet an edge, its length left aside: on an edge along the ray, the end that it
 /// meets first.
@@ -94,16 +124,7 @@ std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay
     const double position = facet.coordinate(*weights, ray.axis);
     const double distance = ray.distance(position);
     if (distance < 0 || distance > ray.length) return std::nullopt;
-    return grid::Hit<D>{position, value_on_facet(facet.vertex, *weights)};
-}
-
-/// Orthogonal to a facet.
-inline Vec<double, 2> normal_of(const PlacedFacet<2>& edge) noexcept {
-    const auto along = edge.corner[1] - edge.corner[0];
-    return {-along[1], along[0]};
-}
-inline Vec<double, 3> normal_of(const PlacedFacet<3>& face) noexcept {
-    return cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
+    return grid::Hit<D>{position, value_seen(facet, *weights, ray.axis, ray.up)};
 }
 
 /// The weights of the corners at a place of a facet's line or plane, negative beyond its rim.
@@ -136,6 +157,20 @@ std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& f
     return least > 0;
 }
 
+/// Adds a crossing at a place of a facet; one for each side where they differ.
+template <std::size_t D>
+void add_crossing(const PlacedFacet<D>& facet, const std::array<double, D>& weights, std::size_t axis,
+                  grid::Crossing<D> crossing, Buffer<grid::Crossing<D>>& out) {
+    crossing.value = value_seen(facet, weights, axis, true);
+    if (facet.behind != 0) {
+        crossing.from_above = false;
+        out.push_back(crossing);
+        crossing.value = value_seen(facet, weights, axis, false);
+        std::swap(crossing.from_below, crossing.from_above);
+    }
+    out.push_back(crossing);
+}
+
 /// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its
 /// upper one, so that a line through a common end of two edges crosses both, one, or none, as it
 /// changes sides.
@@ -148,8 +183,8 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
     const double last = std::min(high, double(lattice.cells[across]) - 1);
     const auto add = [&](double line, bool turns, double s) {
         const std::array<double, 2> weights{1 - s, s};
-        out.push_back({std::uint32_t(line), turns, edge.coordinate(weights, axis),
-                       value_on_facet(edge.vertex, weights)});
+        add_crossing(edge, weights, axis, {std::uint32_t(line), turns, edge.coordinate(weights, axis), {}},
+                     out);
     };
     for (double line = std::max(std::ceil(low), 0.0); line <= last; ++line) {
         if (from != to) {
@@ -160,7 +195,7 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
         const auto add_at = [&, first = edge.corner[0][axis], second = edge.corner[1][axis]](double x) {
             const double s = (x - first) / (second - first);
             const std::array<double, 2> weights{1 - s, s};
-            out.push_back({std::uint32_t(line), false, x, value_on_facet(edge.vertex, weights)});
+            add_crossing(edge, weights, axis, {std::uint32_t(line), false, x, {}}, out);
         };
         const double end = box.upper[axis];
         for (double x = box.lower[axis]; x < end; x = std::floor(x) + 1) add_at(x);
@@ -238,9 +273,9 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
             if (!across.crosses_line(x, y)) continue;
             const auto w = weights_at(face, axis, double(x), double(y));
             if (!w) continue;
-            out.push_back({std::uint32_t(x) + std::uint32_t(lattice.cells[u]) * std::uint32_t(y), face.turns,
-                           std::clamp(face.coordinate(*w, axis), box.lower[axis], box.upper[axis]),
-                           value_on_facet(face.vertex, onto_face(*w))});
+            const double position = std::clamp(face.coordinate(*w, axis), box.lower[axis], box.upper[axis]);
+            const auto line = std::uint32_t(x) + std::uint32_t(lattice.cells[u]) * std::uint32_t(y);
+            add_crossing(face, onto_face(*w), axis, {line, face.turns, position, {}}, out);
         }
     }
 }
