@@ -20,4 +20,5 @@
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/grid/dirichlet.hpp>
+#include <cageform/grid/strokes.hpp>
 #include <cageform/version.hpp>
