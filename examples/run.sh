@@ -157,7 +157,9 @@ Open, in out/:
   aleph.png, man.png         other figures
   fish.png                   a fish moved by points without a cage
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
-  hand_poses.png             a hand moved by its joints; hand_builds.png, hand_bend.png, hand_points.png; hand.txt: measured
+  hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
+                             hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
+  hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
   biped_signs.png            what negative weights mean; field_*.png: more heat maps
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed

@@ -509,6 +509,10 @@ HandPose grasp(const Hand& hand, const HandPose& open, const HandObject& object)
     return pose;
 }
 
+double skin_function(const Hand& hand, const Point3& p) {
+    return Skin(hand)(p);
+}
+
 Hand make_hand(double cell) {
     Hand hand;
     for (std::size_t ray = 0; ray < 5; ++ray) add_ray(hand, ray);

@@ -135,6 +135,9 @@ const HandObject& hand_rod();
 ///   open   where joints begin; other angles stay
 HandPose grasp(const Hand& hand, const HandPose& open, const HandObject& object);
 
+/// The function whose zero is the skin at rest, negative inside; it grows about as fast as the distance.
+double skin_function(const Hand& hand, const Point3& p);
+
 /// The hand at rest.
 ///
 ///   cell   of the grid that the skin is meshed on

@@ -2,18 +2,15 @@
 //
 //     hand_sheet out
 //
-// writes out/hand_poses.png, out/hand_points.png, out/hand_bend.png and out/hand_builds.png, and prints one line a
-// property: MISS where one is not what it should be. Two are not: a bent finger moves the web beside it by more than 1 %
-// of the hand's length, and two triangles in the fold of a joint at 60 degrees turn over.
+// writes the pictures that hand_pictures.hpp names, and prints one line a property: MISS where one is not what it should
+// be. Two are not: a bent finger moves the web beside it by more than 1 % of the hand's length, and two triangles in the
+// fold of a joint at 60 degrees turn over.
 
 #include "atomic_file.hpp"
 #include "bound_hand.hpp"
 #include "command_line.hpp"
 #include "guard.hpp"
-#include "mesh_picture.hpp"
-
-#include <cageform/binding/compose.hpp>
-#include <cageform/cage/control_points.hpp>
+#include "hand_pictures.hpp"
 
 #include <chrono>
 #include <cstdarg>
@@ -241,74 +238,13 @@ void judge_rings(const Hand& hand, Findings& findings) {
     findings.line(error < 1e-15 * 8, "6. rings keep their shape in all poses within %.1e", error);
 }
 
-// ---- builds: a few handles move the control points and the skin ----
-
-struct Build {
-    const char* name;
-    std::vector<Point3> handles; ///< where they go
-};
-
-/// The joints, then a box.
-struct Builder {
-    std::vector<Point3> rest;
-    cageform::ComposeResult<double, 3> skin;
-    cageform::Binding<double, 3> sites;
-
-    explicit Builder(const BoundHand& bound) {
-        for (const HandJoint& joint : bound.hand.joints) rest.push_back(joint.place);
-        for (const auto& ray : bound.hand.rays) rest.push_back(bound.hand.joints[ray.back()].end);
-        // Joints that two bones of the palm share are one handle each.
-        const auto all = bound.hand.sites();
-        for (const Point3& p : cageform::surround(all, {.margin = 0.05}).sites) rest.push_back(p);
-        sites = cageform::bind(cageform::SibsonCoordinates<double, 3>(rest), all).binding;
-        skin = cageform::compose(bound.dense, sites);
-    }
-
-    /// The hand with its joints where their handles go.
-    Hand built(const Hand& hand, const std::vector<Point3>& handles) const {
-        Hand other = hand;
-        for (std::size_t j = 0; j < other.joints.size(); ++j) other.joints[j].place = handles[j];
-        for (std::size_t ray = 0; ray < 5; ++ray) {
-            const auto& joints = other.rays[ray];
-            for (std::size_t k = 0; k < joints.size(); ++k)
-                other.joints[joints[k]].end = k + 1 < joints.size() ? other.joints[joints[k + 1]].place
-                                                                    : handles[other.joints.size() + ray];
-        }
-        std::vector<Point3> places(hand.points.size());
-        if (cageform::clone(sites, handles, places) != cageform::Status::ok) places = hand.sites();
-        for (std::size_t i = 0; i < places.size(); ++i) other.points[i].place = places[i];
-        return other;
-    }
-};
-
-std::vector<Build> builds(const Hand& hand, const Builder& builder) {
-    std::vector<Build> made{{"a longer middle finger", builder.rest},
-                            {"a thumb apart, and larger", builder.rest},
-                            {"a thicker hand", builder.rest}};
-    const auto& middle = hand.rays[1];
-    const Point3 base = hand.joints[middle[1]].place;
-    auto& longer = made[0].handles;
-    for (const std::size_t k : {middle[2], middle[3], hand.joints.size() + 1})
-        longer[k] = base + 1.2 * (longer[k] - base);
-    const auto& thumb = hand.rays[4];
-    const Point3 root = hand.joints[thumb[0]].place;
-    auto& apart = made[1].handles;
-    for (const std::size_t k : {thumb[1], thumb[2], hand.joints.size() + 4}) {
-        const Point3 d = 1.15 * (apart[k] - root);
-        const double c = std::cos(0.2), s = std::sin(0.2);
-        apart[k] = root + Point3{c * d[0] - s * d[1], s * d[0] + c * d[1], d[2]};
-    }
-    for (Point3& p : made[2].handles) p[2] *= 1.3;
-    return made;
-}
-
-void judge_builds(const BoundHand& bound, const Builder& builder, Findings& findings) {
+void judge_builds(const BoundHand& bound, const HandBuilder& builder, Findings& findings) {
     findings.line(builder.skin.status == cageform::Status::ok && builder.skin.still.empty(),
                   "7. skin and control points are bound to %zu handles by one composed binding",
                   builder.rest.size());
     if (builder.skin.status != cageform::Status::ok) return;
     double error = 0, constraints = 0;
-    for (const Build& build : builds(bound.hand, builder)) {
+    for (const HandBuild& build : hand_builds(bound.hand, builder)) {
         const Hand hand = builder.built(bound.hand, build.handles);
         std::vector<Point3> skin(bound.hand.skin.vertices.size());
         if (cageform::clone(builder.skin.binding, build.handles, skin) != cageform::Status::ok) return;
@@ -364,126 +300,6 @@ void judge_time(const Hand& hand, Findings& findings) {
                   pose.size(), best);
 }
 
-// ---- pictures ----
-
-/// Small octahedra where control points are.
-ImplicitMesh marks(const std::vector<Point3>& places, double size) {
-    ImplicitMesh mesh;
-    for (const Point3& p : places) {
-        const auto first = std::uint32_t(mesh.vertices.size());
-        for (std::size_t k = 0; k < 3; ++k) {
-            for (const double side : {size, -size}) {
-                Point3 corner = p;
-                corner[k] += side;
-                mesh.vertices.push_back(corner);
-            }
-        }
-        for (std::uint32_t n = 0; n < 8; ++n) {
-            Face face{first + n % 2, first + 2 + n / 2 % 2, first + 4 + n / 4};
-            if ((n % 2 + n / 2 % 2 + n / 4) % 2 == 1) std::swap(face[1], face[2]);
-            mesh.faces.push_back(face);
-        }
-    }
-    return mesh;
-}
-
-/// Pictures side by side, of skins with what they grasp, and of marks.
-struct Scenes {
-    std::vector<ImplicitMesh> figures, beside;
-
-    void add(ImplicitMesh figure, ImplicitMesh marks_of_it = {}) {
-        figures.push_back(std::move(figure));
-        beside.push_back(std::move(marks_of_it));
-    }
-    Picture draw(std::size_t width, std::size_t height) const {
-        std::vector<MeshScene> scenes;
-        for (std::size_t i = 0; i < figures.size(); ++i)
-            scenes.push_back(
-                {{figures[i].vertices, figures[i].faces}, {beside[i].vertices, beside[i].faces}});
-        return draw_meshes(scenes, width, height);
-    }
-};
-
-ImplicitMesh joined(ImplicitMesh a, const ImplicitMesh& b) {
-    const auto first = std::uint32_t(a.vertices.size());
-    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-    for (const auto& [i, k, l] : b.faces) a.faces.push_back({first + i, first + k, first + l});
-    return a;
-}
-
-ImplicitMesh mesh_of(const HandObject& object) {
-    const double r = object.radius + 0.05;
-    Point3 low = object.from, high = object.from;
-    for (std::size_t k = 0; k < 3; ++k) {
-        low[k] = std::min(object.from[k], object.to[k]) - r;
-        high[k] = std::max(object.from[k], object.to[k]) + r;
-    }
-    return surface_nets([&](const Point3& p) { return object.distance(p); }, low, high, 0.03);
-}
-
-/// One picture under another.
-Picture stacked(const Picture& upper, Picture lower) {
-    Picture both(upper.width(), upper.height() + lower.height());
-    Picture top = upper;
-    for (std::size_t y = 0; y < both.height(); ++y) {
-        for (std::size_t x = 0; x < both.width(); ++x)
-            both.at(x, y) = y < top.height() ? top.at(x, y) : lower.at(x, y - top.height());
-    }
-    return both;
-}
-
-void draw_all(const BoundHand& bound, const Builder& builder, const std::filesystem::path& folder,
-              OutputFiles& outputs) {
-    const auto with_faces = [&](std::vector<Point3> skin) {
-        return ImplicitMesh{std::move(skin), bound.hand.skin.faces};
-    };
-    const auto over = [](ImplicitMesh mesh) {
-        mesh.vertices = turned_over(std::move(mesh.vertices));
-        return mesh;
-    };
-    Scenes backs, palms;
-    for (const NamedHandPose& pose : hand_poses()) {
-        ImplicitMesh figure = with_faces(bound.clone(bound.closed(pose)));
-        if (pose.name == std::string_view("ball")) figure = joined(std::move(figure), mesh_of(hand_ball()));
-        if (pose.name == std::string_view("rod")) figure = joined(std::move(figure), mesh_of(hand_rod()));
-        palms.add(over(figure));
-        backs.add(std::move(figure));
-    }
-    stacked(backs.draw(2800, 620), palms.draw(2800, 620)).write_png(outputs.add(folder / "hand_poses.png"));
-
-    std::vector<Point3> on, free;
-    for (const HandPoint& p : bound.hand.points) {
-        if (p.kind != HandPointKind::surround) (p.vertex != HandJoint::none ? on : free).push_back(p.place);
-    }
-    Scenes points;
-    for (const auto& places : {on, free})
-        points.add(over(bound.hand.skin), marks(turned_over(places), 0.006));
-    points.draw(1600, 1000).write_png(outputs.add(folder / "hand_points.png"));
-
-    const auto bent =
-        with({{HandAngle::middle_mcp, 20}, {HandAngle::middle_pip, 90}, {HandAngle::middle_dip, 40}});
-    const std::vector<double> ones(bound.hand.points.size(), 1);
-    Scenes bend;
-    const auto add_sideways = [&](std::vector<Point3> skin) {
-        for (Point3& p : skin) p = {-p[2], p[1], p[0]};
-        bend.add(with_faces(std::move(skin)));
-    };
-    add_sideways(bound.clone(bound.hand.pose(bent, false), ones));
-    for (const double kappa : {0.0, hand_kappa, 4 * hand_kappa}) add_sideways(bound.clone(bent, kappa));
-    bend.draw(2000, 800).write_png(outputs.add(folder / "hand_bend.png"));
-
-    const auto angles = bound.closed(hand_poses()[3]);
-    Scenes built, closed;
-    built.add(bound.hand.skin);
-    closed.add(over(with_faces(bound.clone(angles))));
-    for (const Build& build : builds(bound.hand, builder)) {
-        const Hand hand = builder.built(bound.hand, build.handles);
-        built.add(with_faces(bound.clone(hand.sites(), ones)));
-        closed.add(over(with_faces(bound.clone(hand.pose(angles), hand.weights(angles, hand_kappa)))));
-    }
-    stacked(built.draw(2000, 700), closed.draw(2000, 700)).write_png(outputs.add(folder / "hand_builds.png"));
-}
-
 int fail(const std::string& message) {
     std::cerr << "hand_sheet: " << message << '\n';
     return 1;
@@ -494,13 +310,14 @@ int run_program(int argc, char** argv) {
         "Draws a hand in all its poses and builds, and measures how its skin follows its control points.");
     std::string folder;
     line.add("folder", folder,
-             "where hand_poses.png, hand_points.png, hand_bend.png and hand_builds.png are written")
+             "where hand_layers.png, hand_points.png, hand_poses.png, hand_bend.png, hand_inflation.png, "
+             "hand_builds.png, hand_influence.png and hand_locality.png are written")
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const BoundHand bound;
     if (bound.report.status != cageform::Status::ok) return fail(cageform::to_string(bound.report.status));
-    const Builder builder(bound);
+    const HandBuilder builder(bound);
     if (builder.skin.status != cageform::Status::ok)
         return fail(std::string("the builds: ") + cageform::to_string(builder.skin.status));
     Findings findings;
@@ -518,7 +335,7 @@ int run_program(int argc, char** argv) {
     std::filesystem::create_directories(folder, error);
     if (error) return fail("cannot make the folder " + folder + ": " + error.message());
     OutputFiles outputs;
-    draw_all(bound, builder, folder, outputs);
+    draw_hand(bound, builder, folder, outputs);
     if (const auto failure = outputs.commit()) return fail(*failure);
     std::printf("%d properties are not what they should be\n", findings.misses());
     return 0;

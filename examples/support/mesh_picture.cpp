@@ -99,8 +99,13 @@ public:
             normals[i] = unit(camera.seen(normals[i]));
             places[i] = on_canvas(camera, figure.vertices[i]);
         }
+        static const Point3 clay{0.78, 0.36, 0.17};
+        const auto own = [&](std::uint32_t i) {
+            return figure.colours.empty() ? clay : linear(figure.colours[i]);
+        };
         for (const auto& [a, b, c] : figure.triangles) {
-            fill({places[a], places[b], places[c]}, {normals[a], normals[b], normals[c]});
+            fill({places[a], places[b], places[c]}, {normals[a], normals[b], normals[c]},
+                 {own(a), own(b), own(c)});
         }
     }
 
@@ -156,7 +161,13 @@ private:
         return {inside(std::ceil(low - 0.5)), inside(std::floor(high - 0.5) + 1)};
     }
 
-    void fill(const std::array<Point3, 3>& p, const std::array<Point3, 3>& normals) {
+    /// What a surface gives back of light, so that it is seen in a colour.
+    static Point3 linear(const Colour& colour) {
+        return {std::pow(colour.r, 2.2), std::pow(colour.g, 2.2), std::pow(colour.b, 2.2)};
+    }
+
+    void fill(const std::array<Point3, 3>& p, const std::array<Point3, 3>& normals,
+              const std::array<Point3, 3>& own) {
         const double area = turn(p[0], p[1], p[2]);
         if (!(std::fabs(area) > 0)) return;
         const double side = area < 0 ? 1 : -1; // seen from behind: the other side of the surface
@@ -173,24 +184,42 @@ private:
                 const std::size_t i = y * width_ + x;
                 if (nearness <= nearness_[i]) continue;
                 nearness_[i] = nearness;
-                colour_[i] = shade(unit(side * (u * normals[0] + v * normals[1] + w * normals[2])));
+                const Point3 normal = u * normals[0] + v * normals[1] + w * normals[2];
+                colour_[i] = shade((side / std::sqrt(std::max(dot(normal, normal), 1e-30))) * normal,
+                                   u * own[0] + v * own[1] + w * own[2]);
             }
         }
     }
 
+    /// As a screen shows it: x^(1/2.2), from a table, within a third of one of 255 steps above 1/1000.
+    static float displayed(double x) {
+        constexpr std::size_t steps = 4096;
+        static const std::vector<float> table = [] {
+            std::vector<float> values;
+            for (std::size_t i = 0; i <= steps; ++i)
+                values.push_back(float(std::pow(double(i) / steps, 1 / 2.2)));
+            return values;
+        }();
+        const double at = std::clamp(x, 0.0, 1.0) * steps;
+        const std::size_t i = std::min(std::size_t(at), steps - 1);
+        return table[i] + float(at - double(i)) * (table[i + 1] - table[i]);
+    }
+
     /// A warm light from above and the left, a cool one from the right, and what the sky and the floor give.
-    static Colour shade(const Point3& normal) {
-        static const Point3 key = unit({-0.45, 0.75, 0.7}), cool = unit({0.9, 0.1, 0.35}), eye{0, 0, 1};
+    static Colour shade(const Point3& normal, const Point3& own) {
+        static const Point3 key = unit({-0.45, 0.75, 0.7}), cool = unit({0.9, 0.1, 0.35}),
+                            half = unit(key + Point3{0, 0, 1}); // between the light and the eye
         const auto lit = [&](const Point3& light) { return std::max(0.0, dot(normal, light)); };
         const double sky = 0.5 + 0.5 * normal[1];
-        const double gloss = 0.16 * std::pow(lit(unit(key + eye)), 30);
+        const double l = lit(half), l2 = l * l, l4 = l2 * l2, l8 = l4 * l4;
+        const double gloss = 0.16 * l8 * l8 * l8 * l4 * l2; // the 30th power
         const double rim =
             0.75 + 0.25 * std::sqrt(std::clamp(normal[2], 0.0, 1.0)); // dark towards the outline
-        const auto channel = [&](double own, double warmth, double coolness) {
+        const auto channel = [&](std::size_t k, double warmth, double coolness) {
             const double light = 0.14 + 0.20 * sky + warmth * lit(key) + coolness * lit(cool);
-            return float(std::pow(rim * own * light + gloss, 1 / 2.2)); // as a screen shows it
+            return displayed(rim * own[k] * light + gloss);
         };
-        return {channel(0.78, 0.86, 0.16), channel(0.36, 0.82, 0.20), channel(0.17, 0.76, 0.28)};
+        return {channel(0, 0.86, 0.16), channel(1, 0.82, 0.20), channel(2, 0.76, 0.28)};
     }
 
     void line(Point3 a, Point3 b, float ink) {

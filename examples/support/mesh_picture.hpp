@@ -15,6 +15,7 @@ namespace cageform_examples {
 struct MeshView {
     std::span<const Point3> vertices;
     std::span<const std::array<std::uint32_t, 3>> triangles;
+    std::span<const Colour> colours{}; ///< one a vertex; empty: of clay
 };
 
 /// What one part of the picture shows.

@@ -1,0 +1,738 @@
+#include "hand_pictures.hpp"
+
+#include "coordinates.hpp"
+#include "mesh_picture.hpp"
+
+#include <cageform/cage/triangle_mesh.hpp>
+
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+
+namespace cageform_examples {
+
+namespace {
+
+using Face = std::array<std::uint32_t, 3>;
+
+constexpr Colour clay{0.9f, 0.65f, 0.47f}, bone{0.93f, 0.9f, 0.8f}, steel{0.5f, 0.62f, 0.75f},
+    ink{0.13f, 0.18f, 0.33f}, text_ink{0.15f, 0.15f, 0.15f};
+
+template <class... Values>
+std::string words(const char* format, Values... values) {
+    std::array<char, 200> line;
+    return {line.data(), std::size_t(std::snprintf(line.data(), line.size(), format, values...))};
+}
+
+// ---- models: meshes with a colour a vertex ----
+
+struct Model {
+    std::vector<Point3> vertices;
+    std::vector<Face> faces;
+    std::vector<Colour> colours;
+
+    void add(const std::vector<Point3>& places, const std::vector<Face>& triangles,
+             const std::vector<Colour>& own) {
+        const auto first = std::uint32_t(vertices.size());
+        vertices.insert(vertices.end(), places.begin(), places.end());
+        colours.insert(colours.end(), own.begin(), own.end());
+        for (const auto& [i, k, l] : triangles) faces.push_back({first + i, first + k, first + l});
+    }
+    void add(const std::vector<Point3>& places, const std::vector<Face>& triangles, const Colour& colour) {
+        add(places, triangles, std::vector(places.size(), colour));
+    }
+
+    /// A rod with round ends; a ball where both are one. `sides` is a multiple of four.
+    void add_rod(const Point3& a, const Point3& b, double radius_a, double radius_b, const Colour& colour,
+                 std::uint32_t sides = 8) {
+        const Point3 d = b - a;
+        const Point3 along = length(d) > 0 ? (1 / length(d)) * d : Point3{0, 0, 1};
+        const Point3 other = std::fabs(along[0]) < 0.7 ? Point3{1, 0, 0} : Point3{0, 1, 0};
+        const Point3 across = cross(along, other), u = (1 / length(across)) * across, v = cross(along, u);
+        const std::uint32_t rings = sides / 2; // a hemisphere at each end
+        const auto first = std::uint32_t(vertices.size());
+        for (std::uint32_t ring = 0; ring < rings; ++ring) {
+            const bool at_b = 2 * ring >= rings;
+            const double rise = std::numbers::pi * ((ring - at_b) / double(rings - 2) - 0.5);
+            const double radius = at_b ? radius_b : radius_a;
+            for (std::uint32_t side = 0; side < sides; ++side) {
+                const double angle = 2 * std::numbers::pi * side / sides;
+                vertices.push_back((at_b ? b : a) +
+                                   radius * (std::sin(rise) * along +
+                                             std::cos(rise) * (std::cos(angle) * u + std::sin(angle) * v)));
+                colours.push_back(colour);
+                if (ring == 0) continue;
+                const std::uint32_t i = first + ring * sides + side,
+                                    next = side + 1 < sides ? i + 1 : i + 1 - sides;
+                faces.push_back({i, i - sides, next});
+                faces.push_back({next, i - sides, next - sides});
+            }
+        }
+    }
+    void add_ball(const Point3& p, double radius, const Colour& colour) {
+        add_rod(p, p, radius, radius, colour);
+    }
+
+    template <class Map>
+    Model mapped(const Map& map) const {
+        Model other = *this;
+        for (Point3& p : other.vertices) p = map(p);
+        return other;
+    }
+};
+
+// Where it is seen from: the camera looks along -z.
+Point3 from_back(const Point3& p) {
+    return p;
+}
+Point3 from_palm(const Point3& p) {
+    return {-p[0], p[1], -p[2]};
+}
+Point3 from_thumb(const Point3& p) {
+    return {-p[2], p[1], p[0]};
+}
+
+// ---- sheets: models side by side, with captions ----
+
+constexpr double letter = 2; // size of captions, as of Picture::text()
+constexpr std::size_t title_height = 46, caption_height = 50;
+
+struct Tile {
+    Model model;
+    std::string caption; ///< two lines at most
+    MeshView cage{};     ///< drawn as lines
+};
+
+void copy_into(Picture& picture, Picture part, std::size_t left, std::size_t top) {
+    for (std::size_t y = 0; y < part.height(); ++y) {
+        for (std::size_t x = 0; x < part.width(); ++x) picture.at(left + x, top + y) = part.at(x, y);
+    }
+}
+
+/// Rows of tiles, all seen from the same place, captions above.
+Picture draw_tiles(const std::vector<Tile>& tiles, std::size_t columns, std::size_t width,
+                   std::size_t height) {
+    std::vector<MeshScene> scenes;
+    for (const Tile& tile : tiles)
+        scenes.push_back({{tile.model.vertices, tile.model.faces, tile.model.colours}, tile.cage});
+    Picture drawn = draw_meshes(scenes, width * tiles.size(), height);
+    const std::size_t rows = (tiles.size() + columns - 1) / columns;
+    Picture sheet(columns * width, rows * (height + caption_height), drawn.at(0, 0));
+    for (std::size_t n = 0; n < tiles.size(); ++n) {
+        const std::size_t left = n % columns * width, top = n / columns * (height + caption_height);
+        for (std::size_t y = 0; y < height; ++y) {
+            for (std::size_t x = 0; x < width; ++x)
+                sheet.at(left + x, top + caption_height + y) = drawn.at(n * width + x, y);
+        }
+        sheet.text({double(left) + 16, double(top) + 14}, tiles[n].caption, letter, text_ink);
+    }
+    return sheet;
+}
+
+/// Pictures one under another, under a title.
+Picture with_title(const std::string& title, const std::vector<Picture>& parts) {
+    std::size_t height = title_height, width = 0;
+    for (const Picture& part : parts) {
+        height += part.height();
+        width = std::max(width, part.width());
+    }
+    Picture first = parts.front(), sheet(width, height, first.at(0, 0));
+    std::size_t top = title_height;
+    for (const Picture& part : parts) {
+        copy_into(sheet, part, 0, top);
+        top += part.height();
+    }
+    sheet.text({16, 24}, title, 1.5 * letter, text_ink);
+    return sheet;
+}
+
+/// Pictures of a height side by side.
+Picture beside(const std::vector<Picture>& parts) {
+    std::size_t width = 0;
+    for (const Picture& part : parts) width += part.width();
+    Picture sheet(width, parts.front().height());
+    std::size_t left = 0;
+    for (const Picture& part : parts) {
+        copy_into(sheet, part, left, 0);
+        left += part.width();
+    }
+    return sheet;
+}
+
+/// A picture with a bar of the colours of heat() on its right, marked from 0 to `most`.
+Picture with_bar(const Picture& part, double most, const std::string& unit) {
+    constexpr std::size_t width = 170;
+    Picture first = part, bar(width, part.height(), first.at(0, 0));
+    const Axis shares{0, 1, double(part.height()) - 40, 80};
+    auto marks = marks_of(Axis{0, most, shares.begin, shares.end}, 6);
+    for (AxisMark& mark : marks) mark.value /= most;
+    draw_colour_bar(bar, shares, marks, 20, 26, letter);
+    bar.text({20, 40}, unit, letter, text_ink);
+    return beside({part, bar});
+}
+
+std::vector<Colour> heat_of(const std::vector<double>& values, double most) {
+    std::vector<Colour> colours;
+    for (const double value : values) colours.push_back(heat(value / most));
+    return colours;
+}
+
+// ---- the skin ----
+
+using Skin = std::vector<Point3>;
+
+/// The part of a mesh at vertices of a kind.
+template <class Which>
+Model part_of(const Model& whole, const Which& which) {
+    Model part;
+    std::vector<std::uint32_t> number(whole.vertices.size());
+    for (std::size_t i = 0; i < number.size(); ++i) {
+        number[i] = std::uint32_t(part.vertices.size());
+        if (!which(i)) continue;
+        part.vertices.push_back(whole.vertices[i]);
+        part.colours.push_back(whole.colours[i]);
+    }
+    for (const auto& [a, b, c] : whole.faces) {
+        if (which(a) && which(b) && which(c)) part.faces.push_back({number[a], number[b], number[c]});
+    }
+    return part;
+}
+
+Model skin_model(const BoundHand& bound, const Skin& skin, const Colour& colour = clay) {
+    Model model;
+    model.add(skin, bound.hand.skin.faces, colour);
+    return model;
+}
+
+bool is_of_ray(const Hand& hand, std::size_t joint, std::size_t ray) {
+    const auto& joints = hand.rays[ray];
+    return std::find(joints.begin(), joints.end(), joint) != joints.end();
+}
+
+/// Whether a vertex is of a finger, from its first joint on.
+bool is_of_finger(const Hand& hand, std::size_t vertex, std::size_t ray) {
+    const std::size_t joint = hand.vertex_joint[vertex];
+    return is_of_ray(hand, joint, ray) && (ray == 4 || joint != hand.rays[ray][0]);
+}
+
+HandPose with(std::initializer_list<std::pair<HandAngle, double>> angles) {
+    HandPose pose{};
+    for (const auto& [angle, degrees] : angles) pose[std::size_t(angle)] = degrees;
+    return pose;
+}
+
+/// A place on the skin, which moves with it.
+struct OnSkin {
+    Face face{};
+    Point3 weights{1, 0, 0};
+
+    Point3 at(const Skin& skin) const {
+        return weights[0] * skin[face[0]] + weights[1] * skin[face[1]] + weights[2] * skin[face[2]];
+    }
+};
+
+/// Where a line through a place meets the skin nearest to it; the nearest vertex where it does not.
+OnSkin onto_skin(const ImplicitMesh& skin, const Point3& p, const Point3& direction) {
+    OnSkin found;
+    double least = 0.05;
+    for (const Face& face : skin.faces) { // Möller and Trumbore 1997
+        const Point3 a = skin.vertices[face[0]], ab = skin.vertices[face[1]] - a,
+                     ac = skin.vertices[face[2]] - a, ap = p - a;
+        if (dot(ap, ap) > 0.01) continue;
+        const Point3 h = cross(direction, ac), q = cross(ap, ab);
+        const double area = dot(ab, h);
+        if (!(std::fabs(area) > 0)) continue;
+        const double u = dot(ap, h) / area, v = dot(direction, q) / area, t = dot(ac, q) / area;
+        if (u < 0 || v < 0 || u + v > 1 || std::fabs(t) >= least) continue;
+        least = std::fabs(t);
+        found = {face, {1 - u - v, u, v}};
+    }
+    if (least < 0.05) return found;
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 0; i < skin.vertices.size(); ++i) {
+        if (length(skin.vertices[i] - p) < length(skin.vertices[nearest] - p)) nearest = i;
+    }
+    return {{nearest, nearest, nearest}, {1, 0, 0}};
+}
+
+/// Constraint points in their order along a line of the skin.
+struct Line {
+    std::vector<std::size_t> points;
+    bool closed = true;
+};
+
+/// Those chosen, in their order about an axis.
+template <class Which>
+Line around(const Hand& hand, const Point3& axis, const Which& which) {
+    Line line;
+    Point3 middle{};
+    for (std::size_t i = 0; i < hand.points.size(); ++i) {
+        if (!which(hand.points[i])) continue;
+        line.points.push_back(i);
+        middle = middle + hand.points[i].place;
+    }
+    if (line.points.empty()) return line;
+    middle = (1 / double(line.points.size())) * middle;
+    const Point3 first = hand.points[line.points[0]].place - middle;
+    const Point3 u = first - (dot(first, axis) / dot(axis, axis)) * axis,
+                 v = cross((1 / length(axis)) * axis, u);
+    const auto angle = [&](std::size_t i) {
+        const Point3 d = hand.points[i].place - middle;
+        return std::atan2(dot(d, v), dot(d, u));
+    };
+    std::sort(line.points.begin(), line.points.end(),
+              [&](std::size_t a, std::size_t b) { return angle(a) < angle(b); });
+    return line;
+}
+
+std::vector<Line> lines_of(const Hand& hand) {
+    std::vector<Line> lines;
+    for (std::size_t j = 0; j < hand.joints.size(); ++j) {
+        lines.push_back(around(hand, hand.joints[j].end - hand.joints[j].place, [&](const HandPoint& p) {
+            return p.kind == HandPointKind::ring && p.joint == j;
+        }));
+    }
+    Line base; // across the palm and back over the knuckles; points in the webs are not on it
+    for (const double side : {-1.0, 1.0}) {
+        const auto first = std::ptrdiff_t(base.points.size());
+        for (std::size_t i = 0; i < hand.points.size(); ++i) {
+            const HandPoint& p = hand.points[i];
+            const bool in_web = p.other != HandJoint::none && std::fabs(p.place[2]) < 0.02;
+            if (p.kind == HandPointKind::base && !in_web && (p.place[2] < 0) == (side < 0))
+                base.points.push_back(i);
+        }
+        std::sort(base.points.begin() + first, base.points.end(), [&](std::size_t a, std::size_t b) {
+            return side * hand.points[a].place[0] > side * hand.points[b].place[0];
+        });
+    }
+    lines.push_back(base);
+    lines.push_back(
+        around(hand, {0, 1, 0}, [](const HandPoint& p) { return p.kind == HandPointKind::wrist; }));
+    Line thenar{{}, false};
+    for (std::size_t i = 0; i < hand.points.size(); ++i) {
+        if (hand.points[i].kind == HandPointKind::thenar && hand.points[i].vertex != HandJoint::none)
+            thenar.points.push_back(i);
+    }
+    lines.push_back(thenar);
+    return lines;
+}
+
+/// The lines on the skin, in short steps.
+std::vector<std::vector<OnSkin>> drawn_lines(const Hand& hand) {
+    const ImplicitMesh& skin = hand.skin;
+    std::vector<Point3> normals(skin.vertices.size());
+    for (const auto& [a, b, c] : skin.faces) {
+        const Point3 normal = cross(skin.vertices[b] - skin.vertices[a], skin.vertices[c] - skin.vertices[a]);
+        for (const auto i : {a, b, c}) normals[i] = normals[i] + (1 / (length(normal) + 1e-30)) * normal;
+    }
+    std::vector<std::vector<OnSkin>> drawn;
+    for (const auto& [points, closed] : lines_of(hand)) {
+        auto& line = drawn.emplace_back();
+        for (std::size_t n = 0; n + (closed ? 0 : 1) < points.size(); ++n) {
+            const HandPoint &a = hand.points[points[n]], &b = hand.points[points[(n + 1) % points.size()]];
+            constexpr int steps = 4;
+            for (int k = 0; k <= steps; ++k) {
+                const double t = double(k) / steps;
+                line.push_back(onto_skin(skin, (1 - t) * a.place + t * b.place,
+                                         (1 - t) * normals[a.vertex] + t * normals[b.vertex]));
+            }
+        }
+    }
+    return drawn;
+}
+
+constexpr std::array<Colour, 10> kind_colours{{{0.85f, 0.1f, 0.1f},  // ring
+                                               {1.0f, 0.5f, 0.0f},   // base
+                                               {0.95f, 0.85f, 0.1f}, // thenar
+                                               {0.15f, 0.6f, 0.2f},  // middle
+                                               {0.45f, 0.75f, 1.0f}, // shield
+                                               {0.55f, 0.2f, 0.75f}, // tip
+                                               {1.0f, 0.3f, 0.75f},  // inflation
+                                               {0.1f, 0.25f, 0.75f}, // metacarpal
+                                               {0.35f, 0.25f, 0.2f}, // wrist
+                                               {0.6f, 0.6f, 0.6f}}}; // surround
+
+/// The control points but for those that surround the hand.
+void add_points(Model& model, const Hand& hand, const std::vector<Point3>& sites) {
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+        const HandPointKind kind = hand.points[i].kind;
+        if (kind != HandPointKind::surround)
+            model.add_ball(sites[i], 0.0085, kind_colours.at(std::size_t(kind)));
+    }
+}
+
+void add_lines(Model& model, const std::vector<std::vector<OnSkin>>& lines, const Skin& skin) {
+    for (const auto& line : lines) {
+        for (std::size_t n = 0; n + 1 < line.size(); ++n)
+            model.add_rod(line[n].at(skin), line[n + 1].at(skin), 0.004, 0.004, ink);
+    }
+}
+
+void add_bones(Model& model, const Hand& hand, const HandPose& angles) {
+    const auto motions = hand.bones(angles);
+    for (std::size_t j = 0; j < hand.joints.size(); ++j) {
+        const HandJoint& joint = hand.joints[j];
+        const Point3 a = motions[j](joint.place), b = motions[j](joint.end);
+        const Point3 gap = 0.04 * (b - a);
+        model.add_rod(a + gap, b - gap, 0.4 * joint.radius, 0.35 * joint.end_radius, bone, 16);
+        model.add_ball(a, 0.45 * std::min(joint.radius, 0.06), steel);
+    }
+    const Point3 wrist{0.01, -0.04, 0};
+    for (const auto& ray : hand.rays) model.add_rod(wrist, hand.joints[ray[0]].place, 0.012, 0.012, bone);
+}
+
+// ---- the pictures ----
+
+Picture layers(const BoundHand& bound, const std::vector<std::vector<OnSkin>>& lines) {
+    const Hand& hand = bound.hand;
+    std::vector<Tile> tiles;
+    for (const NamedHandPose& pose : {hand_poses()[0], hand_poses()[2]}) {
+        const HandPose angles = bound.closed(pose);
+        const Skin skin = bound.clone(angles);
+        Model bones, points;
+        add_bones(bones, hand, angles);
+        add_points(points, hand, hand.pose(angles));
+        add_lines(points, lines, skin);
+        tiles.push_back(
+            {bones, words("%zu bones, %zu angles: %s", hand.joints.size(), hand_angle_count, pose.name)});
+        tiles.push_back({points, words("%zu control points, and the lines that\nsome of them are on",
+                                       hand.points.size())});
+        tiles.push_back({skin_model(bound, skin), words("skin: %zu vertices", skin.size())});
+    }
+    for (Tile& tile : tiles) tile.model = tile.model.mapped(from_palm);
+    return with_title("Three layers: angles turn bones, these move control points, and these the skin",
+                      {draw_tiles(tiles, 3, 560, 640)});
+}
+
+Picture points_by_kind(const BoundHand& bound, const std::vector<std::vector<OnSkin>>& lines) {
+    const Hand& hand = bound.hand;
+    Model model = skin_model(bound, hand.skin.vertices, {0.86f, 0.8f, 0.74f});
+    add_points(model, hand, hand.sites());
+    add_lines(model, lines, hand.skin.vertices);
+    Picture drawn =
+        draw_tiles({{model.mapped(from_palm), "the inner side"}, {model, "the back"}}, 2, 900, 1100);
+    Picture sheet(drawn.width() + 380, drawn.height(), drawn.at(0, 0));
+    copy_into(sheet, drawn, 0, 0);
+    const double left = double(drawn.width()) + 20;
+    double y = 200;
+    for (std::size_t kind = 0; kind < kind_colours.size(); ++kind) {
+        std::size_t count = 0, on = 0;
+        for (const HandPoint& p : hand.points) {
+            if (p.kind != HandPointKind(kind)) continue;
+            ++count;
+            if (p.vertex != HandJoint::none) ++on;
+        }
+        if (count == 0) continue;
+        const bool shown = HandPointKind(kind) != HandPointKind::surround;
+        sheet.line({left, y}, {left, y}, 16, kind_colours[kind]);
+        sheet.text({left + 20, y},
+                   words("%zu %s%s", count, to_string(HandPointKind(kind)),
+                         !shown        ? ", not shown"
+                         : on == count ? ", on the skin"
+                         : on == 0     ? ", off the skin"
+                                       : words(", %zu on the skin", on).c_str()),
+                   letter, text_ink);
+        y += 34;
+    }
+    sheet.line({left - 8, y}, {left + 8, y}, 4, ink);
+    sheet.text({left + 20, y}, "a line of the skin", letter, text_ink);
+    return with_title(words("The %zu control points by kind", hand.points.size()), {sheet});
+}
+
+Picture poses(const BoundHand& bound) {
+    std::vector<Tile> tiles;
+    for (const NamedHandPose& pose : hand_poses()) {
+        Model model = skin_model(bound, bound.clone(bound.closed(pose)));
+        std::string name = pose.name;
+        for (const auto& [word, object] : {std::pair{"ball", &hand_ball()}, {"rod", &hand_rod()}}) {
+            if (pose.name != std::string_view(word)) continue;
+            model.add_rod(object->from, object->to, object->radius, object->radius, steel, 48);
+            name = std::string("grasp of a ") + word;
+        }
+        if (name == "pinch") name = "thumb to little finger";
+        tiles.push_back({std::move(model), name});
+    }
+    const std::size_t count = tiles.size();
+    for (std::size_t n = 0; n < count; ++n) tiles.push_back({tiles[n].model.mapped(from_palm), ""});
+    return with_title("Poses of 22 angles, from the back and from the inner side",
+                      {draw_tiles(tiles, count, 400, 560)});
+}
+
+/// How a vertex follows the bones beside it: by the inverse sixth power of their distances.
+Point3 blended(const Hand& hand, const std::vector<RigidMotion3>& motions, std::size_t joint,
+               const Point3& p) {
+    const auto& ray = *std::find_if(hand.rays.begin(), hand.rays.end(), [&](const auto& joints) {
+        return std::find(joints.begin(), joints.end(), joint) != joints.end();
+    });
+    const auto own = std::size_t(std::find(ray.begin(), ray.end(), joint) - ray.begin());
+    Point3 sum{};
+    double total = 0;
+    for (std::size_t k = own == 0 ? 0 : own - 1; k < std::min(own + 2, ray.size()); ++k) {
+        const HandJoint& j = hand.joints[ray[k]];
+        const double distance = limb(p, j.place, j.end, 0, 0), weight = 1 / (std::pow(distance, 6) + 1e-18);
+        sum = sum + weight * motions[ray[k]](p);
+        total += weight;
+    }
+    return (1 / total) * sum;
+}
+
+/// Of the middle finger from its first joint on, closed towards this.
+double finger_volume(const Hand& hand, const Skin& skin) {
+    const Point3 joint = hand.joints[hand.rays[1][1]].place;
+    double sum = 0;
+    for (const auto& [a, b, c] : hand.skin.faces) {
+        if (is_of_finger(hand, a, 1) && is_of_finger(hand, b, 1) && is_of_finger(hand, c, 1))
+            sum += dot(skin[a] - joint, cross(skin[b] - joint, skin[c] - joint)) / 6;
+    }
+    return sum;
+}
+
+Picture bends(const BoundHand& bound) {
+    const Hand& hand = bound.hand;
+    const auto angles = with({{HandAngle::middle_pip, 90}});
+    const std::vector<double> ones(hand.points.size(), 1);
+    const auto motions = hand.bones(angles);
+    Skin blend;
+    for (std::size_t i = 0; i < hand.skin.vertices.size(); ++i)
+        blend.push_back(blended(hand, motions, hand.vertex_joint[i], hand.skin.vertices[i]));
+    // Degree 3 for the finger alone.
+    const auto in_finger = [&](std::size_t i) { return is_of_finger(hand, i, 1); };
+    std::vector<Point3> finger;
+    for (std::size_t i = 0; i < hand.skin.vertices.size(); ++i) {
+        if (in_finger(i)) finger.push_back(hand.skin.vertices[i]);
+    }
+    SiteFile<3> sites;
+    sites.points = hand.sites();
+    CoordinatesChoice choice;
+    choice.name = "sibson-c1";
+    const auto smooth = make_coordinates<double, 3>(choice, sites)->bind(finger);
+    if (smooth.report.status != cageform::Status::ok ||
+        cageform::clone(smooth.binding, hand.pose(angles), finger) != cageform::Status::ok)
+        throw std::runtime_error("the finger at degree 3 cannot be bound");
+    Skin cubic = hand.skin.vertices;
+    for (std::size_t i = 0, n = 0; i < cubic.size(); ++i) {
+        if (in_finger(i)) cubic[i] = finger[n++];
+    }
+
+    const double rest = finger_volume(hand, hand.skin.vertices);
+    std::vector<Tile> tiles;
+    const auto add = [&](const Skin& skin, const char* name) {
+        tiles.push_back({part_of(skin_model(bound, skin), in_finger).mapped(from_thumb),
+                         words("%s\nvolume %+.1f %%", name, 100 * (finger_volume(hand, skin) / rest - 1))});
+    };
+    add(blend, "linear blend of bones");
+    add(bound.clone(hand.pose(angles, false), ones), "degree 1, rings turn with their bones");
+    add(bound.clone(hand.pose(angles), ones), "degree 1, rings turn by half");
+    add(cubic, "degree 3, rings turn by half");
+    return with_title(
+        "The middle finger bent by 90 degrees, without inflation; its volume against that at rest",
+        {draw_tiles(tiles, 4, 500, 640)});
+}
+
+std::vector<double> distances(const Skin& a, const Skin& b) { // in percent of the hand's length
+    std::vector<double> all;
+    for (std::size_t i = 0; i < a.size(); ++i) all.push_back(100 * length(a[i] - b[i]));
+    return all;
+}
+
+Picture inflation(const BoundHand& bound) {
+    const Hand& hand = bound.hand;
+    // A finger from its side.
+    const auto bent =
+        with({{HandAngle::middle_mcp, 30}, {HandAngle::middle_pip, 90}, {HandAngle::middle_dip, 60}});
+    const double rest = finger_volume(hand, hand.skin.vertices);
+    const auto in_finger = [&](std::size_t i) { return is_of_finger(hand, i, 1); };
+    std::vector<Tile> fingers;
+    for (const double kappa : {0.0, hand_kappa, 4 * hand_kappa}) {
+        const Skin skin = bound.clone(bent, kappa);
+        fingers.push_back({part_of(skin_model(bound, skin), in_finger).mapped(from_thumb),
+                           words("kappa = %g%s\nvolume %+.1f %% against that at rest", kappa,
+                                 kappa == 0            ? ": no inflation"
+                                 : kappa == hand_kappa ? ", as everywhere else"
+                                                       : "",
+                                 100 * (finger_volume(hand, skin) / rest - 1))});
+    }
+    // Where a fist swells: on the hand at rest, where it can be seen.
+    const HandPose fist = hand_poses()[1].angles;
+    const Skin off = bound.clone(fist, 0), on = bound.clone(fist);
+    const auto moved = distances(off, on);
+    const double most = *std::max_element(moved.begin(), moved.end());
+    Model difference;
+    difference.add(hand.skin.vertices, hand.skin.faces, heat_of(moved, most));
+    const Picture fists =
+        draw_tiles({{skin_model(bound, off).mapped(from_palm), "a fist without inflation"},
+                    {skin_model(bound, on).mapped(from_palm), words("with it, kappa = %g", hand_kappa)}},
+                   2, 560, 640);
+    const Picture shown =
+        draw_tiles({{difference.mapped(from_palm),
+                     words("how far it moves the skin of the fist,\nshown at rest: %.2f %% at most", most)}},
+                   1, 560, 640);
+    return with_title("Inflation: weights of the points over the pads rise as joints bend",
+                      {draw_tiles(fingers, 3, 560, 480),
+                       beside({fists, with_bar(shown, most, "% of the\nhand's length")})});
+}
+
+Picture build_sheet(const BoundHand& bound, const HandBuilder& builder) {
+    const HandPose grasp = bound.closed(hand_poses()[3]);
+    const std::vector<double> ones(bound.hand.points.size(), 1);
+    std::vector<Tile> tiles{{skin_model(bound, bound.hand.skin.vertices), "as it is made"}};
+    std::vector<Tile> posed{{skin_model(bound, bound.clone(grasp)).mapped(from_palm), ""}};
+    for (const HandBuild& build : hand_builds(bound.hand, builder)) {
+        const Hand hand = builder.built(bound.hand, build.handles);
+        const Skin skin = bound.clone(hand.pose(grasp), hand.weights(grasp, hand_kappa));
+        tiles.push_back({skin_model(bound, bound.clone(hand.sites(), ones)), build.name});
+        posed.push_back({skin_model(bound, skin).mapped(from_palm), ""});
+    }
+    return with_title("Other hands of the same binding, at rest and by the angles that grasp a ball",
+                      {draw_tiles(tiles, tiles.size(), 500, 600), draw_tiles(posed, posed.size(), 500, 500)});
+}
+
+Picture influence(const BoundHand& bound) {
+    const Hand& hand = bound.hand;
+    std::vector<Picture> parts;
+    const auto add = [&](HandPointKind kind, double side, const auto& view, const char* name) {
+        // Of the middle finger's second joint, the point that looks most to the side that is seen.
+        std::size_t chosen = hand.points.size();
+        for (std::size_t i = 0; i < hand.points.size(); ++i) {
+            if (hand.points[i].kind != kind || hand.points[i].joint != hand.rays[1][2]) continue;
+            if (chosen == hand.points.size() ||
+                side * hand.points[i].place[2] > side * hand.points[chosen].place[2])
+                chosen = i;
+        }
+        if (chosen == hand.points.size()) throw std::runtime_error(std::string("no point to draw: ") + name);
+        std::vector<double> values;
+        for (std::size_t i = 0; i < hand.skin.vertices.size(); ++i)
+            values.push_back(bound.dense.weight(i, chosen));
+        const double most = *std::max_element(values.begin(), values.end());
+        Model model;
+        model.add(hand.skin.vertices, hand.skin.faces, heat_of(values, most));
+        model.add_ball(hand.points[chosen].place, 0.006, {0.1f, 0.35f, 0.9f});
+        const auto reached =
+            std::size_t(std::count_if(values.begin(), values.end(), [](double w) { return w > 0; }));
+        parts.push_back(with_bar(
+            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices listen to it, by %.2g at most",
+                                                   name, reached, values.size(), most)}},
+                       1, 700, 860),
+            most, "u"));
+    };
+    add(HandPointKind::ring, 1, from_back, "a point of a ring (blue)");
+    add(HandPointKind::inflation, -1, from_palm, "an inflation point (blue)");
+    return with_title("Influence: natural neighbour coordinates u of two control points on the skin",
+                      {beside(parts)});
+}
+
+std::size_t nearest_joint(const Hand& hand, const Point3& p) {
+    const auto distance = [&](const HandJoint& j) { return limb(p, j.place, j.end, j.radius, j.end_radius); };
+    const auto nearest =
+        std::min_element(hand.joints.begin(), hand.joints.end(),
+                         [&](const HandJoint& a, const HandJoint& b) { return distance(a) < distance(b); });
+    return std::size_t(nearest - hand.joints.begin());
+}
+
+/// A coarse closed mesh about the hand, as near as tells its fingers apart.
+ObjFile cage_of(const Hand& hand) {
+    ObjFile cage;
+    for (const double beside : {0.025, 0.03, 0.035}) { // not every surface of coarse nets is a manifold
+        const ImplicitMesh mesh =
+            surface_nets([&](const Point3& p) { return skin_function(hand, p) - beside; }, {-0.7, -0.4, -0.4},
+                         {0.56, 1.2, 0.3}, 0.06);
+        cage.vertices = mesh.vertices;
+        cage.triangles = mesh.faces;
+        const cageform::TriangleMesh<double> checked(mesh.vertices, mesh.faces);
+        if (cageform::check(checked).status == cageform::Status::ok) return cage;
+    }
+    throw std::runtime_error("no cage of the hand is a manifold");
+}
+
+/// The most of what is measured of the skin, of fingers and thumb beyond their first joint, but for one of them.
+double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray) {
+    double most = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        for (std::size_t other = 0; other < 5; ++other) {
+            const HandJoint& base = hand.joints[hand.rays[other][other == 4 ? 0 : 1]];
+            if (other != ray && is_of_finger(hand, i, other) &&
+                dot(hand.skin.vertices[i] - base.place, base.end - base.place) > 0)
+                most = std::max(most, values[i]);
+        }
+    }
+    return most;
+}
+
+Picture locality(const BoundHand& bound) {
+    const Hand& hand = bound.hand;
+    const std::array<const char*, 4> names{"index", "middle", "ring", "little"};
+    std::size_t ray = 0; // of the finger that moves the others most
+    double worst = -1;
+    const auto pose_of = [](std::size_t finger) { return with({{HandAngle(4 * finger + 1), 90}}); };
+    for (std::size_t finger = 0; finger < names.size(); ++finger) {
+        const double most =
+            most_beside(hand, distances(bound.clone(pose_of(finger)), hand.skin.vertices), finger);
+        if (most > worst) ray = finger;
+        worst = std::max(worst, most);
+    }
+    const HandPose angles = pose_of(ray);
+    const ObjFile cage = cage_of(hand);
+    CoordinatesChoice choice;
+    choice.name = "harmonic";
+    choice.resolution = 48;
+    const auto coordinates = make_coordinates<double>(choice, cage);
+    const auto harmonic = coordinates->bind(hand.skin.vertices);
+    if (harmonic.report.status != cageform::Status::ok || !harmonic.report.outside.empty())
+        throw std::runtime_error(std::string("the cage of the hand: ") +
+                                 cageform::to_string(harmonic.report.status));
+    const auto motions = hand.bones(angles);
+    Skin pose, in_cage(hand.skin.vertices.size());
+    for (const Point3& p : cage.vertices) pose.push_back(blended(hand, motions, nearest_joint(hand, p), p));
+    if (cageform::clone(harmonic.binding, pose, in_cage) != cageform::Status::ok)
+        throw std::runtime_error("the hand in its cage cannot be cloned");
+
+    const std::array<Skin, 2> skins{bound.clone(angles), in_cage};
+    std::array<std::vector<double>, 2> moved;
+    std::array<double, 2> most{};
+    for (std::size_t n = 0; n < 2; ++n) {
+        moved[n] = distances(skins[n], hand.skin.vertices);
+        most[n] = most_beside(hand, moved[n], ray);
+    }
+    const double scale = std::ceil(std::max({most[0], most[1], 1.0}));
+    std::vector<Tile> tiles;
+    for (const auto& view : {from_back, from_palm}) {
+        tiles.push_back({skin_model(bound, hand.skin.vertices).mapped(view),
+                         words("a cage of %zu vertices", cage.vertices.size())});
+        for (std::size_t n = 0; n < 2; ++n) {
+            auto colours = heat_of(moved[n], scale);
+            for (std::size_t i = 0; i < colours.size(); ++i) {
+                if (is_of_finger(hand, i, ray)) colours[i] = {0.7f, 0.7f, 0.7f};
+            }
+            Model model;
+            model.add(skins[n], hand.skin.faces, colours);
+            tiles.push_back(
+                {model.mapped(view),
+                 words("%s\nother fingers move by %.2f %% at most",
+                       n == 0 ? "natural neighbours" : "harmonic coordinates in the cage", most[n])});
+        }
+    }
+    std::array<Skin, 2> cages{cage.vertices, cage.vertices};
+    for (Point3& p : cages[1]) p = from_palm(p);
+    for (std::size_t n = 0; n < 2; ++n) tiles[3 * n].cage = {cages[n], cage.triangles};
+    return with_title(
+        words("The %s finger (grey), bent by 90 degrees at its first joint, moves the others most",
+              names[ray]),
+        {with_bar(draw_tiles(tiles, 3, 560, 640), scale, "% of the\nhand's length")});
+}
+
+} // namespace
+
+void draw_hand(const BoundHand& bound, const HandBuilder& builder, const std::filesystem::path& folder,
+               OutputFiles& outputs) {
+    const auto lines = drawn_lines(bound.hand);
+    layers(bound, lines).write_png(outputs.add(folder / "hand_layers.png"));
+    points_by_kind(bound, lines).write_png(outputs.add(folder / "hand_points.png"));
+    poses(bound).write_png(outputs.add(folder / "hand_poses.png"));
+    bends(bound).write_png(outputs.add(folder / "hand_bend.png"));
+    inflation(bound).write_png(outputs.add(folder / "hand_inflation.png"));
+    build_sheet(bound, builder).write_png(outputs.add(folder / "hand_builds.png"));
+    influence(bound).write_png(outputs.add(folder / "hand_influence.png"));
+    locality(bound).write_png(outputs.add(folder / "hand_locality.png"));
+}
+
+} // namespace cageform_examples

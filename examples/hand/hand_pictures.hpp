@@ -1,0 +1,26 @@
+#pragma once
+
+// Pictures of the hand: its layers, its control points, its poses and builds, and how its skin follows.
+
+#include "atomic_file.hpp"
+#include "bound_hand.hpp"
+#include "hand_builds.hpp"
+
+#include <filesystem>
+
+namespace cageform_examples {
+
+/// Adds the pictures to the outputs:
+///
+///   hand_layers.png     bones, control points and skin, at rest and posed
+///   hand_points.png     control points by kind, and lines of the skin
+///   hand_poses.png      hand_poses() from both sides
+///   hand_bend.png       a finger bent by 90 degrees in four ways, and its volume
+///   hand_inflation.png  without inflation and with it
+///   hand_builds.png     other hands of the same binding
+///   hand_influence.png  how the skin listens to two control points
+///   hand_locality.png   how far a bent finger moves the others, and how far in a cage by harmonic coordinates
+void draw_hand(const BoundHand& bound, const HandBuilder& builder, const std::filesystem::path& folder,
+               OutputFiles& outputs);
+
+} // namespace cageform_examples
