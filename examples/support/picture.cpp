@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -110,15 +111,54 @@ void Picture::write_png(AtomicFile& file) const {
         for (const float channel : {pixel.r, pixel.g, pixel.b})
             bytes += char(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
     }
+    cageform_examples::write_png(file, width_, height_, 3, bytes);
+}
+
+void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
+               const std::string& bytes) {
     std::string png;
     const auto append = [](void* target, void* data, int size) {
         static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
     };
-    if (stbi_write_png_to_func(append, &png, int(width_), int(height_), 3, bytes.data(), int(3 * width_)) ==
-        0) {
+    if (stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
+                               channels * int(width)) == 0) {
         return file.refuse("it cannot be encoded");
     }
     file.write(png);
+}
+
+void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys) {
+    const auto big_endian = [](std::uint32_t number, int bytes) {
+        std::string text;
+        for (int k = bytes; k-- > 0;) text += char((number >> (8 * k)) & 255u);
+        return text;
+    };
+    std::string rows; // each headed by its filter: 2, the difference to the row above
+    for (std::size_t i = 0; i < greys.size(); ++i) {
+        if (i % width == 0) rows += char(2);
+        const std::uint16_t above = i < width ? std::uint16_t(0) : greys[i - width];
+        rows += char((greys[i] >> 8) - (above >> 8));
+        rows += char((greys[i] & 255) - (above & 255));
+    }
+    int size = 0;
+    unsigned char* const packed =
+        stbi_zlib_compress(reinterpret_cast<unsigned char*>(rows.data()), int(rows.size()), &size, 8);
+    if (packed == nullptr) return file.refuse("it cannot be encoded");
+    const std::string data(reinterpret_cast<const char*>(packed), std::size_t(size));
+    STBIW_FREE(packed);
+    const auto chunk = [&](const std::string& name, const std::string& content) { // PNG specification, sec. 5
+        const std::string body = name + content;
+        std::uint32_t crc = ~std::uint32_t{0};
+        for (const char c : body) {
+            crc ^= std::uint32_t(static_cast<unsigned char>(c));
+            for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xedb88320u : 0u);
+        }
+        return big_endian(std::uint32_t(content.size()), 4) + body + big_endian(~crc, 4);
+    };
+    const std::string header = big_endian(std::uint32_t(width), 4) +
+                               big_endian(std::uint32_t(greys.size() / width), 4) +
+                               std::string("\x10\0\0\0\0", 5);
+    file.write("\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", data) + chunk("IEND", ""));
 }
 
 } // namespace cageform_examples

@@ -7,6 +7,8 @@
 #include "svg_path.hpp"
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +53,16 @@ private:
     std::size_t height_;
     std::vector<Colour> pixels_;
 };
+
+/// Writes a PNG file of any bytes.
+///
+///   channels   1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha; the first row first
+///   fails      as Picture::write_png()
+void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
+               const std::string& bytes);
+
+/// Writes greys of 16 bits as a PNG file: 0 is black, 65535 white.
+void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys);
 
 /// A bar of the colours of heat(), from `width` pixels of its left side on, with numbers on its right.
 ///
