@@ -11,7 +11,7 @@ sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev 
 
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 14 "$1"
+  printf '[%d/%d] %s\n' $count 15 "$1"
 }
 mkdir -p out
 step "configure"
@@ -130,6 +130,12 @@ done
   "mean value: negative (blue) in the other leg" out/field_biped_1_mean_value.png \
   "harmonic: nowhere negative" out/field_biped_1_harmonic.png
 
+step "heights and colours from strokes"
+"$programs/height_map" "$data/hills.svg" -o out/hills.png --lines out/hills_lines.svg --levels 0.05 >>$report
+"$programs/diffuse_colours" "$data/cat_colours.svg" -o out/cat_colours.png >>$report
+"$programs/contact_sheet" -o out/strokes.svg --columns 3 --png --png-width 1500 "heights" out/hills.png \
+  "level lines" out/hills_lines.svg "colours on both sides of lines" out/cat_colours.png
+
 step "how the solver converges"
 "$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png >>$report
 
@@ -161,6 +167,7 @@ Open, in out/:
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
   biped_signs.png            what negative weights mean; field_*.png: more heat maps
+  strokes.png                heights and colours diffused from lines
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
 END

@@ -40,6 +40,36 @@ animate="$programs/animate_svg"
 cage="$data/cat_cage.svg"
 pose="$data/cat_pose_step.svg"
 
+# ---- height_map, diffuse_colours ----
+svg() { # NAME CONTENT
+  printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 50">%s</svg>' "$2" >"$1"
+}
+heights="$programs/height_map"
+colours="$programs/diffuse_colours"
+works "a height map" "$heights" "$data/hills.svg" -o hills.png -o hills.pgm -o hills.csv --lines lines.svg --size 96
+works "a height map in a frame" "$heights" "$data/hills.svg" -o hills.png --rim frame --size 64
+works "diffusion curves" "$colours" "$data/cat_colours.svg" -o colours.png --size 96 --srgb
+svg none.svg '<rect width="5" height="5"/>'
+svg word.svg '<path id="r" data-height="high" d="M1,1 L9,9"/>'
+svg counts.svg '<path data-height="0 1 0 1" data-left="red" data-right="red blue red" d="M1,1 L9,9"/>'
+svg dot.svg '<path stroke="white" d="M1,1 L9,9"/><path id="dot" stroke="white" d="M1.1,1.1 L1.101,1.1"/>'
+svg paint.svg '<path stroke="url(#g)" d="M1,1 L9,9"/>'
+svg far.svg '<path stroke="white" d="M1,1 L9,99"/>'
+: >nothing.svg
+for program in "$heights" "$colours"; do
+  refuses "none.svg: no stroke" "$program" none.svg -o out.png
+  refuses "dot.svg: path \"dot\" (line 1) is smaller than a pixel" "$program" dot.svg -o out.png
+  refuses "far.svg: path (line 1) reaches beyond the picture" "$program" far.svg -o out.png
+  refuses "url(#g)" "$program" paint.svg -o out.png
+  refuses "values for 2 vertices: one, two for the ends, or one for each" "$program" counts.svg -o out.png
+  refuses "nothing.svg: the file is empty" "$program" nothing.svg -o out.png
+  refuses "missing.svg" "$program" missing.svg -o out.png
+  refuses "--output is required" "$program" far.svg
+done
+refuses "\"high\" is no height from 0 to 1" "$heights" word.svg -o out.png
+refuses "does not end with" "$heights" "$data/hills.svg" -o out.txt
+refuses "--levels" "$heights" "$data/hills.svg" -o out.png --levels 0
+
 # ---- deform_svg ----
 for type in mean-value harmonic; do
   works "deform the cat, $type" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates $type -o cat.svg
