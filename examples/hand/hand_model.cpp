@@ -2,6 +2,7 @@
 
 #include <cageform/cage/control_points.hpp>
 
+#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -532,6 +533,17 @@ Hand make_hand(double cell) {
         all, {.margin = 0.3, .sites = cageform::SurroundSites::lattice}); // fingers bend within
     for (const Point3& site : box.sites) hand.points.push_back({site});
     return hand;
+}
+
+std::string obj_text(const ImplicitMesh& mesh, const std::string& comment) {
+    std::string text = "# " + comment + '\n';
+    std::array<char, 100> line;
+    const auto append = [&](const char* format, const auto&... values) {
+        text.append(line.data(), std::size_t(std::snprintf(line.data(), line.size(), format, values...)));
+    };
+    for (const Point3& p : mesh.vertices) append("v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
+    for (const auto& [a, b, c] : mesh.faces) append("f %u %u %u\n", a + 1, b + 1, c + 1);
+    return text;
 }
 
 } // namespace cageform_examples

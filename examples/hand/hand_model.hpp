@@ -143,4 +143,7 @@ double skin_function(const Hand& hand, const Point3& p);
 ///   cell   of the grid that the skin is meshed on
 Hand make_hand(double cell);
 
+/// A mesh as an OBJ file that begins with a comment.
+std::string obj_text(const ImplicitMesh& mesh, const std::string& comment);
+
 } // namespace cageform_examples

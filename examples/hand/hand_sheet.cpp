@@ -315,6 +315,9 @@ int run_program(int argc, char** argv) {
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return fail("cannot make the folder " + folder + ": " + error.message());
     const BoundHand bound;
     if (bound.report.status != cageform::Status::ok) return fail(cageform::to_string(bound.report.status));
     const HandBuilder builder(bound);
@@ -331,9 +334,6 @@ int run_program(int argc, char** argv) {
     judge_report(bound, findings);
     judge_time(bound.hand, findings);
 
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) return fail("cannot make the folder " + folder + ": " + error.message());
     OutputFiles outputs;
     draw_hand(bound, builder, folder, outputs);
     if (const auto failure = outputs.commit()) return fail(*failure);

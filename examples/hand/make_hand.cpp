@@ -32,13 +32,6 @@ void append(std::string& text, const char* format, Values... values) {
     text.append(line.data(), std::size_t(std::snprintf(line.data(), line.size(), format, values...)));
 }
 
-std::string obj_text(const ImplicitMesh& mesh) {
-    std::string text = "# A right hand, made by make_hand\n";
-    for (const Point3& p : mesh.vertices) append(text, "v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
-    for (const auto& [a, b, c] : mesh.faces) append(text, "f %u %u %u\n", a + 1, b + 1, c + 1);
-    return text;
-}
-
 std::string points_text(const Hand& hand) {
     std::string text = "x,y,z,kind,joint,other,part,vertex\n"; // joints and vertices from 0; empty: none
     const auto index = [](std::size_t i) { return i == HandJoint::none ? std::string() : std::to_string(i); };
@@ -90,7 +83,7 @@ Rows difference(Rows a, const Rows& b) {
 SvgResult<std::string> clip_text(const BoundHand& bound) {
     using Use = GltfDocument::Use;
     constexpr std::size_t keys = 17; // the first and the last are at rest
-    const auto file = parse_obj(obj_text(bound.hand.skin), "hand.obj");
+    const auto file = parse_obj(obj_text(bound.hand.skin, "A right hand, made by make_hand"), "hand.obj");
     if (!file) return file.error();
     const auto mesh = gltf_mesh(*file);
     if (!mesh) return mesh.error();
@@ -140,6 +133,9 @@ int run_program(int argc, char** argv) {
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return fail("cannot make the folder " + folder + ": " + error.message());
     const BoundHand bound;
     if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));
     const Hand& hand = bound.hand;
@@ -148,12 +144,9 @@ int run_program(int argc, char** argv) {
         return fail(std::string("the skin: ") + to_string(sound.status));
     const auto clip = clip_text(bound);
     if (!clip) return fail(clip.error().message);
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) return fail("cannot make the folder " + folder + ": " + error.message());
     OutputFiles outputs;
     const auto path = std::filesystem::path(folder);
-    outputs.add(path / "hand.obj").write(obj_text(hand.skin));
+    outputs.add(path / "hand.obj").write(obj_text(hand.skin, "A right hand, made by make_hand"));
     outputs.add(path / "hand_points.csv").write(points_text(hand));
     outputs.add(path / "hand_poses.csv").write(poses_text(bound));
     outputs.add(path / "hand.glb").write(*clip);

@@ -1,6 +1,7 @@
-// Poses the hand of make_hand by joint angles and draws it, from the back and from the inner side.
+// Poses the hand of make_hand by joint angles and draws it, from the back and from the inner side, or writes its skin.
 //
 //     pose_hand --pose poses.csv --picture poses.png
+//     pose_hand --pose point -o point.obj
 //     pose_hand --pose fist --kappa 0 --picture fist.png
 
 #include "atomic_file.hpp"
@@ -58,14 +59,15 @@ SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Poses a hand by 22 joint angles in degrees, and draws it from the back and the inner side.");
-    std::string pose, picture;
+    CommandLine line("Poses a hand by 22 joint angles in degrees: draws it from the back and the inner side, "
+                     "or writes it.");
+    std::string pose, picture, out;
     double kappa = hand_kappa;
     line.add("--pose", pose,
              "a file of poses, 22 numbers a line, or one of rest, fist, point, ball, rod, spread, pinch")
         .required();
-    line.add("--picture", picture, "PNG file to write").required().ends_with({".png"});
+    line.add("--picture", picture, "PNG file to write").ends_with({".png"});
+    line.add("-o,--output", out, "OBJ file to write, of one pose").ends_with({".obj"});
     line.add("--kappa", kappa, "of the inflation 1 + kappa (1 - cos angle)").range(0, 100).show_default();
     std::string angles = "The angles of a line, in this order, with their ranges:\n";
     for (const auto& range : hand_angle_ranges) {
@@ -75,11 +77,14 @@ int run_program(int argc, char** argv) {
     line.set_footer(angles);
     if (const auto code = line.parse(argc, argv)) return *code;
 
+    if (picture.empty() && out.empty()) return fail("--picture or --output says what to write");
     const auto named = std::find_if(hand_poses().begin(), hand_poses().end(),
                                     [&](const NamedHandPose& known) { return pose == known.name; });
     auto poses = named != hand_poses().end() ? SvgResult<std::vector<HandPose>>(std::vector{named->angles})
                                              : load_poses(pose);
     if (!poses) return fail(poses.error().message);
+    if (!out.empty() && poses->size() > 1)
+        return fail(pose + ": holds " + std::to_string(poses->size()) + " poses, an OBJ file takes one");
     const BoundHand bound;
     if (named != hand_poses().end()) poses->front() = bound.closed(*named);
     if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));
@@ -89,10 +94,15 @@ int run_program(int argc, char** argv) {
         if (skins.back().empty()) return fail("a pose cannot be cloned");
         skins.push_back(turned_over(skins.back()));
     }
-    std::vector<MeshScene> scenes;
-    for (const auto& skin : skins) scenes.push_back({{skin, bound.hand.skin.faces}, {}});
     OutputFiles outputs;
-    draw_meshes(scenes, 450 * scenes.size(), 650).write_png(outputs.add(picture));
+    if (!out.empty())
+        outputs.add(out).write(
+            obj_text({skins.front(), bound.hand.skin.faces}, "A right hand, posed by pose_hand"));
+    if (!picture.empty()) {
+        std::vector<MeshScene> scenes;
+        for (const auto& skin : skins) scenes.push_back({{skin, bound.hand.skin.faces}, {}});
+        draw_meshes(scenes, 450 * scenes.size(), 650).write_png(outputs.add(picture));
+    }
     if (const auto failure = outputs.commit()) return fail(*failure);
     return 0;
 }

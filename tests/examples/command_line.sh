@@ -773,6 +773,22 @@ refuses 'nan_pose.csv:1: thumb_ip' "$programs/pose_hand" --pose nan_pose.csv --p
 echo '0,95,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' >far_pose.csv
 refuses 'index_mcp is 95, and goes from -20 to 90' "$programs/pose_hand" --pose far_pose.csv --picture out.png
 refuses 'no_such_file' "$programs/pose_hand" --pose no_such_file --picture out.png
+works "the hand as an OBJ file" "$programs/pose_hand" --pose rest -o hand_rest.obj
+grep '^v' hand_rest.obj >rest && grep '^v' folder/hand/hand.obj | cmp -s - rest && ok=yes || ok=no
+report $ok "at rest the hand is what make_hand writes"
+refuses 'hand_poses.csv: holds 7 poses, an OBJ file takes one' "$programs/pose_hand" --pose folder/hand/hand_poses.csv -o out.obj
+refuses '--picture or --output says what to write' "$programs/pose_hand" --pose fist
+refuses '"out.jpg" does not end with .png' "$programs/pose_hand" --pose fist --picture out.jpg
+refuses '--pose is required' "$programs/pose_hand" --picture out.png
+refuses '--kappa' "$programs/pose_hand" --pose fist --kappa nan --picture out.png
+refuses '--kappa' "$programs/pose_hand" --pose fist --kappa -1 --picture out.png
+refuses 'missing/out.png' "$programs/pose_hand" --pose fist --picture missing/out.png
+echo '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,bent,0,0,0,0' >word_pose.csv
+refuses 'word_pose.csv:1: ' "$programs/pose_hand" --pose word_pose.csv --picture out.png
+for program in make_hand hand_sheet; do
+  refuses 'folder is required' "$programs/$program"
+  refuses 'spare' "$programs/$program" folder/hand spare
+done
 
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")

@@ -1,7 +1,8 @@
-// A second reader of what export_gltf writes: loads files by tinygltf, plays them by the words of the specification and
-// compares with the library's own clone at many times.
+// A second reader of what export_gltf and make_hand write: loads files by tinygltf, plays them by the words of the
+// specification and compares with the library's own clone at many times, or with poses given as OBJ files.
 //
 //     gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…
+//     gltf_playback --at FIGURE.obj FILE SECONDS POSE.obj…
 //
 // Files are bound by mean value coordinates; those with a skin of floats have as many influences as their sets take.
 
@@ -49,17 +50,24 @@ std::vector<double> numbers(const tinygltf::Model& model, int index) {
     return result;
 }
 
-/// A sampler of CUBICSPLINE interpolation at a time within it (appendix C).
+/// A sampler of LINEAR or CUBICSPLINE interpolation at a time within it (appendix C).
 std::vector<double> sampled(const tinygltf::Model& model, const tinygltf::AnimationSampler& sampler,
                             double time) {
-    if (sampler.interpolation != "CUBICSPLINE") throw std::runtime_error("a sampler is not CUBICSPLINE");
+    const bool linear = sampler.interpolation == "LINEAR";
+    if (!linear && sampler.interpolation != "CUBICSPLINE")
+        throw std::runtime_error("a sampler is neither LINEAR nor CUBICSPLINE");
     const auto times = numbers(model, sampler.input), values = numbers(model, sampler.output);
-    const std::size_t components = values.size() / (3 * times.size());
+    const std::size_t components = values.size() / ((linear ? 1 : 3) * times.size());
     std::size_t k = 0;
     while (k + 2 < times.size() && times[k + 1] <= time) ++k;
     const double length = times[k + 1] - times[k], t = (time - times[k]) / length;
     const double t2 = t * t, t3 = t2 * t;
     std::vector<double> result(components);
+    if (linear) {
+        for (std::size_t c = 0; c < components; ++c)
+            result[c] = (1 - t) * values[k * components + c] + t * values[(k + 1) * components + c];
+        return result;
+    }
     for (std::size_t c = 0; c < components; ++c) {
         const auto at = [&](std::size_t key, std::size_t part) { // in-tangent, value, out-tangent
             return values[(3 * key + part) * components + c];
@@ -259,10 +267,44 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
     return ok ? 0 : 1;
 }
 
+/// How far a file is from poses at their times.
+int compare_poses(int argc, char** argv) {
+    const ObjFile figure = unwrapped(load_obj(argv[2]));
+    const File file = load(argv[3], figure);
+    double size = 0, worst = 0, least_moved = 1e30;
+    for (const Point3& p : figure.vertices) size = std::max(size, length(p - figure.vertices[0]));
+    for (int n = 4; n + 1 < argc; n += 2) {
+        const auto moved = played(file, {}, std::stod(argv[n]));
+        const ObjFile pose = unwrapped(load_obj(argv[n + 1]));
+        if (pose.vertices.size() != figure.vertices.size())
+            throw std::runtime_error("a pose of another figure");
+        double most_moved = 0;
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            worst = std::max(worst, length(moved[i] - pose.vertices[file.origin[i]]));
+            most_moved = std::max(most_moved, length(moved[i] - file.rest[i]));
+        }
+        least_moved = std::min(least_moved, most_moved);
+    }
+    const auto end = numbers(file.model, file.model.animations.at(0).samplers.at(0).input).back();
+    for (const double time : {0.0, end}) {
+        const auto moved = played(file, {}, time);
+        for (std::size_t i = 0; i < moved.size(); ++i)
+            worst = std::max(worst, length(moved[i] - file.rest[i]));
+    }
+    const bool ok = worst <= 2e-6 * size && least_moved > 0.1 * size; // six decimals, and floats
+    std::cout << argv[3] << ": " << (ok ? "" : "FAILED: ") << end << " s, "
+              << file.model.meshes[0].weights.size() << " targets; every pose moves it by " << least_moved
+              << " at least, differs from the poses, and at both ends from rest, by " << worst << " of "
+              << size << '\n';
+    return ok ? 0 : 1;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     try {
+        if (argc > 5 && argc % 2 == 0 && std::string_view(argv[1]) == "--at")
+            return compare_poses(argc, argv);
         if (argc < 5) throw std::runtime_error("usage: gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…");
         const ObjFile figure = unwrapped(load_obj(argv[1]));
         const ObjFile cage = unwrapped(load_mesh_cage(argv[2]));

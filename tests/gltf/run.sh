@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: run.sh PROGRAMS PLAYBACK FOLDER
-# What export_gltf writes: every kind of file is played by a second reader (PLAYBACK) and compared with the clone, and
+# What export_gltf and make_hand write: every kind of file is played by a second reader (PLAYBACK) and compared with the clone, and
 # has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
 # and broken files exit with 1, name the culprit and leave nothing behind. Exit code 77: no npm here, all else passed.
 set -u
@@ -65,6 +65,13 @@ works "vertices with several normals" "$export" creases.obj $cage $clip --morph 
 works "the order of the vertices" "$playback" creases.obj character_cage.obj character_clip.csv creases.glb
 sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
 "$playback" character.obj character_cage.obj other.csv skin_4.glb >log 2>&1 && report no "the second reader sees another clip" || report yes other
+
+# ---- a hand: linear between morph targets a quarter of a second apart ----
+works "a hand" "$programs/make_hand" .
+for pose in fist ball; do works "the hand: $pose" "$programs/pose_hand" --pose $pose -o hand_$pose.obj; done
+works "the hand, played by the second reader" "$playback" --at hand.obj hand.glb 1 hand_fist.obj 3 hand_ball.obj
+cat log
+"$playback" --at hand.obj hand.glb 3 hand_fist.obj >log 2>&1 && report no "the second reader sees another pose" || report yes other
 
 # ---- other shapes of input, for the validator ----
 # shellcheck disable=SC2086
