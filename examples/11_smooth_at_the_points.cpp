@@ -1,0 +1,53 @@
+// 11. Smooth at the control points, and weights that change: degree 3, and the rational clone.
+#include <cageform/cageform.hpp>
+#include <cageform/clone/clone_rational.hpp>
+
+#include <array>
+#include <cstdio>
+
+using Point = std::array<double, 2>;
+
+int main() {
+    // Control points on a square and in its middle; the figure is a line through the middle.
+    const std::vector<Point> sites{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}, {0, 0}};
+    std::vector<Point> line;
+    for (int i = -4; i <= 4; ++i) line.push_back({0.25 * i, 0.1 * i});
+    auto pose = sites;
+    pose[4] = {0, 1}; // the middle goes up
+
+    // Degree 1 has a crease at a control point, degree 3 is smooth there. Degree 3 has negative weights: unit
+    // displacements are amplified by that at most.
+    std::vector<Point> out(line.size());
+    for (const int degree : {1, 3}) {
+        const cageform::SibsonCoordinates<double, 2> coordinates(sites, {.degree = degree});
+        const auto [binding, report] = cageform::bind(coordinates, line);
+        if (report.status != cageform::Status::ok || clone(binding, pose, out) != cageform::Status::ok)
+            return 1;
+        std::printf("degree %d goes up by", degree);
+        for (std::size_t i = 0; i < line.size(); ++i) std::printf(" %.2f", out[i][1] - line[i][1]);
+        std::printf("; amplified at most %.2f times\n", report.amplification.value);
+    }
+
+    // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all equal are
+    // the clone, bit for bit.
+    const auto bound = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), line);
+    const auto [status, rational] = rational_view(bound.binding.view());
+    if (status != cageform::Status::ok) return std::puts(to_string(status));
+    for (const double weight : {1.0, 3.0, 100.0}) {
+        const std::array<double, 5> weights{1, 1, 1, 1, weight};
+        if (clone_rational(rational, sites, weights, out) != cageform::Status::ok) return 1;
+        std::printf("weight %3g: the line's end (%.2f, %.2f) is drawn to (%.2f, %.2f)\n", weight,
+                    line.back()[0], line.back()[1], out.back()[0], out.back()[1]);
+    }
+
+    // Negative weights will not do: the quotient might have no bound.
+    const auto cubic = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites, {.degree = 3}), line);
+    std::printf("degree 3: %s\n", to_string(rational_view(cubic.binding.view()).status));
+}
+
+//> degree 1 goes up by 0.50 0.62 0.74 0.87 1.00 0.87 0.74 0.62 0.50; amplified at most 1.00 times
+//> degree 3 goes up by 0.65 0.78 0.89 0.97 1.00 0.97 0.89 0.78 0.65; amplified at most 1.15 times
+//> weight   1: the line's end (1.00, 0.40) is drawn to (1.00, 0.40)
+//> weight   3: the line's end (1.00, 0.40) is drawn to (0.50, 0.20)
+//> weight 100: the line's end (1.00, 0.40) is drawn to (0.02, 0.01)
+//> degree 3: the binding has negative weights, and a rational clone none
