@@ -476,7 +476,7 @@ const HandObject& hand_ball() {
     return object;
 }
 const HandObject& hand_rod() {
-    static const HandObject object{{-0.35, 0.48, -0.165}, {0.4, 0.42, -0.165}, 0.075};
+    static const HandObject object{{-0.35, 0.48, -0.165}, {0.4, 0.42, -0.19}, 0.075};
     return object;
 }
 
