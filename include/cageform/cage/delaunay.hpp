@@ -101,42 +101,17 @@ public:
     /// The simplex that `p` lies in, or one of them; a ghost beyond whose facet it lies. A walk from
     /// near the place.
     std::uint32_t locate(const detail::Place<D>& p, Search& search) const noexcept {
-        std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
-        if (at >= simplices_.size()) at = 0;
-        if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
-        std::uint32_t from = none;
-        // Among simplices with a common sphere a walk may go in circles: then all are asked.
-        for (std::size_t step = 0; step <= 2 * simplices_.size() && !is_free(at); ++step) {
-            const std::uint32_t next = step_towards(p, at, from, step);
-            if (next == none || has_infinite(next)) return search.last_ = next == none ? at : next;
-            from = at;
-            at = next;
-        }
-        for (at = 0; at < simplices_.size(); ++at) {
-            if (is_free(at) || has_infinite(at)) continue;
-            const std::uint32_t next = step_towards(p, at, none, 0);
-            if (next == none || has_infinite(next)) break;
-        }
-        return search.last_ = std::min(at, std::uint32_t(simplices_.size() - 1));
+        return walk(p, search, [](std::uint32_t) { return false; });
     }
 
-    /// Fills the cavity of `p` from the simplex that `locate` has found: empty where p is a site,
-    /// without ghosts where it lies inside the hull.
-    void find_cavity(const detail::Place<D>& p, std::uint32_t from, Search& search) const {
-        search.begin(simplices_.size());
-        if (!in_conflict(from, p)) return;
-        search.stamps_[from] = search.stamp_;
-        search.cavity_.push_back(from);
-        for (std::size_t n = 0; n < search.cavity_.size(); ++n) {
-            for (const std::uint32_t next : simplices_[search.cavity_[n]].neighbour) {
-                if (search.stamps_[next] + 1 >= search.stamp_ && search.stamps_[next] <= search.stamp_)
-                    continue;
-                const bool inside = in_conflict(next, p);
-                search.stamps_[next] = search.stamp_ - (inside ? 0 : 1);
-                if (inside) search.cavity_.push_back(next);
-            }
-        }
-        std::sort(search.cavity_.begin(), search.cavity_.end());
+    /// Fills the cavity of `p`: empty where p is a site, without ghosts where it lies inside the hull.
+    /// The walk ends at the first ball that holds p: returned is a simplex of the cavity, or one that
+    /// the site p is a corner of.
+    std::uint32_t find_cavity(const detail::Place<D>& p, Search& search) const {
+        const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
+        const std::uint32_t from = walk(p, search, holds);
+        find_cavity(p, from, search);
+        return from;
     }
 
 private:
@@ -249,6 +224,44 @@ private:
         return found;
     }
 
+    /// From near `p` towards it, to where it lies or `found(simplex)` says so.
+    template <class Found>
+    std::uint32_t walk(const Place& p, Search& search, const Found& found) const noexcept {
+        std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
+        if (at >= simplices_.size()) at = 0;
+        if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
+        std::uint32_t from = none;
+        // Among simplices with a common sphere a walk may go in circles: then all are asked.
+        for (std::size_t step = 0; step <= 2 * simplices_.size() && !is_free(at); ++step) {
+            if (found(at)) return search.last_ = at;
+            const std::uint32_t next = step_towards(p, at, from, step);
+            if (next == none || has_infinite(next)) return search.last_ = next == none ? at : next;
+            from = at;
+            at = next;
+        }
+        for (at = 0; at < simplices_.size(); ++at) {
+            if (is_free(at) || has_infinite(at)) continue;
+            const std::uint32_t next = step_towards(p, at, none, 0);
+            if (next == none || has_infinite(next)) break;
+        }
+        return search.last_ = std::min(at, std::uint32_t(simplices_.size() - 1));
+    }
+    /// The same from a simplex in which p lies, or whose ball holds it.
+    void find_cavity(const detail::Place<D>& p, std::uint32_t from, Search& search) const {
+        search.begin(simplices_.size());
+        if (!in_conflict(from, p)) return;
+        search.stamps_[from] = search.stamp_;
+        search.cavity_.push_back(from);
+        for (std::size_t n = 0; n < search.cavity_.size(); ++n) {
+            for (const std::uint32_t next : simplices_[search.cavity_[n]].neighbour) {
+                if (search.stamps_[next] >= search.stamp_ - 1) continue;
+                const bool inside = in_conflict(next, p);
+                search.stamps_[next] = search.stamp_ - (inside ? 0 : 1);
+                if (inside) search.cavity_.push_back(next);
+            }
+        }
+        std::sort(search.cavity_.begin(), search.cavity_.end());
+    }
     /// The neighbour across a facet that `p` lies strictly beyond; none where there is none. Facets
     /// are tried from another one on every time, but for that to the simplex the walk comes from.
     std::uint32_t step_towards(const Place& p, std::uint32_t at, std::uint32_t from,
@@ -262,17 +275,21 @@ private:
         return none;
     }
 
+    /// Whether the ball of a simplex that is no ghost holds `p` strictly, by its centre: 1 or -1; 0
+    /// where that is not certain.
+    int certainly_inside(std::uint32_t s, const Place& p) const noexcept {
+        return detail::certain_in_sphere<D>(place_[simplices_[s].vertex[0]], centres_[s], p);
+    }
     /// Whether `p` lies strictly inside the ball of a simplex; for a ghost strictly beyond its
     /// facet, or in its plane and inside the ball of the simplex behind.
     bool in_conflict(std::uint32_t s, const Place& p) const noexcept {
         const Simplex& simplex = simplices_[s];
-        const std::size_t k = simplex.index_of(infinite);
-        if (simplex.vertex[k] != infinite) {
-            const int sign = centres_.empty()
-                                 ? 2
-                                 : detail::certain_in_sphere<D>(place_[simplex.vertex[0]], centres_[s], p);
-            return (sign != 2 ? sign : detail::in_sphere<D>(corners(simplex), p)) > 0;
+        if (!centres_.empty() && !simplex.is_ghost()) {
+            const int sign = certainly_inside(s, p);
+            if (sign != 0) return sign > 0;
         }
+        const std::size_t k = simplex.index_of(infinite);
+        if (simplex.vertex[k] != infinite) return detail::in_sphere<D>(corners(simplex), p) > 0;
         Corners a;
         for (std::size_t n = 0; n <= D; ++n) a[n] = n == k ? p : place_[simplex.vertex[n]];
         const int side = detail::orientation<D>(a);

@@ -15,10 +15,17 @@ struct HullFacet {
     double distance(const Vec<double, D>& p) const noexcept { return dot(normal, p) - offset; }
 };
 
+/// A facet of the exact hull, and the one of `HullFacets::facets` that it belongs to.
+template <std::size_t D>
+struct HullPart {
+    Corners<D> corner;
+    std::uint32_t facet;
+};
+
 /// Finds the facets of a hull. A rotated lattice is flat to rounding only: its exact hull has facets
 /// turned by anything, or hides sites beneath. So facets are taken from the largest down, each with
 /// all sites within tolerance of its plane that it is connected with by facets of simplices in that
-/// plane. What is left over is flatter than the tolerance.
+/// plane. What is left over is flatter than the tolerance; it belongs to the facet beside it.
 template <std::size_t D>
 class HullFacets {
 public:
@@ -29,7 +36,7 @@ public:
         , tolerance_(tolerance)
         , seen_(sites.simplices().size(), 0)
         , in_facet_(sites.size(), 0)
-        , taken_(sites.simplices().size(), false) {
+        , facet_of_(sites.simplices().size(), none) {
         struct Entry {
             double measure;
             std::uint32_t ghost;
@@ -42,14 +49,18 @@ public:
             return a.measure > b.measure || (a.measure == b.measure && a.ghost < b.ghost);
         });
         for (const Entry& entry : order) {
-            if (!taken_[entry.ghost] && entry.measure > tolerance * longest_edge(entry.ghost))
+            if (facet_of_[entry.ghost] == none && entry.measure > tolerance * longest_edge(entry.ghost))
                 collect(entry.ghost);
         }
+        find_parts();
     }
 
     std::vector<HullFacet<D>> facets;
+    std::vector<HullPart<D>> parts;
 
 private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
     const auto& simplex(std::uint32_t s) const noexcept { return sites_.simplices()[s]; }
 
     /// A normal as long as the facet, or twice its area.
@@ -71,6 +82,24 @@ private:
         return longest;
     }
 
+    /// From the ghosts of facets to those beside them that have none yet.
+    void find_parts() {
+        std::vector<std::uint32_t> ghosts;
+        for (std::uint32_t s = 0; s < facet_of_.size(); ++s) {
+            if (facet_of_[s] != none) ghosts.push_back(s);
+        }
+        for (std::size_t n = 0; n < ghosts.size(); ++n) {
+            const std::uint32_t s = ghosts[n];
+            parts.push_back({{}, facet_of_[s]});
+            for (std::size_t k = 0; k < D; ++k) {
+                parts.back().corner[k] = at_[simplex(s).vertex[k]];
+                const std::uint32_t next = simplex(s).neighbour[k];
+                if (facet_of_[next] != none) continue;
+                facet_of_[next] = facet_of_[s];
+                ghosts.push_back(next);
+            }
+        }
+    }
     void collect(std::uint32_t ghost) {
         const auto n = outward(ghost);
         HullFacet<D> facet{(1 / length(n)) * n, 0, {}};
@@ -89,7 +118,7 @@ private:
                 if (in_facet_[v] == stamp_) ++inside;
             }
             if (inside < D) continue;
-            if (simplex(s).is_ghost()) taken_[s] = true;
+            if (simplex(s).is_ghost() && facet_of_[s] == none) facet_of_[s] = std::uint32_t(facets.size());
             for (std::size_t k = 0; k <= D; ++k) {
                 const std::uint32_t next = simplex(s).neighbour[k];
                 if (seen_[next] == stamp_ || !connects(s, k)) continue;
@@ -117,8 +146,98 @@ private:
     std::span<const Vec<double, D>> at_;
     double tolerance_;
     std::vector<std::uint32_t> seen_, in_facet_;
-    std::vector<bool> taken_;
+    std::vector<std::uint32_t> facet_of_; ///< of ghosts
     std::uint32_t stamp_ = 0;
+};
+
+/// Finds the place of a hull nearest to another: a tree of bounds, each halved along its longest
+/// side. O(n log n) to make, O(log n) usually to ask.
+template <std::size_t D>
+class HullTree {
+public:
+    struct Nearest {
+        std::uint32_t facet;
+        Vec<double, D> place;
+        double distance2; ///< its square
+    };
+
+    HullTree() = default;
+    explicit HullTree(std::vector<HullPart<D>> parts)
+        : parts_(std::move(parts)) {
+        divide(0, std::uint32_t(parts_.size()));
+    }
+
+    /// Replaces `best` where a place of the hull is nearer to `q`.
+    void find(const Vec<double, D>& q, Nearest& best) const noexcept { find(0, q, best); }
+
+private:
+    struct Node {
+        Bounds<double, D> bounds;
+        std::uint32_t begin, end; ///< of parts
+        std::uint32_t second;     ///< half; the first is the next node. 0: not halved
+    };
+    static constexpr std::uint32_t leaf = 4;
+
+    void divide(std::uint32_t begin, std::uint32_t end) {
+        Node node{bounds_of(std::span<const Vec<double, D>>(parts_[begin].corner)), begin, end, 0};
+        for (std::uint32_t n = begin + 1; n < end; ++n) {
+            for (const auto& x : parts_[n].corner) {
+                for (std::size_t k = 0; k < D; ++k) {
+                    node.bounds.lower[k] = std::min(node.bounds.lower[k], x[k]);
+                    node.bounds.upper[k] = std::max(node.bounds.upper[k], x[k]);
+                }
+            }
+        }
+        const std::size_t number = nodes_.size();
+        nodes_.push_back(node);
+        if (end - begin <= leaf) return;
+        const auto sides = node.bounds.upper - node.bounds.lower;
+        std::size_t axis = 0;
+        for (std::size_t k = 1; k < D; ++k) axis = sides[k] > sides[axis] ? k : axis;
+        const auto middle = [&](const HullPart<D>& part) {
+            double sum = 0;
+            for (const auto& x : part.corner) sum += x[axis];
+            return sum;
+        };
+        const std::uint32_t half = begin + (end - begin) / 2;
+        std::nth_element(parts_.begin() + begin, parts_.begin() + half, parts_.begin() + end,
+                         [&](const HullPart<D>& a, const HullPart<D>& b) { return middle(a) < middle(b); });
+        divide(begin, half);
+        nodes_[number].second = std::uint32_t(nodes_.size());
+        divide(half, end);
+    }
+
+    static double distance2(const Vec<double, D>& q, const Bounds<double, D>& bounds) noexcept {
+        double sum = 0;
+        for (std::size_t k = 0; k < D; ++k) {
+            const double x = std::max(std::max(bounds.lower[k] - q[k], q[k] - bounds.upper[k]), 0.0);
+            sum += x * x;
+        }
+        return sum;
+    }
+    void find(std::uint32_t number, const Vec<double, D>& q, Nearest& best) const noexcept {
+        const Node& node = nodes_[number];
+        if (node.second == 0) {
+            for (std::uint32_t n = node.begin; n < node.end; ++n) {
+                const auto& [corner, facet] = parts_[n];
+                const auto x = place_on_facet(nearest_on_facet(q, corner), corner);
+                const double distance = dot(x - q, x - q);
+                if (distance < best.distance2) best = {facet, x, distance};
+            }
+            return;
+        }
+        std::uint32_t near = number + 1, far = node.second;
+        double least = distance2(q, nodes_[near].bounds), most = distance2(q, nodes_[far].bounds);
+        if (most < least) {
+            std::swap(near, far);
+            std::swap(least, most);
+        }
+        if (least < best.distance2) find(near, q, best);
+        if (most < best.distance2) find(far, q, best);
+    }
+
+    std::vector<HullPart<D>> parts_;
+    std::vector<Node> nodes_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

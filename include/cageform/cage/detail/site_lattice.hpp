@@ -285,7 +285,7 @@ struct Centre {
 };
 
 /// `in_sphere` of a simplex from its first corner and circumcentre, by |q|² − 2 q·c with that corner
-/// as origin; 2 where that is not certain.
+/// as origin; 0 where that is not certain.
 template <std::size_t D>
 int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Place<D>& p) noexcept {
     double value = 0, size = 0, reach = 0;
@@ -296,9 +296,7 @@ int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Plac
         reach += std::fabs(q);
     }
     const double error = determinant_error * size + 2 * centre.error * reach;
-    if (value > error) return 1;
-    if (value < -error) return -1;
-    return 2;
+    return value > error ? 1 : value < -error ? -1 : 0;
 }
 
 /// Seen from the first corner, to 2^-50 from integers.

@@ -18,22 +18,24 @@ struct Neighbour {
     Vec<double, D> away;     ///< the site seen from the place
 };
 
-/// Solves m y = y for a positive definite matrix, in place; false where it is singular to rounding.
+/// Solves m y = y for a positive definite matrix, in place, of which what is below the diagonal is
+/// not read; false where it is singular to rounding.
 template <std::size_t N>
 bool solve_symmetric(Square<double, N> m, std::array<double, N>& y) noexcept {
-    std::array<double, N> first;
+    std::array<double, N> first, inverse;
     for (std::size_t k = 0; k < N; ++k) first[k] = m[k][k];
     for (std::size_t k = 0; k < N; ++k) {
         if (!(m[k][k] > 1e-13 * first[k])) return false;
+        inverse[k] = 1 / m[k][k];
         for (std::size_t i = k + 1; i < N; ++i) {
-            const double f = m[i][k] / m[k][k];
-            for (std::size_t j = k; j < N; ++j) m[i][j] -= f * m[k][j];
+            const double f = m[k][i] * inverse[k];
+            for (std::size_t j = i; j < N; ++j) m[i][j] -= f * m[k][j];
             y[i] -= f * y[k];
         }
     }
     for (std::size_t k = N; k-- > 0;) {
         for (std::size_t j = k + 1; j < N; ++j) y[k] -= m[k][j] * y[j];
-        y[k] /= m[k][k];
+        y[k] *= inverse[k];
     }
     return true;
 }
@@ -63,7 +65,8 @@ public:
     NaturalNeighbours(std::span<const Vec<double, D>> sites, double tolerance, bool smooth = false)
         : smooth_(smooth)
         , lattice_(bounds_of(sites))
-        , upper_(lattice_.seen(bounds_of(sites).upper))
+        , unit_(lattice_.units(1))
+        , bounds_(bounds_of(sites).widened(tolerance))
         , tolerance_(lattice_.extents(tolerance)) {
         std::vector<Place<D>> places;
         places.reserve(sites.size());
@@ -72,8 +75,17 @@ public:
         if (sites_.empty()) return;
         at_.reserve(sites_.size());
         for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.seen(sites_.place(v)));
-        facets_ = HullFacets<D>(sites_, at_, tolerance_).facets;
+        HullFacets<D> hull(sites_, at_, tolerance_);
+        facets_ = std::move(hull.facets);
+        if (facets_.empty()) return;
+        hull_ = HullTree<D>(std::move(hull.parts));
         for (auto& facet : facets_) prepare(facet);
+        const auto vertices = hull_vertices();
+        near_hull_.reserve(sites_.simplices().size());
+        for (const auto& simplex : sites_.simplices()) {
+            const auto on_hull = [&](std::uint32_t v) { return v == Delaunay<D>::infinite || vertices[v]; };
+            near_hull_.push_back(std::any_of(simplex.vertex.begin(), simplex.vertex.end(), on_hull) ? 1 : 0);
+        }
     }
 
     /// Where all sites lie in a plane (on a line), as good as.
@@ -85,14 +97,9 @@ public:
     double step() const noexcept { return lattice_.units(0x1p-60); }
     /// Of every site, by the user's numbers: whether it lies on the hull, within tolerance.
     std::vector<bool> on_hull() const {
+        const auto vertices = hull_vertices();
         std::vector<bool> result(sites_.size(), false);
-        for (const auto& simplex : sites_.simplices()) {
-            for (std::size_t k = 0; simplex.is_ghost() && k < D; ++k)
-                result[sites_.site(simplex.vertex[k])] = true;
-        }
-        for (const auto& facet : facets_) {
-            for (const std::uint32_t v : facet.vertex) result[sites_.site(v)] = true;
-        }
+        for (std::uint32_t v = 0; v < sites_.size(); ++v) result[sites_.site(v)] = vertices[v];
         return result;
     }
 
@@ -101,48 +108,30 @@ public:
     PointState find(const Vec<double, D>& p, Scratch& scratch) const {
         scratch.found.clear();
         scratch.at_site = false;
-        const auto q = lattice_.seen(p);
         for (std::size_t k = 0; k < D; ++k) {
             // Hulls as thin as the tolerance have facets without a plane.
-            if (q[k] < -tolerance_ || q[k] > upper_[k] + tolerance_) return PointState::outside;
+            if (p[k] < bounds_.lower[k] || p[k] > bounds_.upper[k]) return PointState::outside;
         }
-        std::size_t nearest = 0;
-        double farthest_out = -std::numeric_limits<double>::max();
-        for (std::size_t n = 0; n < facets_.size(); ++n) {
-            const double distance = facets_[n].distance(q);
-            if (distance <= farthest_out) continue;
-            farthest_out = distance;
-            nearest = n;
+        const auto place = lattice_.place(p);
+        const std::uint32_t at = sites_.find_cavity(place, scratch.search);
+        const auto cavity = scratch.search.cavity();
+        const auto is_near = [&](std::uint32_t s) { return near_hull_[s] != 0; };
+        if (near_hull_[at] != 0 || std::any_of(cavity.begin(), cavity.end(), is_near)) {
+            const PointState state = find_near_hull(lattice_.seen(place), scratch);
+            if (state != PointState::inside) return state;
         }
-        if (farthest_out > tolerance_) return PointState::outside;
-        if (farthest_out < -tolerance_ && find_inside(p, scratch)) return PointState::inside;
-        find_on_facet(nearest, q, scratch);
+        if (find_inside(place, at, scratch)) return PointState::inside;
+        (void)find_on_hull(p, scratch);
         return PointState::on_boundary;
     }
 
     /// The place of the hull nearest to a finite place, and its neighbours.
     Vec<double, D> find_on_hull(const Vec<double, D>& p, Scratch& scratch) const {
-        const auto q = lattice_.seen(p);
-        const double size = std::fmax(1.0, length(q));
-        double least = std::numeric_limits<double>::max();
-        Vec<double, D> place = at_[0];
-        for (const auto& simplex : sites_.simplices()) {
-            if (!simplex.is_ghost()) continue;
-            Corners<D> corner;
-            for (std::size_t k = 0; k < D; ++k) corner[k] = at_[simplex.vertex[k]];
-            const auto x = place_on_facet(nearest_on_facet(q, corner), corner);
-            const double distance = length((1 / size) * (x - q));
-            if (distance >= least) continue;
-            least = distance;
-            place = x;
-        }
-        std::size_t nearest = 0;
-        for (std::size_t n = 0; n < facets_.size(); ++n) {
-            if (facets_[n].distance(place) > facets_[nearest].distance(place)) nearest = n;
-        }
+        typename HullTree<D>::Nearest nearest{0, {}, std::numeric_limits<double>::max()};
+        hull_.find(lattice_.seen(p), nearest);
         scratch.found.clear();
-        find_on_facet(nearest, place, scratch);
-        return lattice_.unseen(place);
+        find_on_facet(nearest.facet, nearest.place, scratch);
+        return lattice_.unseen(nearest.place);
     }
 
     /// A place somewhat inside from `p` in the hull: so far towards the middle of the first simplex,
@@ -156,6 +145,8 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
     /// A flat facet of more sites than a simplex has, in the coordinates of its plane.
     struct FlatFacet {
         std::array<Vec<double, D>, 2> axis;
@@ -164,25 +155,16 @@ private:
 
     // ---- inside ---------------------------------------------------------------------------------
 
-    /// False where the place lies beyond the exact hull.
-    bool find_inside(const Vec<double, D>& p, Scratch& scratch) const {
-        const auto place = lattice_.place(p);
-        const std::uint32_t at = sites_.locate(place, scratch.search);
-        if (sites_.simplices()[at].is_ghost()) return false;
-        if (find_site(place, sites_.simplices()[at].vertex, scratch)) return true;
-        sites_.find_cavity(place, at, scratch.search);
-        const auto cavity = scratch.search.cavity();
-        const auto is_ghost = [&](std::uint32_t s) { return sites_.simplices()[s].is_ghost(); };
-        if (std::any_of(cavity.begin(), cavity.end(), is_ghost)) return false;
-        NewCell<D>& cell = scratch.cell;
+    /// The cavity has been found, from simplex `at`. False where the cell has no measure.
+    bool find_inside(const Place<D>& place, std::uint32_t at, Scratch& scratch) const {
+        if (scratch.search.cavity().empty()) return find_site(place, sites_.simplices()[at].vertex, scratch);
         const auto parts = smooth_             ? StolenParts::smooth
                            : scratch.gradients ? StolenParts::moments
                                                : StolenParts::measures;
-        const bool sound = cell.fill(sites_, place, cavity, parts);
-        if (find_site(place, cell.cavity.vertices, scratch)) return true;
-        if (!sound) return false;
-        take_cell(cell, scratch.found);
-        return true;
+        const bool sound = scratch.cell.fill(sites_, place, scratch.search.cavity(), parts);
+        if (find_site(place, scratch.cell.cavity.vertices, scratch)) return true;
+        if (sound) take_cell(scratch.cell, parts == StolenParts::moments, scratch.found);
+        return sound;
     }
     /// Whether one of these vertices is within tolerance: then it has all the weight.
     template <class Vertices>
@@ -197,65 +179,92 @@ private:
     }
     void take_site(std::uint32_t v, const Vec<double, D>& away, Scratch& scratch) const {
         scratch.at_site = true;
-        scratch.found.push_back({sites_.site(v), 1, {}, lattice_.units(1) * away});
+        scratch.found.push_back({sites_.site(v), 1, {}, unit_ * away});
     }
-    void take_cell(const NewCell<D>& cell, std::vector<Neighbour<D>>& found) const {
+    void take_cell(const NewCell<D>& cell, bool gradients, std::vector<Neighbour<D>>& found) const {
+        const std::size_t count = cell.cavity.vertices.size();
+        found.resize(count);
         Vec<double, D> sum{};
         const double share = 1 / cell.total;
-        for (std::size_t n = 0; n < cell.measure.size(); ++n) {
-            const auto away = cell.seen(sites_, n);
+        std::size_t used = 0;
+        for (std::size_t n = 0; n < count; ++n) {
+            const auto away = cell.seen(n);
             Vec<double, D> slope{};
-            if (!cell.moment.empty()) slope = (2 / dot(away, away)) * cell.moment[n];
-            sum = sum + slope;
-            if (cell.measure[n] > 0)
-                found.push_back(
-                    {sites_.site(cell.cavity.vertices[n]), cell.measure[n] * share, slope, 0x1p-60 * away});
+            if (gradients) {
+                slope = (2 / dot(away, away)) * cell.moment(n);
+                sum = sum + slope;
+            }
+            if (cell.measure(n) > 0)
+                found[used++] = {sites_.site(cell.cavity.vertices[n]), cell.measure(n) * share, slope,
+                                 0x1p-60 * away};
         }
+        found.resize(used);
         restore(found);
+        for (auto& n : found) n.away = unit_ * n.away;
+        if (!gradients) return;
         const double per_step = 1 / lattice_.units(0x1p-60);
-        for (auto& n : found) {
-            n.gradient = (per_step / cell.total) * (n.gradient - n.weight * sum);
-            n.away = lattice_.units(1) * n.away;
-        }
+        for (auto& n : found) n.gradient = (per_step / cell.total) * (n.gradient - n.weight * sum);
     }
 
     /// The least change relative to the weights that restores Σu = 1 and Σ u away = 0: u_i times
     /// y·(1, away_i). None where the neighbours are flat to rounding.
-    static void restore(std::vector<Neighbour<D>>& found) {
-        double size = 0;
-        for (const auto& n : found) size = std::max(size, length(n.away));
+    static void restore(std::vector<Neighbour<D>>& found) noexcept {
         for (int round = 0; round < 2; ++round) {
             Square<double, D + 1> m{};
-            std::array<double, D + 1> y{1};
             for (const auto& n : found) {
-                const auto a = row(n, size);
-                for (std::size_t i = 0; i <= D; ++i) {
-                    y[i] -= n.weight * a[i];
-                    for (std::size_t k = 0; k <= D; ++k) m[i][k] += n.weight * a[i] * a[k];
+                m[0][0] += n.weight;
+                for (std::size_t i = 0; i < D; ++i) {
+                    const double x = n.weight * n.away[i];
+                    m[0][i + 1] += x;
+                    for (std::size_t k = i; k < D; ++k) m[i + 1][k + 1] += x * n.away[k];
                 }
             }
+            std::array<double, D + 1> y;
+            y[0] = 1 - m[0][0];
+            for (std::size_t k = 1; k <= D; ++k) y[k] = -m[0][k];
             if (!solve_symmetric(m, y)) return;
+            const auto factor = [&](const Neighbour<D>& n) {
+                double sum = y[0];
+                for (std::size_t k = 0; k < D; ++k) sum += y[k + 1] * n.away[k];
+                return sum;
+            };
             double largest = 0;
-            for (const auto& n : found) largest = std::max(largest, std::fabs(factor(n, size, y)));
+            for (const auto& n : found) largest = std::max(largest, std::fabs(factor(n)));
             if (!(largest < 1e-6)) return; // more than rounding is not for this to mend
-            for (auto& n : found) n.weight += n.weight * factor(n, size, y);
+            for (auto& n : found) n.weight += n.weight * factor(n);
             if (largest < 1e-12) return;
         }
-    }
-    static std::array<double, D + 1> row(const Neighbour<D>& n, double size) noexcept {
-        std::array<double, D + 1> a{1};
-        for (std::size_t k = 0; k < D; ++k) a[k + 1] = n.away[k] / size;
-        return a;
-    }
-    static double factor(const Neighbour<D>& n, double size, const std::array<double, D + 1>& y) noexcept {
-        const auto a = row(n, size);
-        double sum = 0;
-        for (std::size_t k = 0; k <= D; ++k) sum += y[k] * a[k];
-        return sum;
     }
 
     // ---- on the hull ----------------------------------------------------------------------------
 
+    /// Of every vertex: whether it lies on the hull, within tolerance.
+    std::vector<bool> hull_vertices() const {
+        std::vector<bool> result(sites_.size(), false);
+        for (const auto& simplex : sites_.simplices()) {
+            for (std::size_t k = 0; simplex.is_ghost() && k < D; ++k) result[simplex.vertex[k]] = true;
+        }
+        for (const auto& facet : facets_) {
+            for (const std::uint32_t v : facet.vertex) result[v] = true;
+        }
+        return result;
+    }
+    /// Where the cavity touches the hull: whether the place, in extents, lies outside, on a facet,
+    /// whose neighbours it then finds, or inside.
+    PointState find_near_hull(const Vec<double, D>& q, Scratch& scratch) const {
+        const auto cavity = scratch.search.cavity();
+        const auto is_ghost = [&](std::uint32_t s) { return sites_.simplices()[s].is_ghost(); };
+        const bool beyond = std::any_of(cavity.begin(), cavity.end(), is_ghost);
+        // The sites of a facet lie up to a tolerance off its plane, the place another.
+        typename HullTree<D>::Nearest nearest{none, {}, 4 * tolerance_ * tolerance_};
+        hull_.find(q, nearest);
+        if (nearest.facet == none) return beyond ? PointState::outside : PointState::inside;
+        const double distance = facets_[nearest.facet].distance(q);
+        if (distance > tolerance_) return PointState::outside;
+        if (distance < -tolerance_ && !beyond) return PointState::inside;
+        find_on_facet(nearest.facet, q, scratch);
+        return PointState::on_boundary;
+    }
     /// Orders the sites of a line, triangulates those of a plane that are more than three.
     void prepare(HullFacet<D>& facet) {
         if constexpr (D == 2) {
@@ -311,18 +320,20 @@ private:
         for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
     }
     void take(std::uint32_t v, double weight, const Vec<double, D>& q, Scratch& scratch) const {
-        if (weight > 0)
-            scratch.found.push_back({sites_.site(v), weight, {}, lattice_.units(1) * (at_[v] - q)});
+        if (weight > 0) scratch.found.push_back({sites_.site(v), weight, {}, unit_ * (at_[v] - q)});
     }
 
     bool smooth_ = false; ///< in the plane: the measures of C² coordinates
     SiteLattice<D> lattice_;
-    Vec<double, D> upper_{}; ///< of the sites' bounds, in extents
-    double tolerance_ = 0;   ///< in extents
+    double unit_ = 1;            ///< an extent
+    Bounds<double, D> bounds_{}; ///< of the sites, widened by the tolerance
+    double tolerance_ = 0;       ///< in extents
     Delaunay<D> sites_;
     std::vector<Vec<double, D>> at_; ///< vertices, in extents
     std::vector<HullFacet<D>> facets_;
     std::vector<FlatFacet> flat_; ///< in space, for every facet
+    HullTree<D> hull_;
+    std::vector<std::uint8_t> near_hull_; ///< of every simplex: whether it has a vertex on the hull
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -16,47 +16,56 @@ public:
     static constexpr double enough = 0x1p-36;
 
     Cavity<D> cavity;
-    std::vector<double> measure, facet;
-    std::vector<Vec<double, D>> moment;
     double total = 0;   ///< Σ measure
     bool exact = false; ///< whether double was not enough
 
     /// The search has found the cavity of `p`, which holds no ghosts. False where the cell has no
-    /// measure. Moments are left empty unless asked for; smooth measures are always exact.
+    /// measure. Smooth measures are always exact.
     bool fill(const Delaunay<D>& sites, const Place<D>& p, std::span<const std::uint32_t> found,
               StolenParts parts) {
-        cavity.fill(sites, p, found);
+        place_ = p;
+        cavity.fill(sites, found);
+        fast_.make_room(cavity);
+        for (std::size_t n = 0; n < cavity.vertices.size(); ++n) {
+            auto& site = fast_.site[n];
+            site.size = 0;
+            for (std::size_t k = 0; k < D; ++k) {
+                site.at[k] = double(sites.place(cavity.vertices[n])[k] - p[k]);
+                site.size += std::fabs(site.at[k]);
+            }
+        }
         exact = parts == StolenParts::smooth;
         if (!exact) {
             fill_double(sites);
             fast_.sum(cavity, parts);
-            take(fast_);
+            add_up();
             exact = !(total > 0 && fast_.bound < enough * total);
         }
-        if (exact) fill_exact(sites, parts);
+        if (exact) {
+            fill_exact(sites, parts);
+            add_up();
+        }
         return total > 0;
     }
-    /// A vertex of the cavity seen from the place, in steps.
-    Vec<double, D> seen(const Delaunay<D>& sites, std::size_t n) const noexcept {
-        return to_double<D>(difference<D>(sites.place(cavity.vertices[n]), cavity.place));
-    }
+    // Of vertex n of the cavity, what was asked for.
+    double measure(std::size_t n) const noexcept { return fast_.measure[n]; }
+    double facet(std::size_t n) const noexcept { return fast_.facet[n]; }
+    Vec<double, D> moment(std::size_t n) const noexcept { return vector(fast_.moment[n]); }
+    /// Seen from the place, in steps.
+    Vec<double, D> seen(std::size_t n) const noexcept { return vector(fast_.site[n].at); }
 
 private:
-    template <class N>
-    void take(const Stolen<N, D>& sums) {
-        const std::size_t count = cavity.vertices.size();
-        measure.resize(count);
-        facet.resize(count);
-        moment.resize(sums.moment.size());
+    static Vec<double, D> vector(const Numbers<double, D>& a) noexcept {
+        Vec<double, D> v;
+        for (std::size_t k = 0; k < D; ++k) v[k] = a[k];
+        return v;
+    }
+    void add_up() noexcept {
         total = 0;
-        for (std::size_t n = 0; n < count; ++n) {
-            measure[n] = double(sums.measure[n]);
-            facet[n] = double(sums.facet[n]);
-            if (measure[n] < 0) measure[n] = 0; // rounding
-            total += measure[n];
-        }
-        for (std::size_t n = 0; n < moment.size(); ++n) {
-            for (std::size_t k = 0; k < D; ++k) moment[n][k] = double(sums.moment[n][k]);
+        for (std::size_t n = 0; n < cavity.vertices.size(); ++n) {
+            double& measure = fast_.measure[n];
+            if (measure < 0) measure = 0; // rounding
+            total += measure;
         }
     }
 
@@ -64,7 +73,7 @@ private:
         const auto& rim = cavity.rim[n];
         const auto& simplex = cavity.simplices[rim.simplex];
         std::array<Place<D>, D + 1> a;
-        a[0] = cavity.place;
+        a[0] = place_;
         for (std::uint32_t k = 0, next = 1; k <= D; ++k) {
             if (k != rim.index) a[next++] = sites.place(cavity.vertices[simplex.vertex[k]]);
         }
@@ -72,59 +81,58 @@ private:
     }
 
     void fill_double(const Delaunay<D>& sites) {
-        fast_.clear();
-        for (std::size_t n = 0; n < cavity.vertices.size(); ++n)
-            fast_.site.push_back(numbers(seen(sites, n)));
-        for (std::size_t n = 0; n < cavity.numbers.size(); ++n) {
+        const std::size_t inner = cavity.numbers.size();
+        for (std::size_t n = 0; n < inner; ++n) {
             const Centre<D>& c = sites.centre(cavity.numbers[n]);
-            const auto& first = fast_.site[cavity.simplices[n].vertex[0]];
+            const auto& first = fast_.site[cavity.simplices[n].vertex[0]].at;
             Vec<double, D> at = c.at;
             double largest = 0;
             for (std::size_t k = 0; k < D; ++k) {
                 largest = std::max(largest, std::fabs(first[k]) + std::fabs(at[k]));
                 at[k] += first[k];
             }
-            note_centre(at, c.error + 0x1p-52 * largest);
+            note_centre(n, at, c.error + 0x1p-52 * largest);
         }
         for (std::size_t n = 0; n < cavity.rim.size(); ++n) {
             const auto& rim = cavity.rim[n];
             Square<double, D> edges;
             for (std::uint32_t k = 0, next = 0; k <= D; ++k) {
-                if (k != rim.index) edges[next++] = fast_.site[cavity.simplices[rim.simplex].vertex[k]];
+                if (k != rim.index) edges[next++] = fast_.site[cavity.simplices[rim.simplex].vertex[k]].at;
             }
-            Centre<D> c{};
+            Centre<D> c;
             if (!find_centre<D>(edges, c)) c = exact_centre<D>(rim_corners(sites, n));
-            note_centre(c.at, c.error);
+            note_centre(inner + n, c.at, c.error);
         }
     }
-    void note_centre(const Vec<double, D>& at, double error) {
-        double size = 0;
-        for (std::size_t k = 0; k < D; ++k) size += std::fabs(at[k]);
-        fast_.centre.push_back(numbers(at));
-        fast_.size.push_back(size);
-        fast_.error.push_back(error);
-    }
-    static Numbers<double, D> numbers(const Vec<double, D>& v) noexcept {
-        Numbers<double, D> a;
-        for (std::size_t k = 0; k < D; ++k) a[k] = v[k];
-        return a;
+    void note_centre(std::size_t n, const Vec<double, D>& at, double error) noexcept {
+        auto& centre = fast_.centre[n];
+        centre.size = 0;
+        for (std::size_t k = 0; k < D; ++k) {
+            centre.at[k] = at[k];
+            centre.size += std::fabs(at[k]);
+        }
+        centre.error = error;
     }
 
     void fill_exact(const Delaunay<D>& sites, StolenParts parts) {
-        wide_.clear();
-        for (const std::uint32_t v : cavity.vertices)
-            wide_.site.push_back(wide_vector(difference<D>(sites.place(v), cavity.place)));
-        for (std::size_t n = 0; n < cavity.numbers.size(); ++n) {
+        wide_.make_room(cavity);
+        for (std::size_t n = 0; n < cavity.vertices.size(); ++n)
+            wide_.site[n].at = wide_vector(difference<D>(sites.place(cavity.vertices[n]), place_));
+        const std::size_t inner = cavity.numbers.size();
+        for (std::size_t n = 0; n < inner; ++n) {
             const auto corners = sites.corners(sites.simplices()[cavity.numbers[n]]);
-            auto c = wide_centre(corners);
-            const auto first = wide_vector(difference<D>(corners[0], cavity.place));
+            auto& c = wide_.centre[n].at = wide_centre(corners);
+            const auto first = wide_vector(difference<D>(corners[0], place_));
             for (std::size_t k = 0; k < D; ++k) c[k] = c[k] + first[k];
-            wide_.centre.push_back(c);
         }
         for (std::size_t n = 0; n < cavity.rim.size(); ++n)
-            wide_.centre.push_back(wide_centre(rim_corners(sites, n)));
+            wide_.centre[inner + n].at = wide_centre(rim_corners(sites, n));
         wide_.sum(cavity, parts);
-        take(wide_);
+        for (std::size_t n = 0; n < cavity.vertices.size(); ++n) {
+            fast_.measure[n] = double(wide_.measure[n]);
+            fast_.facet[n] = double(wide_.facet[n]);
+            for (std::size_t k = 0; k < D; ++k) fast_.moment[n][k] = double(wide_.moment[n][k]);
+        }
     }
     static Numbers<WideFloat, D> wide_vector(const Place<D>& a) noexcept {
         Numbers<WideFloat, D> r;
@@ -139,7 +147,8 @@ private:
         return c;
     }
 
-    Stolen<double, D> fast_;
+    Place<D> place_{};
+    Stolen<double, D> fast_; ///< what is found stands here
     Stolen<WideFloat, D> wide_;
 };
 

@@ -73,12 +73,11 @@ private:
         // The cell of v is that of a new place at v among its neighbours.
         const Delaunay<D> local(std::move(places));
         if (local.empty()) return;
-        const std::uint32_t from = local.locate({}, search_);
-        local.find_cavity({}, from, search_);
+        (void)local.find_cavity({}, search_);
         for (const std::uint32_t s : search_.cavity()) {
             if (local.simplices()[s].is_ghost()) return mirrored ? void() : fill(v, true);
         }
-        if (!cell_.fill(local, {}, search_.cavity(), StolenParts::measures)) return;
+        if (!cell_.fill(local, {}, search_.cavity(), StolenParts::facets)) return;
         fit(v, local);
     }
 
@@ -99,20 +98,20 @@ private:
     void fit(std::uint32_t v, const Delaunay<D>& local) {
         const auto& near = neighbours_[v];
         double size = 0; // the nearest neighbour's distance
-        for (std::size_t n = 0; n < cell_.facet.size(); ++n) {
-            const double distance = length(cell_.seen(local, n));
+        for (std::size_t n = 0; n < cell_.cavity.vertices.size(); ++n) {
+            const double distance = length(cell_.seen(n));
             if (size == 0 || distance < size) size = distance;
         }
         auto& row = rows_[sites_->site(v)];
         Buffer<Vec<double, D>> scaled; // d times the square root of its weight in the sum of squares
         std::vector<double> root;
-        for (std::size_t n = 0; n < cell_.facet.size(); ++n) {
+        for (std::size_t n = 0; n < cell_.cavity.vertices.size(); ++n) {
             const std::uint32_t number = local.site(cell_.cavity.vertices[n]);
-            const auto d = (1 / size) * cell_.seen(local, n);
+            const auto d = (1 / size) * cell_.seen(n);
             const double d2 = dot(d, d);
             // The facet's area is `facet` / |d| times a constant; both μ are divided by |d|².
             const double weight =
-                std::fmax(cell_.facet[n], 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
+                std::fmax(cell_.facet(n), 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
             if (number >= near.size() || !(weight > 0)) continue;
             root.push_back(std::sqrt(weight));
             scaled.push_back(root.back() * d);

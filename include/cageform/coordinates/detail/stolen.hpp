@@ -5,6 +5,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// Scratch memory of at least `size` elements, which is never given back.
+template <class T>
+void grow_to(std::vector<T>& scratch, std::size_t size) {
+    if (scratch.size() < size) scratch.resize(size);
+}
+
 /// The cavity of a place in numbers from 0 on: its sites, simplices, and the facets of its rim.
 template <std::size_t D>
 struct Cavity {
@@ -20,36 +26,44 @@ struct Cavity {
         std::uint32_t index; ///< of the vertex that it is without
     };
 
-    Place<D> place{};
-    std::vector<std::uint32_t> vertices; ///< of the triangulation, as they come in its simplices
-    std::vector<std::uint32_t> numbers;  ///< of the triangulation's simplices, ascending
-    std::vector<Simplex> simplices;
-    std::vector<RimFacet> rim;
+    // Until the next fill.
+    std::span<const std::uint32_t> vertices; ///< of the triangulation, as they come in its simplices
+    std::span<const std::uint32_t> numbers;  ///< of the triangulation's simplices: those given
+    std::span<const Simplex> simplices;
+    std::span<const RimFacet> rim;
 
-    /// `cavity`: without ghosts, ascending.
-    void fill(const Delaunay<D>& sites, const Place<D>& p, std::span<const std::uint32_t> cavity) {
-        for (const std::uint32_t v : vertices) of_vertex_[v] = none;
-        for (const std::uint32_t s : numbers) of_simplex_[s] = none;
+    /// `cavity`: without ghosts, ascending; it is kept.
+    void fill(const Delaunay<D>& sites, std::span<const std::uint32_t> cavity) {
         if (of_vertex_.size() < sites.size()) of_vertex_.resize(sites.size(), none);
         if (of_simplex_.size() < sites.simplices().size()) of_simplex_.resize(sites.simplices().size(), none);
-        place = p;
-        vertices.clear();
-        numbers.assign(cavity.begin(), cavity.end());
-        simplices.resize(numbers.size());
-        rim.clear();
-        for (std::uint32_t n = 0; n < numbers.size(); ++n) of_simplex_[numbers[n]] = n;
-        for (std::uint32_t n = 0; n < numbers.size(); ++n) {
-            const auto& from = sites.simplices()[numbers[n]];
-            Simplex& to = simplices[n];
+        grow_to(vertices_, (D + 1) * cavity.size());
+        grow_to(simplices_, cavity.size());
+        grow_to(rim_, (D + 1) * cavity.size());
+        std::uint32_t vertex_count = 0, rim_count = 0;
+        for (std::uint32_t n = 0; n < cavity.size(); ++n) of_simplex_[cavity[n]] = n;
+        for (std::uint32_t n = 0; n < cavity.size(); ++n) {
+            const auto& from = sites.simplices()[cavity[n]];
+            Simplex& to = simplices_[n];
             for (std::uint32_t k = 0; k <= D; ++k) {
-                to.vertex[k] = number_of(from.vertex[k]);
+                std::uint32_t& number = of_vertex_[from.vertex[k]];
+                if (number == none) {
+                    number = vertex_count;
+                    vertices_[vertex_count++] = from.vertex[k];
+                }
+                to.vertex[k] = number;
                 to.inner[k] = of_simplex_[from.neighbour[k]];
                 to.rim[k] = none;
                 if (to.inner[k] != none) continue;
-                to.rim[k] = std::uint32_t(rim.size());
-                rim.push_back({n, k});
+                to.rim[k] = rim_count;
+                rim_[rim_count++] = {n, k};
             }
         }
+        vertices = {vertices_.data(), vertex_count};
+        numbers = cavity;
+        simplices = {simplices_.data(), cavity.size()};
+        rim = {rim_.data(), rim_count};
+        for (const std::uint32_t v : vertices) of_vertex_[v] = none;
+        for (const std::uint32_t s : numbers) of_simplex_[s] = none;
     }
 
     /// The other facet of the rim at the ridge of `facet` without its vertex `y`: found by turning
@@ -69,16 +83,10 @@ struct Cavity {
     }
 
 private:
-    std::uint32_t number_of(std::uint32_t vertex) {
-        std::uint32_t& number = of_vertex_[vertex];
-        if (number == none) {
-            number = std::uint32_t(vertices.size());
-            vertices.push_back(vertex);
-        }
-        return number;
-    }
-
-    std::vector<std::uint32_t> of_vertex_, of_simplex_; ///< numbers here, none of what is not in it
+    std::vector<std::uint32_t> vertices_;
+    std::vector<Simplex> simplices_;
+    std::vector<RimFacet> rim_;
+    std::vector<std::uint32_t> of_vertex_, of_simplex_; ///< numbers here; none but within `fill`
 };
 
 /// A vector of numbers of any kind.
@@ -96,9 +104,10 @@ Numbers<N, 3> cross_of(const Numbers<N, 3>& a, const Numbers<N, 3>& b) noexcept 
 
 /// What is summed over stolen parts.
 enum class StolenParts : std::uint8_t {
-    measures, ///< and facets
-    moments,  ///< measures, facets and moments
-    smooth,   ///< smooth measures
+    measures,
+    facets,  ///< measures and facets
+    moments, ///< measures, facets and moments
+    smooth,  ///< smooth measures
 };
 
 /// The measures of the stolen parts, with p as origin, summed over the edges of Voronoi facets
@@ -108,30 +117,40 @@ template <class N, std::size_t D>
 struct Stolen {
     using Vector = Numbers<N, D>;
 
-    // In: seen from p, in steps of the lattice.
-    std::vector<Vector> site;        ///< of the cavity's vertices
-    std::vector<Vector> centre;      ///< of its simplices, then of p and the facets of its rim
-    std::vector<double> size, error; ///< Σ|x| of all centres, and bounds of their errors; double only
-    // Out, for every vertex.
+    /// Seen from p, in steps of the lattice. Sizes and errors are of use in double only.
+    struct Site {
+        Vector at;
+        double size; ///< Σ|x|
+    };
+    struct Centre {
+        Vector at;
+        double size, error; ///< Σ|x|, and a bound of the error of every x
+    };
+
+    // In. All vectors are as long as they ever had to be.
+    std::vector<Site> site;     ///< of the cavity's vertices
+    std::vector<Centre> centre; ///< of its simplices, then of p and the facets of its rim
+    // Out, for every vertex; what is not asked for is left as it is.
     std::vector<N> measure; ///< D! times the stolen area or volume
     std::vector<N> facet;   ///< (D − 1)! |P|/2 times the length or area of the facet of p's cell towards it
     std::vector<Vector> moment; ///< |P|²/2 times the gradient of `measure` in p
     double bound = 0;           ///< of the rounding of all measures together; double only
 
-    void clear() noexcept {
-        site.clear();
-        centre.clear();
-        size.clear();
-        error.clear();
+    void make_room(const Cavity<D>& cavity) {
+        grow_to(site, cavity.vertices.size());
+        grow_to(centre, cavity.simplices.size() + cavity.rim.size());
+        grow_to(measure, cavity.vertices.size());
+        grow_to(facet, cavity.vertices.size());
+        grow_to(moment, cavity.vertices.size());
     }
     /// Smooth measures are those of the C² coordinates of Hiyoshi & Sugihara, in the plane:
     /// ∫ (|y − P|² − |y − p|²) dy over the stolen part, times 6. They have no facets and moments.
     void sum(const Cavity<D>& cavity, StolenParts parts) {
         parts_ = parts;
         const std::size_t count = cavity.vertices.size();
-        measure.assign(count, N(0));
-        facet.assign(count, N(0));
-        moment.assign(parts == StolenParts::moments ? count : 0, Vector{});
+        std::fill_n(measure.begin(), count, N(0));
+        if (parts != StolenParts::measures) std::fill_n(facet.begin(), count, N(0));
+        if (parts == StolenParts::moments) std::fill_n(moment.begin(), count, Vector{});
         bound = 0;
         if constexpr (D == 2) find_heights(cavity);
         for (std::size_t n = 0; n < cavity.simplices.size(); ++n) {
@@ -166,11 +185,11 @@ private:
         height_.clear();
         if (parts_ != StolenParts::smooth) return;
         for (std::size_t n = 0; n < cavity.simplices.size(); ++n) {
-            const Vector& r = site[cavity.simplices[n].vertex[0]];
-            const Vector& c = centre[n];
+            const Vector& r = site[cavity.simplices[n].vertex[0]].at;
+            const Vector& c = centre[n].at;
             height_.push_back(r[0] * r[0] + r[1] * r[1] - N(2) * (c[0] * r[0] + c[1] * r[1]));
         }
-        height_.resize(centre.size(), N(0));
+        height_.resize(cavity.simplices.size() + cavity.rim.size(), N(0));
     }
 
     /// The edge from centre `a` of a simplex across its facet without vertex `k` to centre `b`: one
@@ -181,7 +200,7 @@ private:
         const auto order = others(k);
         const std::uint32_t i = simplex.vertex[order[0]], j = simplex.vertex[order[1]];
         if constexpr (D == 2) {
-            const N t = cross_of(centre[b], centre[a]);
+            const N t = cross_of(centre[b].at, centre[a].at);
             if (height_.empty()) {
                 measure[i] = measure[i] + t;
                 measure[j] = measure[j] - t;
@@ -193,12 +212,12 @@ private:
             note_error(1, a, b);
         } else {
             const std::uint32_t l = simplex.vertex[order[2]];
-            const Vector normal = cross_of(centre[b], centre[a]);
+            const Vector normal = cross_of(centre[b].at, centre[a].at);
             const N x = half_of(i, normal), y = half_of(j, normal), z = half_of(l, normal);
             measure[i] = measure[i] + (y - z);
             measure[j] = measure[j] + (z - x);
             measure[l] = measure[l] + (x - y);
-            note_error(size_of(i) + size_of(j) + size_of(l), a, b);
+            note_error(site[i].size + site[j].size + site[l].size, a, b);
         }
     }
     /// At each ridge of a facet of the rim, from the centre at which the path about it leaves the
@@ -211,9 +230,9 @@ private:
         if constexpr (D == 2) {
             const std::uint32_t v = vertex[order[0]];
             const std::size_t leave = first + cavity.across(rim, order[1]);
-            const N t = cross_of(centre[leave], centre[first + n]);
+            const N t = cross_of(centre[leave].at, centre[first + n].at);
             measure[v] = measure[v] + (parts_ == StolenParts::smooth ? t * square(v) : t);
-            add_facet(v, t, centre[first + n], centre[leave]);
+            add_facet(v, t, first + n, leave);
             note_error(1, leave, first + n);
         } else {
             for (std::size_t r = 0; r < 3; ++r) {
@@ -224,21 +243,22 @@ private:
     }
     /// The edge from b to a of the facet between i and j, and back those of p's facets towards both.
     void close(std::uint32_t i, std::uint32_t j, std::size_t a, std::size_t b) requires(D == 3) {
-        const Vector normal = cross_of(centre[a], centre[b]);
+        const Vector normal = cross_of(centre[a].at, centre[b].at);
         const N x = half_of(i, normal), y = half_of(j, normal);
         measure[i] = measure[i] - y;
         measure[j] = measure[j] + x;
-        add_facet(i, x, centre[a], centre[b]);
-        add_facet(j, N(0) - y, centre[a], centre[b]);
-        note_error(size_of(i) + size_of(j), a, b);
+        add_facet(i, x, a, b);
+        add_facet(j, N(0) - y, a, b);
+        note_error(site[i].size + site[j].size, a, b);
     }
     /// An edge a b of the facet of p's cell towards i.
-    void add_facet(std::uint32_t i, const N& t, const Vector& a, const Vector& b) {
+    void add_facet(std::uint32_t i, const N& t, std::size_t a, std::size_t b) {
+        if (parts_ == StolenParts::measures) return;
         facet[i] = facet[i] + t;
         if (parts_ != StolenParts::moments) return;
         for (std::size_t k = 0; k < D; ++k) {
-            N sum = a[k] + b[k];
-            if constexpr (D == 3) sum = sum + half() * site[i][k];
+            N sum = centre[a].at[k] + centre[b].at[k];
+            if constexpr (D == 3) sum = sum + half() * site[i].at[k];
             moment[i][k] = moment[i][k] + t * sum;
         }
     }
@@ -251,24 +271,19 @@ private:
     }
     N half_of(std::uint32_t i, const Vector& normal) const noexcept {
         N sum(0);
-        for (std::size_t k = 0; k < D; ++k) sum = sum + site[i][k] * normal[k];
+        for (std::size_t k = 0; k < D; ++k) sum = sum + site[i].at[k] * normal[k];
         return half() * sum;
     }
     N square(std::uint32_t i) const noexcept {
         N sum(0);
-        for (const N& x : site[i]) sum = sum + x * x;
-        return sum;
-    }
-    double size_of(std::uint32_t i) const noexcept {
-        double sum = 0;
-        if constexpr (measures_error) {
-            for (const double x : site[i]) sum += std::fabs(x);
-        }
+        for (const N& x : site[i].at) sum = sum + x * x;
         return sum;
     }
     void note_error(double length, std::size_t a, std::size_t b) noexcept {
-        if constexpr (measures_error)
-            bound += length * (size[a] * error[b] + size[b] * error[a] + 0x1p-52 * size[a] * size[b]);
+        if constexpr (measures_error) {
+            const Centre &x = centre[a], &y = centre[b];
+            bound += length * (x.size * (y.error + 0x1p-52 * y.size) + y.size * x.error);
+        }
     }
 
     StolenParts parts_ = StolenParts::moments;
