@@ -134,7 +134,7 @@ struct Stolen {
     std::vector<N> measure; ///< D! times the stolen area or volume
     std::vector<N> facet;   ///< (D − 1)! |P|/2 times the length or area of the facet of p's cell towards it
     std::vector<Vector> moment; ///< |P|²/2 times the gradient of `measure` in p
-    double bound = 0;           ///< of the rounding of all measures together; double only
+    double squares = 0;         ///< of bounds of the rounding of every term, summed; double only
 
     void make_room(const Cavity<D>& cavity) {
         grow_to(site, cavity.vertices.size());
@@ -151,7 +151,7 @@ struct Stolen {
         std::fill_n(measure.begin(), count, N(0));
         if (parts != StolenParts::measures) std::fill_n(facet.begin(), count, N(0));
         if (parts == StolenParts::moments) std::fill_n(moment.begin(), count, Vector{});
-        bound = 0;
+        squares = 0;
         if constexpr (D == 2) find_heights(cavity);
         for (std::size_t n = 0; n < cavity.simplices.size(); ++n) {
             const auto& simplex = cavity.simplices[n];
@@ -282,7 +282,8 @@ private:
     void note_error(double length, std::size_t a, std::size_t b) noexcept {
         if constexpr (measures_error) {
             const Centre &x = centre[a], &y = centre[b];
-            bound += length * (x.size * (y.error + 0x1p-52 * y.size) + y.size * x.error);
+            const double bound = length * (x.size * (y.error + 0x1p-52 * y.size) + y.size * x.error);
+            squares += bound * bound;
         }
     }
 
