@@ -546,6 +546,38 @@ TEST_CASE("sibson outside the hull: left, or the nearest place of it", "[coordin
     }
 }
 
+/// Sites of which most lie in a plane (on a line) but for `off`: hull facets that are nearly one.
+template <std::size_t D>
+void check_nearly_flat_hull(std::uint64_t seed) {
+    Random random(seed + 500);
+    const double off = std::pow(10.0, random.uniform(-16, -9));
+    CAPTURE(D, seed, off);
+    Points<D> sites(14);
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+        for (std::size_t k = 0; k < D; ++k) sites[i][k] = random.uniform(-1, 1);
+        sites[i][D - 1] = i < 11 ? off * sites[i][D - 1] : -1;
+    }
+    const SibsonCoordinates<double, D> sibson(sites);
+    REQUIRE(sibson.cage_report().status == Status::ok);
+    for (int n = 0; n < 20; ++n) {
+        Vec<double, D> p{};
+        for (std::size_t k = 0; k < D; ++k) p[k] = random.uniform(-1.2, 1.2);
+        p[D - 1] = n % 2 == 0 ? std::fabs(p[D - 1]) : 0;
+        std::vector<double> row(sites.size());
+        const auto place = sibson.nearest_boundary(p, row);
+        CHECK(distance(combine(row, sites), place) <= 1e-13);
+        const PointState state = weights_at(sibson, p, std::span<double>(row));
+        if (state != PointState::outside) CHECK(distance(combine(row, sites), p) <= 1e-13);
+    }
+}
+
+TEST_CASE("sibson on hull facets that are nearly one goes by the nearest",
+          "[coordinates][sibson][property]") {
+    const auto seed = std::uint64_t(GENERATE(range(0, 30)));
+    check_nearly_flat_hull<2>(seed);
+    check_nearly_flat_hull<3>(seed);
+}
+
 // ---- locality -----------------------------------------------------------------------------------
 
 TEST_CASE("a site without weight changes no other weight, to the bit", "[coordinates][sibson][property]") {
