@@ -316,7 +316,18 @@ private:
                     Scratch& scratch) const {
         Corners<D> corner;
         for (std::size_t k = 0; k < D; ++k) corner[k] = at_[vertex[k]];
-        const auto weight = nearest_on_facet(q, corner);
+        auto weight = nearest_on_facet(q, corner);
+        // Of a triangle as thin as rounding the weights are right to some digits only, of what they
+        // miss as well: so they are refined.
+        auto target = q, miss = q - place_on_facet(weight, corner);
+        for (int round = 0; round < 4 && dot(miss, miss) > tolerance_ * tolerance_; ++round) {
+            target = target + miss;
+            const auto next = nearest_on_facet(target, corner);
+            const auto rest = q - place_on_facet(next, corner);
+            if (!(dot(rest, rest) < dot(miss, miss))) break;
+            weight = next;
+            miss = rest;
+        }
         for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
     }
     void take(std::uint32_t v, double weight, const Vec<double, D>& q, Scratch& scratch) const {
