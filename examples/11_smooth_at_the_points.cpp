@@ -25,7 +25,7 @@ int main() {
             return 1;
         std::printf("degree %d goes up by", degree);
         for (std::size_t i = 0; i < line.size(); ++i) std::printf(" %.2f", out[i][1] - line[i][1]);
-        std::printf("; amplified at most %.2f times\n", report.amplification.value);
+        std::printf(", amplified at most %.2f times\n", report.amplification.value);
     }
 
     // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all equal are
@@ -45,8 +45,8 @@ int main() {
     std::printf("degree 3: %s\n", to_string(rational_view(cubic.binding.view()).status));
 }
 
-//> degree 1 goes up by 0.50 0.62 0.74 0.87 1.00 0.87 0.74 0.62 0.50; amplified at most 1.00 times
-//> degree 3 goes up by 0.65 0.78 0.89 0.97 1.00 0.97 0.89 0.78 0.65; amplified at most 1.15 times
+//> degree 1 goes up by 0.50 0.62 0.74 0.87 1.00 0.87 0.74 0.62 0.50, amplified at most 1.00 times
+//> degree 3 goes up by 0.65 0.78 0.89 0.97 1.00 0.97 0.89 0.78 0.65, amplified at most 1.15 times
 //> weight   1: the line's end (1.00, 0.40) is drawn to (1.00, 0.40)
 //> weight   3: the line's end (1.00, 0.40) is drawn to (0.50, 0.20)
 //> weight 100: the line's end (1.00, 0.40) is drawn to (0.02, 0.01)
