@@ -92,6 +92,8 @@ done
   "its points" out/fish_points.svg "tail: sibson" out/fish_pose_tail_sibson.svg "tail: sibson-c1" out/fish_pose_tail_sibson-c1.svg \
   "fins: sibson" out/fish_pose_fins_sibson.svg "fins: sibson-c1" out/fish_pose_fins_sibson-c1.svg
 
+"$programs/sibson_figures" out >out/sibson.txt
+
 step "a character in space"
 "$programs/make_character" out >>$report
 for type in mean-value harmonic; do
@@ -161,7 +163,8 @@ Open, in out/:
   cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   aleph.png, man.png         other figures
-  fish.png                   a fish moved by points without a cage
+  fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
+                             their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured

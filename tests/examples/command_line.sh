@@ -70,6 +70,12 @@ refuses "\"high\" is no height from 0 to 1" "$heights" word.svg -o out.png
 refuses "does not end with" "$heights" "$data/hills.svg" -o out.txt
 refuses "--levels" "$heights" "$data/hills.svg" -o out.png --levels 0
 
+# ---- sibson_figures ----
+mkdir figures
+works "figures of natural neighbours" "$programs/sibson_figures" figures
+refuses "cannot write" "$programs/sibson_figures" no_folder
+refuses "folder is required" "$programs/sibson_figures"
+
 # ---- deform_svg ----
 for type in mean-value harmonic; do
   works "deform the cat, $type" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates $type -o cat.svg
