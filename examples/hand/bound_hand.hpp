@@ -2,12 +2,12 @@
 
 // A hand bound to its control points, and how the programs move it.
 
+#include "coordinates.hpp"
 #include "hand_model.hpp"
 
-#include <cageform/binding/bind.hpp>
-#include <cageform/binding/pack.hpp>
-#include <cageform/clone/clone_rational.hpp>
-#include <cageform/coordinates/sibson.hpp>
+#include <cageform/binding/packed_binding.hpp>
+
+#include <string_view>
 
 namespace cageform_examples {
 
@@ -16,21 +16,25 @@ namespace cageform_examples {
 inline constexpr double hand_cell = 1.0 / 62;
 inline constexpr double hand_kappa = 3; ///< of inflation
 
+/// Binds places in space to sites, by a type of --coordinates: sibson, or sibson-c1 for degree 3.
+template <class T>
+cageform::BindResult<T, 3> bind_to_sites(const char* type, std::vector<Point3> sites,
+                                         const std::vector<Point3>& places) {
+    CoordinatesChoice choice;
+    choice.name = type;
+    SiteFile<3> file;
+    file.points = std::move(sites);
+    return make_coordinates<T, 3>(choice, file)->bind(places);
+}
+
 struct BoundHand {
     Hand hand;
     cageform::Binding<double, 3> dense;
     cageform::BindReport report;
     cageform::PackedBinding<double, 3> packed; ///< zeros left out: what a game would ship
 
-    explicit BoundHand(const cageform::SibsonOptions& options = {})
-        : hand(make_hand(hand_cell)) {
-        auto bound =
-            cageform::bind(cageform::SibsonCoordinates<double, 3>(hand.sites(), options), hand.skin.vertices);
-        report = std::move(bound.report);
-        if (report.status != cageform::Status::ok) return;
-        dense = std::move(bound.binding);
-        packed = cageform::pack(dense, {.threshold = 1e-30}).binding;
-    }
+    ///   type   of bind_to_sites()
+    explicit BoundHand(const char* type = "sibson");
 
     /// One of hand_poses(), closed about what it grasps.
     HandPose closed(const NamedHandPose& pose) const {
@@ -40,11 +44,7 @@ struct BoundHand {
     }
 
     /// The skin in a pose of the control points; empty where it cannot be had.
-    std::vector<Point3> clone(const std::vector<Point3>& pose, const std::vector<double>& weights) const {
-        std::vector<Point3> out(hand.skin.vertices.size());
-        if (cageform::clone_rational(packed, pose, weights, out) != cageform::Status::ok) out.clear();
-        return out;
-    }
+    std::vector<Point3> clone(const std::vector<Point3>& pose, const std::vector<double>& weights) const;
     std::vector<Point3> clone(const HandPose& angles, double kappa = hand_kappa) const {
         return clone(hand.pose(angles), hand.weights(angles, kappa));
     }

@@ -6,6 +6,7 @@
 
 #include <cageform/binding/compose.hpp>
 #include <cageform/cage/control_points.hpp>
+#include <cageform/clone/clone.hpp>
 
 #include <cmath>
 #include <stdexcept>
@@ -30,7 +31,7 @@ struct HandBuilder {
         // Joints that two bones of the palm share are one handle each.
         const auto all = bound.hand.sites();
         for (const Point3& p : cageform::surround(all, {.margin = 0.05}).sites) rest.push_back(p);
-        sites = cageform::bind(cageform::SibsonCoordinates<double, 3>(rest), all).binding;
+        sites = bind_to_sites<double>("sibson", rest, all).binding;
         skin = cageform::compose(bound.dense, sites);
     }
 

@@ -501,11 +501,7 @@ Picture bends(const BoundHand& bound) {
     for (std::size_t i = 0; i < hand.skin.vertices.size(); ++i) {
         if (in_finger(i)) finger.push_back(hand.skin.vertices[i]);
     }
-    SiteFile<3> sites;
-    sites.points = hand.sites();
-    CoordinatesChoice choice;
-    choice.name = "sibson-c1";
-    const auto smooth = make_coordinates<double, 3>(choice, sites)->bind(finger);
+    const auto smooth = bind_to_sites<double>("sibson-c1", hand.sites(), finger);
     if (smooth.report.status != cageform::Status::ok ||
         cageform::clone(smooth.binding, hand.pose(angles), finger) != cageform::Status::ok)
         throw std::runtime_error("the finger at degree 3 cannot be bound");

@@ -12,6 +12,9 @@
 #include "guard.hpp"
 #include "hand_pictures.hpp"
 
+#include <cageform/binding/pack.hpp>
+#include <cageform/clone/clone_rational.hpp>
+
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
@@ -271,15 +274,14 @@ void judge_report(const BoundHand& bound, Findings& findings) {
     findings.line(report.outside.empty() && report.unreached.empty() && report.not_finite.empty(),
                   "8. no vertex outside, unreached or not finite; %zu control points",
                   bound.hand.points.size());
-    const BoundHand smooth({.degree = 3, .gradients = cageform::SiteGradients::facets});
+    const BoundHand smooth("sibson-c1");
     findings.line(smooth.report.status == cageform::Status::ok, "8. amplification at degree 3: %.1f",
                   smooth.report.amplification.value);
 }
 
 /// As a game would have it: in float, zeros left out, vertices in the binding's order.
 void judge_time(const Hand& hand, Findings& findings) {
-    const auto bound =
-        cageform::bind(cageform::SibsonCoordinates<float, 3>(hand.sites()), hand.skin.vertices);
+    const auto bound = bind_to_sites<float>("sibson", hand.sites(), hand.skin.vertices);
     const auto packed = cageform::pack(bound.binding, {.threshold = 1e-30}).binding;
     const auto fit = cageform::rational_view(packed.view().in_order());
     const auto& angles = hand_poses()[1].angles;

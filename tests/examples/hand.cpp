@@ -1,6 +1,6 @@
 #include "catch.hpp"
 
-#include <hand_model.hpp>
+#include "hand_model.hpp"
 
 #include <algorithm>
 #include <cmath>
