@@ -1,7 +1,7 @@
 #include "hand_pictures.hpp"
 
 #include "coordinates.hpp"
-#include "mesh_picture.hpp"
+#include "model_sheet.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
 
@@ -13,73 +13,8 @@ namespace cageform_examples {
 
 namespace {
 
-using Face = std::array<std::uint32_t, 3>;
-
 constexpr Colour clay{0.9f, 0.65f, 0.47f}, bone{0.93f, 0.9f, 0.8f}, steel{0.5f, 0.62f, 0.75f},
-    ink{0.13f, 0.18f, 0.33f}, text_ink{0.15f, 0.15f, 0.15f};
-
-template <class... Values>
-std::string words(const char* format, Values... values) {
-    std::array<char, 200> line;
-    return {line.data(), std::size_t(std::snprintf(line.data(), line.size(), format, values...))};
-}
-
-// ---- models: meshes with a colour a vertex ----
-
-struct Model {
-    std::vector<Point3> vertices;
-    std::vector<Face> faces;
-    std::vector<Colour> colours;
-
-    void add(const std::vector<Point3>& places, const std::vector<Face>& triangles,
-             const std::vector<Colour>& own) {
-        const auto first = std::uint32_t(vertices.size());
-        vertices.insert(vertices.end(), places.begin(), places.end());
-        colours.insert(colours.end(), own.begin(), own.end());
-        for (const auto& [i, k, l] : triangles) faces.push_back({first + i, first + k, first + l});
-    }
-    void add(const std::vector<Point3>& places, const std::vector<Face>& triangles, const Colour& colour) {
-        add(places, triangles, std::vector(places.size(), colour));
-    }
-
-    /// A rod with round ends; a ball where both are one. `sides` is a multiple of four.
-    void add_rod(const Point3& a, const Point3& b, double radius_a, double radius_b, const Colour& colour,
-                 std::uint32_t sides = 8) {
-        const Point3 d = b - a;
-        const Point3 along = length(d) > 0 ? (1 / length(d)) * d : Point3{0, 0, 1};
-        const Point3 other = std::fabs(along[0]) < 0.7 ? Point3{1, 0, 0} : Point3{0, 1, 0};
-        const Point3 across = cross(along, other), u = (1 / length(across)) * across, v = cross(along, u);
-        const std::uint32_t rings = sides / 2; // a hemisphere at each end
-        const auto first = std::uint32_t(vertices.size());
-        for (std::uint32_t ring = 0; ring < rings; ++ring) {
-            const bool at_b = 2 * ring >= rings;
-            const double rise = std::numbers::pi * ((ring - at_b) / double(rings - 2) - 0.5);
-            const double radius = at_b ? radius_b : radius_a;
-            for (std::uint32_t side = 0; side < sides; ++side) {
-                const double angle = 2 * std::numbers::pi * side / sides;
-                vertices.push_back((at_b ? b : a) +
-                                   radius * (std::sin(rise) * along +
-                                             std::cos(rise) * (std::cos(angle) * u + std::sin(angle) * v)));
-                colours.push_back(colour);
-                if (ring == 0) continue;
-                const std::uint32_t i = first + ring * sides + side,
-                                    next = side + 1 < sides ? i + 1 : i + 1 - sides;
-                faces.push_back({i, i - sides, next});
-                faces.push_back({next, i - sides, next - sides});
-            }
-        }
-    }
-    void add_ball(const Point3& p, double radius, const Colour& colour) {
-        add_rod(p, p, radius, radius, colour);
-    }
-
-    template <class Map>
-    Model mapped(const Map& map) const {
-        Model other = *this;
-        for (Point3& p : other.vertices) p = map(p);
-        return other;
-    }
-};
+    ink{0.13f, 0.18f, 0.33f};
 
 // Where it is seen from: the camera looks along -z.
 Point3 from_back(const Point3& p) {
@@ -90,91 +25,6 @@ Point3 from_palm(const Point3& p) {
 }
 Point3 from_thumb(const Point3& p) {
     return {-p[2], p[1], p[0]};
-}
-
-// ---- sheets: models side by side, with captions ----
-
-constexpr double letter = 2; // size of captions, as of Picture::text()
-constexpr std::size_t title_height = 46, caption_height = 50;
-
-struct Tile {
-    Model model;
-    std::string caption; ///< two lines at most
-    MeshView cage{};     ///< drawn as lines
-};
-
-void copy_into(Picture& picture, Picture part, std::size_t left, std::size_t top) {
-    for (std::size_t y = 0; y < part.height(); ++y) {
-        for (std::size_t x = 0; x < part.width(); ++x) picture.at(left + x, top + y) = part.at(x, y);
-    }
-}
-
-/// Rows of tiles, all seen from the same place, captions above.
-Picture draw_tiles(const std::vector<Tile>& tiles, std::size_t columns, std::size_t width,
-                   std::size_t height) {
-    std::vector<MeshScene> scenes;
-    for (const Tile& tile : tiles)
-        scenes.push_back({{tile.model.vertices, tile.model.faces, tile.model.colours}, tile.cage});
-    Picture drawn = draw_meshes(scenes, width * tiles.size(), height);
-    const std::size_t rows = (tiles.size() + columns - 1) / columns;
-    Picture sheet(columns * width, rows * (height + caption_height), drawn.at(0, 0));
-    for (std::size_t n = 0; n < tiles.size(); ++n) {
-        const std::size_t left = n % columns * width, top = n / columns * (height + caption_height);
-        for (std::size_t y = 0; y < height; ++y) {
-            for (std::size_t x = 0; x < width; ++x)
-                sheet.at(left + x, top + caption_height + y) = drawn.at(n * width + x, y);
-        }
-        sheet.text({double(left) + 16, double(top) + 14}, tiles[n].caption, letter, text_ink);
-    }
-    return sheet;
-}
-
-/// Pictures one under another, under a title.
-Picture with_title(const std::string& title, const std::vector<Picture>& parts) {
-    std::size_t height = title_height, width = 0;
-    for (const Picture& part : parts) {
-        height += part.height();
-        width = std::max(width, part.width());
-    }
-    Picture first = parts.front(), sheet(width, height, first.at(0, 0));
-    std::size_t top = title_height;
-    for (const Picture& part : parts) {
-        copy_into(sheet, part, 0, top);
-        top += part.height();
-    }
-    sheet.text({16, 24}, title, 1.5 * letter, text_ink);
-    return sheet;
-}
-
-/// Pictures of a height side by side.
-Picture beside(const std::vector<Picture>& parts) {
-    std::size_t width = 0;
-    for (const Picture& part : parts) width += part.width();
-    Picture sheet(width, parts.front().height());
-    std::size_t left = 0;
-    for (const Picture& part : parts) {
-        copy_into(sheet, part, left, 0);
-        left += part.width();
-    }
-    return sheet;
-}
-
-/// A picture with a bar of the colours of heat() on its right, marked from 0 to `most`.
-Picture with_bar(const Picture& part, double most, const std::string& unit) {
-    constexpr std::size_t width = 170;
-    Picture first = part, bar(width, part.height(), first.at(0, 0));
-    const Axis shares{0, 1, double(part.height()) - 40, 80};
-    auto marks = marks_of(Axis{0, most, shares.begin, shares.end}, 6);
-    for (AxisMark& mark : marks) mark.value /= most;
-    draw_colour_bar(bar, shares, marks, 20, 26, letter);
-    bar.text({20, 40}, unit, letter, text_ink);
-    return beside({part, bar});
-}
-
-std::vector<Colour> heat_of(const std::vector<double>& values, double most) {
-    std::vector<Colour> colours;
-    for (const double value : values) colours.push_back(heat(value / most));
-    return colours;
 }
 
 // ---- the skin ----
@@ -409,11 +259,10 @@ Picture points_by_kind(const BoundHand& bound, const std::vector<std::vector<OnS
     Model model = skin_model(bound, hand.skin.vertices, {0.86f, 0.8f, 0.74f});
     add_points(model, hand, hand.sites());
     add_lines(model, lines, hand.skin.vertices);
-    Picture drawn =
+    const Picture drawn =
         draw_tiles({{model.mapped(from_palm), "the inner side"}, {model, "the back"}}, 2, 900, 1100);
-    Picture sheet(drawn.width() + 380, drawn.height(), drawn.at(0, 0));
-    copy_into(sheet, drawn, 0, 0);
-    const double left = double(drawn.width()) + 20;
+    Picture legend(380, drawn.height(), drawn.at(0, 0));
+    const double left = 20;
     double y = 200;
     for (std::size_t kind = 0; kind < kind_colours.size(); ++kind) {
         std::size_t count = 0, on = 0;
@@ -424,19 +273,18 @@ Picture points_by_kind(const BoundHand& bound, const std::vector<std::vector<OnS
         }
         if (count == 0) continue;
         const bool shown = HandPointKind(kind) != HandPointKind::surround;
-        sheet.line({left, y}, {left, y}, 16, kind_colours[kind]);
-        sheet.text({left + 20, y},
-                   words("%zu %s%s", count, to_string(HandPointKind(kind)),
-                         !shown        ? ", not shown"
-                         : on == count ? ", on the skin"
-                         : on == 0     ? ", off the skin"
-                                       : words(", %zu on the skin", on).c_str()),
-                   letter, text_ink);
+        legend.line({left, y}, {left, y}, 16, kind_colours[kind]);
+        write_caption(legend, {left + 20, y},
+                      words("%zu %s%s", count, to_string(HandPointKind(kind)),
+                            !shown        ? ", not shown"
+                            : on == count ? ", on the skin"
+                            : on == 0     ? ", off the skin"
+                                          : words(", %zu on the skin", on).c_str()));
         y += 34;
     }
-    sheet.line({left - 8, y}, {left + 8, y}, 4, ink);
-    sheet.text({left + 20, y}, "a line of the skin", letter, text_ink);
-    return with_title(words("The %zu control points by kind", hand.points.size()), {sheet});
+    legend.line({left - 8, y}, {left + 8, y}, 4, ink);
+    write_caption(legend, {left + 20, y}, "a line of the skin");
+    return with_title(words("The %zu control points by kind", hand.points.size()), {beside({drawn, legend})});
 }
 
 Picture poses(const BoundHand& bound) {

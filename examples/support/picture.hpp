@@ -38,6 +38,7 @@ public:
     std::size_t width() const { return width_; }
     std::size_t height() const { return height_; }
     Colour& at(std::size_t x, std::size_t y) { return pixels_[y * width_ + x]; }
+    const Colour& at(std::size_t x, std::size_t y) const { return pixels_[y * width_ + x]; }
 
     /// A line of the given thickness with round ends, in pixels; pixel (x, y) has its centre at (x + ½, y + ½).
     void line(const Point2& a, const Point2& b, double thickness, const Colour& colour);

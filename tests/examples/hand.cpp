@@ -250,7 +250,8 @@ TEST_CASE("constraint points are vertices of the skin, and no two control points
             REQUIRE(points[i].vertex < hand().skin.vertices.size());
             CHECK(points[i].place == hand().skin.vertices[points[i].vertex]);
             CHECK(vertices.insert(points[i].vertex).second);
-            CHECK(std::fabs(skin_function(hand(), points[i].place)) < 1e-3);
+            // A line may be drawn into its plane: by no more than its groove is wide.
+            CHECK(std::fabs(skin_function(hand(), points[i].place)) < 0.01);
         }
         for (std::size_t k = 0; k < i; ++k)
             least = std::min(least, length(points[i].place - points[k].place));
