@@ -43,13 +43,37 @@ RigidMotion3 turn(const Point3& place, const Point3& axis, double degrees) {
     return motion;
 }
 
-/// The joint's own turn by a part of its angles: first it bends, then it spreads.
-RigidMotion3 joint_turn(const HandJoint& joint, const HandPose& angles, double part) {
-    RigidMotion3 motion;
-    if (joint.bend != HandJoint::none) motion = turn(joint.place, joint.bend_axis, part * angles[joint.bend]);
-    if (joint.spread != HandJoint::none)
-        motion = after(turn(joint.place, joint.spread_axis, part * angles[joint.spread]), motion);
-    return motion;
+/// A joint's own turn: first it bends, then it spreads. Without an axis its angle is 0.
+struct JointTurn {
+    Point3 place, bend_axis, spread_axis;
+    double bend = 0, spread = 0; ///< degrees
+
+    JointTurn(const HandJoint& joint, const HandPose& angles)
+        : place(joint.place)
+        , bend_axis(joint.bend_axis)
+        , spread_axis(joint.spread_axis)
+        , bend(joint.bend == HandJoint::none ? 0 : angles[joint.bend])
+        , spread(joint.spread == HandJoint::none ? 0 : angles[joint.spread]) {}
+
+    RigidMotion3 motion(double part) const {
+        return after(turn(place, spread_axis, part * spread), turn(place, bend_axis, part * bend));
+    }
+};
+
+/// Of axes that may point to opposite sides, then angles about them have opposite signs.
+void take_mean(Point3& axis, double& angle, const Point3& other_axis, double other_angle) {
+    const double side = dot(axis, other_axis) < 0 ? -1 : 1;
+    const Point3 sum = axis + side * other_axis;
+    if (length(sum) > 0) axis = unit(sum);
+    angle = (angle + side * other_angle) / 2;
+}
+
+/// By the mean of both angles, about the mean axis.
+JointTurn mean(JointTurn a, const JointTurn& b) {
+    a.place = 0.5 * (a.place + b.place);
+    take_mean(a.bend_axis, a.bend, b.bend_axis, b.bend);
+    take_mean(a.spread_axis, a.spread, b.spread_axis, b.spread);
+    return a;
 }
 
 /// What is measured of a ray, from the wrist outwards: typical proportions of a grown hand.
@@ -220,7 +244,7 @@ private:
         if (std::none_of(hand_.points.begin(), hand_.points.end(), at_it)) hand_.points.push_back(point);
     }
 
-    /// Onto the nearest vertex of the skin.
+    /// Onto the nearest vertex of the skin, which a ring takes into its plane.
     void add_constraint(HandPoint point) {
         double least = std::numeric_limits<double>::max();
         for (std::size_t i = 0; i < hand_.skin.vertices.size(); ++i) {
@@ -230,7 +254,13 @@ private:
                 point.vertex = i;
             }
         }
-        point.place = hand_.skin.vertices[point.vertex];
+        Point3& vertex = hand_.skin.vertices[point.vertex];
+        if (point.kind == HandPointKind::ring) {
+            const HandJoint& j = hand_.joints[point.joint];
+            const Point3 along = unit(j.end - j.place);
+            vertex = vertex - dot(vertex - j.place, along) * along;
+        }
+        point.place = vertex;
         add(point);
     }
 
@@ -431,7 +461,7 @@ std::vector<Point3> Hand::sites() const {
 std::vector<RigidMotion3> Hand::bones(const HandPose& angles) const {
     std::vector<RigidMotion3> motions;
     for (const HandJoint& joint : joints) {
-        const RigidMotion3 own = joint_turn(joint, angles, 1);
+        const RigidMotion3 own = JointTurn(joint, angles).motion(1);
         motions.push_back(joint.parent == HandJoint::none ? own : after(motions[joint.parent], own));
     }
     return motions;
@@ -439,20 +469,20 @@ std::vector<RigidMotion3> Hand::bones(const HandPose& angles) const {
 
 std::vector<Point3> Hand::pose(const HandPose& angles, bool half) const {
     const auto motions = bones(angles);
-    const auto moved = [&](const HandPoint& point, std::size_t number_of_joint) {
-        const HandJoint& joint = joints[number_of_joint];
-        const Point3 p = joint_turn(joint, angles, half ? point.part : 1.0)(point.place);
-        return joint.parent == HandJoint::none ? p : motions[joint.parent](p);
-    };
     std::vector<Point3> places;
     for (const HandPoint& point : points) {
-        if (point.joint == HandJoint::none) {
-            places.push_back(point.place);
-        } else if (point.other == HandJoint::none) {
-            places.push_back(moved(point, point.joint));
-        } else {
-            places.push_back(0.5 * (moved(point, point.joint) + moved(point, point.other)));
+        Point3 p = point.place;
+        double part = half ? point.part : 1;
+        if (point.joint != HandJoint::none && point.other == HandJoint::none) {
+            const HandJoint& joint = joints[point.joint];
+            p = JointTurn(joint, angles).motion(part)(p);
+            if (joint.parent != HandJoint::none) p = motions[joint.parent](p);
+        } else { // the joints of both rays are as far from the wrist
+            for (std::size_t a = point.joint, b = point.other; a != HandJoint::none;
+                 a = joints[a].parent, b = joints[b].parent, part = 1)
+                p = mean(JointTurn(joints[a], angles), JointTurn(joints[b], angles)).motion(part)(p);
         }
+        places.push_back(p);
     }
     return places;
 }

@@ -88,9 +88,10 @@ const char* to_string(HandPointKind kind);
 struct HandPoint {
     Point3 place;
     HandPointKind kind = HandPointKind::surround;
-    std::size_t joint = HandJoint::none;  ///< none: fixed
-    std::size_t other = HandJoint::none;  ///< shared between two joints: turned by the mean of both
-    double part = 1;                      ///< of the joint's angles: rings turn by half
+    std::size_t joint = HandJoint::none; ///< none: fixed
+    std::size_t other =
+        HandJoint::none; ///< shared by two joints: turned by the mean angle about the mean axis
+    double part = 1;     ///< of the joint's angles: rings turn by half
     std::size_t vertex = HandJoint::none; ///< of the skin, where it is a constraint point
 };
 

@@ -22,6 +22,11 @@ int fail(const std::string& message) {
     return 1;
 }
 
+/// The joint at a fingertip, where nothing is said of it: two thirds of the one before it, as tendons pull both.
+bool follows(std::size_t angle) {
+    return angle < std::size_t(HandAngle::ring_metacarpal) && angle % 4 == std::size_t(HandAngle::index_dip);
+}
+
 /// The angles of a line; empty, or why there are none.
 std::string parse_angles(std::string_view line, HandPose& pose) {
     const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
@@ -29,8 +34,12 @@ std::string parse_angles(std::string_view line, HandPose& pose) {
         return std::to_string(columns) + " numbers where a pose has " + std::to_string(hand_angle_count);
     for (std::size_t i = 0; i < hand_angle_count; ++i) {
         const std::string_view field = line.substr(0, line.find(','));
-        const std::string why = detail::parse_number(detail::trim(field), pose[i]);
-        if (!why.empty()) return why;
+        if (follows(i) && detail::trim(field).empty()) {
+            pose[i] = pose[i - 1] * 2 / 3;
+        } else {
+            const std::string why = detail::parse_number(detail::trim(field), pose[i]);
+            if (!why.empty()) return why;
+        }
         const auto& range = hand_angle_ranges[i];
         if (!(range.least <= pose[i] && pose[i] <= range.most)) {
             return std::string(range.name) + " is " + detail::short_number(pose[i]) + ", and goes from " +
@@ -74,6 +83,7 @@ int run_program(int argc, char** argv) {
         angles += std::string("  ") + range.name + "  " + detail::short_number(range.least) + " to " +
                   detail::short_number(range.most) + '\n';
     }
+    angles += "The dip angle of a finger may be left empty: it is then two thirds of its pip angle.\n";
     line.set_footer(angles);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -1,0 +1,20 @@
+#pragma once
+
+// What a hand moved by control points has to hold, measured.
+
+#include "bound_hand.hpp"
+#include "hand_builds.hpp"
+
+#include <cstddef>
+
+namespace cageform_examples {
+
+struct AcceptanceCount {
+    std::size_t lines = 0, missed = 0;
+};
+
+/// Prints a line a property, "ok" or "missed", with its bound in parentheses. A missed line is no error: it says what
+/// this hand does not do yet.
+AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& builder);
+
+} // namespace cageform_examples
