@@ -1,5 +1,8 @@
 #include "hand_acceptance.hpp"
 
+#include <cageform/binding/pack.hpp>
+#include <cageform/clone/clone_rational.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdarg>
@@ -189,9 +192,11 @@ Flipped flipped(const BoundHand& bound, std::size_t joint, double degrees) {
     for (const auto& [a, b, c] : hand.skin.faces) {
         const Point3 before = cross(rest[b] - rest[a], rest[c] - rest[a]);
         const Point3 after = cross(skin[b] - skin[a], skin[c] - skin[a]);
-        const auto& rows = bones[hand.vertex_joint[a]].rows;
-        if (dot(after, Point3{dot(rows[0], before), dot(rows[1], before), dot(rows[2], before)}) >= 0)
-            continue;
+        const auto turned_over = [&](std::uint32_t vertex) {
+            const auto& rows = bones[hand.vertex_joint[vertex]].rows;
+            return dot(after, Point3{dot(rows[0], before), dot(rows[1], before), dot(rows[2], before)}) < 0;
+        };
+        if (!(turned_over(a) && turned_over(b) && turned_over(c))) continue;
         const Point3 middle = (1.0 / 3) * (rest[a] + rest[b] + rest[c]);
         const double away = std::fabs(beyond(hand, joint, middle)) / hand.joints[joint].radius;
         found = {found.count + 1, std::max(found.farthest, away)};
@@ -230,11 +235,9 @@ double volume(const std::vector<Point3>& p, const std::vector<Face>& faces) {
     return sum;
 }
 
-/// What the skin of a finger holds, closed by a cone from its first joint.
-double finger_volume(const Hand& hand, std::size_t ray) {
+/// The part of the skin that is a finger's, beyond its first joint.
+std::vector<Face> faces_of_finger(const Hand& hand, std::size_t ray) {
     const auto bones = phalanges(hand, ray);
-    std::vector<Point3> from_joint = hand.skin.vertices;
-    for (Point3& p : from_joint) p = p - hand.joints[bones[0]].place;
     const auto of_finger = [&](std::uint32_t i) {
         return contains(bones, hand.vertex_joint[i]) && beyond(hand, bones[0], hand.skin.vertices[i]) > 0;
     };
@@ -242,38 +245,46 @@ double finger_volume(const Hand& hand, std::size_t ray) {
     for (const Face& face : hand.skin.faces) {
         if (std::all_of(face.begin(), face.end(), of_finger)) finger.push_back(face);
     }
-    return volume(from_joint, finger);
+    return finger;
 }
 
-// 5.
+// 5. A finger is closed by a cone from its first joint, which stays where it is.
 void print_volume(const BoundHand& bound, Lines& lines) {
     const Hand& hand = bound.hand;
     const std::vector<double> ones(hand.points.size(), 1);
-    const double rest = volume(hand.skin.vertices, hand.skin.faces);
     struct Worst {
-        double half = 0, whole = 0; ///< changes in percent
+        double half = 0, whole = 0, skin = 0; ///< changes in percent of the finger
     };
     Worst base, others;
     for (std::size_t ray = 0; ray < 4; ++ray) {
-        const double finger = finger_volume(hand, ray);
+        const auto finger = faces_of_finger(hand, ray);
         const auto bones = phalanges(hand, ray);
+        const auto held = [&](std::vector<Point3> skin, const std::vector<Face>& faces) {
+            for (Point3& p : skin) p = p - hand.joints[bones[0]].place;
+            return volume(skin, faces);
+        };
+        const auto& rest = hand.skin.vertices;
+        const double of_finger = held(rest, finger), of_skin = held(rest, hand.skin.faces);
         for (const std::size_t joint : bones) {
             const HandPose angles = bent(hand, joint, 90);
-            const auto change = [&](bool half) {
-                const auto skin = bound.clone(hand.pose(angles, half), ones);
-                return 100 * (volume(skin, hand.skin.faces) - rest) / finger;
-            };
+            const auto half = bound.clone(hand.pose(angles), ones),
+                       whole = bound.clone(hand.pose(angles, false), ones);
             Worst& worst = joint == bones[0] ? base : others;
-            const double half = change(true), whole = change(false);
-            if (std::fabs(half) > std::fabs(worst.half)) worst.half = half;
-            if (std::fabs(whole) > std::fabs(worst.whole)) worst.whole = whole;
+            const auto take = [&](double& most, double change) {
+                change *= 100 / of_finger;
+                if (std::fabs(change) > std::fabs(most)) most = change;
+            };
+            take(worst.half, held(half, finger) - of_finger);
+            take(worst.whole, held(whole, finger) - of_finger);
+            take(worst.skin, held(half, hand.skin.faces) - of_skin);
         }
     }
     for (const auto& [worst, joints] : {std::pair{others, "PIP or DIP"}, {base, "MCP"}}) {
         lines.line(std::fabs(worst.half) <= 10,
                    "5. a finger's volume, %s at 90 degrees: %+.1f %% with half-turned rings (10), %+.1f %% "
-                   "without",
-                   joints, worst.half, worst.whole);
+                   "without; of "
+                   "all skin, palm and webs too, %+.1f %% of a finger",
+                   joints, worst.half, worst.whole, worst.skin);
     }
 }
 

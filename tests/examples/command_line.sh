@@ -779,6 +779,11 @@ refuses 'nan_pose.csv:1: thumb_ip' "$programs/pose_hand" --pose nan_pose.csv --p
 echo '0,95,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' >far_pose.csv
 refuses 'index_mcp is 95, and goes from -20 to 90' "$programs/pose_hand" --pose far_pose.csv --picture out.png
 refuses 'no_such_file' "$programs/pose_hand" --pose no_such_file --picture out.png
+echo '0,30,60,,0,30,60,,0,30,60,,0,30,60,,0,0,0,0,0,0' >tendons.csv
+echo '0,30,60,40,0,30,60,40,0,30,60,40,0,30,60,40,0,0,0,0,0,0' >joints.csv
+works "a pose without its last joints" "$programs/pose_hand" --pose tendons.csv -o tendons.obj
+works "the same pose with them" "$programs/pose_hand" --pose joints.csv -o joints.obj
+works "the last joint follows by two thirds" cmp tendons.obj joints.obj
 works "the hand as an OBJ file" "$programs/pose_hand" --pose rest -o hand_rest.obj
 grep '^v' hand_rest.obj >rest && grep '^v' folder/hand/hand.obj | cmp -s - rest && ok=yes || ok=no
 report $ok "at rest the hand is what make_hand writes"
