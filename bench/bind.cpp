@@ -240,22 +240,70 @@ void evaluate_sibson(benchmark::State& state) {
                  anywhere<D>(std::size_t(state.range(0)), 0.9, 2));
 }
 
+/// Twenty rings of twelve sites one above the other: control points as a sleeve has them, with many on a sphere.
+template <std::size_t D>
+std::vector<cageform::Vec<double, D>> rings() {
+    std::vector<cageform::Vec<double, D>> sites;
+    for (int k = 0; k < 20; ++k) {
+        for (int i = 0; i < 12; ++i) {
+            const double t = 2 * std::numbers::pi * i / 12;
+            if constexpr (D == 3) sites.push_back({std::cos(t), std::sin(t), 0.1 * (k - 9.5)});
+            if constexpr (D == 2)
+                sites.push_back({0.05 * (k + 1) * std::cos(t), 0.05 * (k + 1) * std::sin(t)});
+        }
+    }
+    return sites;
+}
+
+/// Natural neighbours and their weights, a short list for each point, as CGAL gives them. `exact`: the share of
+/// points whose weights double could not give.
+template <std::size_t D>
+void sibson_neighbours(benchmark::State& state, bool in_rings) {
+    const auto sites = in_rings ? rings<D>() : anywhere<D>(std::size_t(state.range(1)), 1, 1);
+    const auto points = anywhere<D>(std::size_t(state.range(0)), in_rings ? 0.6 : 0.9, 2);
+    const cageform::detail::NaturalNeighbours<D> neighbours(
+        sites, cageform::coincidence_tolerance(
+                   cageform::bounds_of(std::span<const cageform::Vec<double, D>>(sites))));
+    typename cageform::detail::NaturalNeighbours<D>::Scratch scratch;
+    scratch.gradients = false;
+    std::size_t exact = 0, found = 0;
+    for (auto _ : state) {
+        exact = found = 0;
+        for (const auto& p : points) {
+            scratch.cell.exact = false;
+            (void)neighbours.find(p, scratch);
+            benchmark::DoNotOptimize(scratch.found.data());
+            exact += scratch.cell.exact ? 1 : 0;
+            found += scratch.found.size();
+        }
+    }
+    finish(state, points.size(), sites.size());
+    state.counters["exact"] = double(exact) / double(points.size());
+    state.counters["neighbours"] = double(found) / double(points.size());
+}
+
 #if defined(CAGEFORM_BENCH_CGAL)
-/// CGAL's natural neighbours in the plane, of the same sites and points, each search from the last triangle.
-void cgal_natural_neighbours(benchmark::State& state) {
+/// CGAL's of the same sites and points, each search from beside the last point's first neighbour.
+void sibson_neighbours_of_cgal(benchmark::State& state) {
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-    CGAL::Delaunay_triangulation_2<Kernel> triangulation;
+    using Triangulation = CGAL::Delaunay_triangulation_2<Kernel>;
+    using Weight = std::pair<Triangulation::Vertex_handle, double>;
+    struct Identity {
+        using result_type = Weight;
+        Weight operator()(const Weight& weight) const { return weight; }
+    };
+    Triangulation triangulation;
     for (const auto& p : anywhere<2>(std::size_t(state.range(1)), 1, 1)) triangulation.insert({p[0], p[1]});
     const auto points = anywhere<2>(std::size_t(state.range(0)), 0.9, 2);
-    std::vector<std::pair<Kernel::Point_2, double>> weights;
+    std::vector<Weight> weights;
     for (auto _ : state) {
-        decltype(triangulation)::Face_handle face = triangulation.finite_faces_begin();
+        Triangulation::Face_handle face = triangulation.finite_faces_begin();
         for (const auto& p : points) {
             weights.clear();
-            face = triangulation.locate({p[0], p[1]}, face);
             const auto result = CGAL::natural_neighbor_coordinates_2(
-                triangulation, Kernel::Point_2(p[0], p[1]), std::back_inserter(weights), face);
+                triangulation, Kernel::Point_2(p[0], p[1]), std::back_inserter(weights), Identity(), face);
             for (auto& [site, weight] : weights) weight /= result.second;
+            if (!weights.empty()) face = weights.front().first->face();
             benchmark::DoNotOptimize(weights.data());
         }
         benchmark::ClobberMemory();
@@ -427,11 +475,11 @@ void growing_points(benchmark::internal::Benchmark* benchmark) {
 void sites_and_degree(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"sites", "degree"})->Unit(benchmark::kMicrosecond);
     for (const int degree : {1, 3}) benchmark->Args({400, degree});
-    benchmark->Args({10000, 1});
+    benchmark->Args({20000, 1});
 }
 void points_sites_degree(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "sites", "degree"})->Unit(benchmark::kMicrosecond);
-    for (const int degree : {1, 3}) benchmark->Args({10000, 400, degree});
+    for (const int degree : {1, 3}) benchmark->Args({100000, 400, degree});
 }
 void growing_grid(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles", "resolution"})->Unit(benchmark::kMillisecond);
@@ -459,9 +507,14 @@ BENCHMARK_TEMPLATE(bind_sibson, double, 3)->Apply(points_sites_degree);
 BENCHMARK_TEMPLATE(bind_sibson, float, 3)->Apply(points_sites_degree);
 BENCHMARK_TEMPLATE(evaluate_sibson, 2)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(evaluate_sibson, 3)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(limit_write_weights, of_sibson, true)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(sibson_neighbours<2>, random, false)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 #if defined(CAGEFORM_BENCH_CGAL)
-BENCHMARK(cgal_natural_neighbours)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK(sibson_neighbours_of_cgal)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 #endif
+BENCHMARK_CAPTURE(sibson_neighbours<3>, random, false)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(sibson_neighbours<2>, rings, true)->Args({10000, 240})->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(sibson_neighbours<3>, rings, true)->Args({10000, 240})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, double)->Unit(benchmark::kMillisecond);

@@ -20,7 +20,8 @@ case $preset in
   *)
     packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
-    [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial"
+    [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial libcgal-dev
+      libgmp-dev libmpfr-dev"
     CAGEFORM_WARNINGS_AS_ERRORS=ON sh examples/run.sh --build-only
     ;;
 esac

@@ -54,6 +54,7 @@ public:
         std::vector<Neighbour<D>> found; ///< in an order that follows from the triangulation alone
         bool gradients = true;           ///< whether gradients are asked for: in, the only one
         bool at_site = false;
+        Vec<double, D> missed{}; ///< Σ weight away, of a place on a facet; in extents
         typename Delaunay<D>::Search search;
         NewCell<D> cell;
         std::unique_ptr<typename Flat::Scratch> flat;
@@ -130,8 +131,9 @@ public:
         typename HullTree<D>::Nearest nearest{0, {}, std::numeric_limits<double>::max()};
         hull_.find(lattice_.seen(p), nearest);
         scratch.found.clear();
+        scratch.missed = {};
         find_on_facet(nearest.facet, nearest.place, scratch);
-        return lattice_.unseen(nearest.place);
+        return lattice_.unseen(nearest.place + scratch.missed);
     }
 
     /// A place somewhat inside from `p` in the hull: so far towards the middle of the first simplex,
@@ -317,21 +319,30 @@ private:
         Corners<D> corner;
         for (std::size_t k = 0; k < D; ++k) corner[k] = at_[vertex[k]];
         auto weight = nearest_on_facet(q, corner);
-        // Of a triangle as thin as rounding the weights are right to some digits only, of what they
-        // miss as well: so they are refined.
-        auto target = q, miss = q - place_on_facet(weight, corner);
+        if constexpr (D == 3) refine(q, corner, weight);
+        for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
+    }
+    /// Of a triangle as thin as rounding the weights are right to some digits only, and so is what
+    /// is added for what they miss.
+    void refine(const Vec<double, D>& q, const Corners<D>& corner, std::array<double, D>& weight) const {
+        const auto& [a, b, c] = corner;
+        const auto n = cross(b - a, c - a);
+        auto miss = q - place_on_facet(weight, corner);
         for (int round = 0; round < 4 && dot(miss, miss) > tolerance_ * tolerance_; ++round) {
-            target = target + miss;
-            const auto next = nearest_on_facet(target, corner);
+            const double u = dot(cross(c - b, miss), n) / dot(n, n),
+                         v = dot(cross(a - c, miss), n) / dot(n, n);
+            const std::array<double, D> next{weight[0] + u, weight[1] + v, weight[2] - (u + v)};
             const auto rest = q - place_on_facet(next, corner);
-            if (!(dot(rest, rest) < dot(miss, miss))) break;
+            if (!(std::min({next[0], next[1], next[2]}) >= 0 && dot(rest, rest) < dot(miss, miss))) return;
             weight = next;
             miss = rest;
         }
-        for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
     }
     void take(std::uint32_t v, double weight, const Vec<double, D>& q, Scratch& scratch) const {
-        if (weight > 0) scratch.found.push_back({sites_.site(v), weight, {}, unit_ * (at_[v] - q)});
+        if (!(weight > 0)) return;
+        const auto away = at_[v] - q;
+        scratch.found.push_back({sites_.site(v), weight, {}, unit_ * away});
+        scratch.missed = scratch.missed + weight * away;
     }
 
     bool smooth_ = false; ///< in the plane: the measures of C² coordinates
