@@ -225,11 +225,12 @@ void make_sibson(benchmark::State& state) {
         benchmark::Counter(double(sites.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// Into recycled memory.
 template <class T, std::size_t D>
 void bind_sibson(benchmark::State& state) {
     const auto sites = anywhere<D>(std::size_t(state.range(1)), 1, 1);
     run_bind(state, cageform::SibsonCoordinates<T, D>(sites, {.degree = int(state.range(2))}),
-             anywhere<D>(std::size_t(state.range(0)), 0.9, 2));
+             anywhere<D>(std::size_t(state.range(0)), 0.9, 2), true);
 }
 
 /// Weights alone, into memory that is there.
@@ -247,7 +248,7 @@ std::vector<cageform::Vec<double, D>> rings() {
     for (int k = 0; k < 20; ++k) {
         for (int i = 0; i < 12; ++i) {
             const double t = 2 * std::numbers::pi * i / 12;
-            if constexpr (D == 3) sites.push_back({std::cos(t), std::sin(t), 0.1 * (k - 9.5)});
+            if constexpr (D == 3) sites.push_back({std::cos(t), std::sin(t), 0.5 * (k - 9.5)});
             if constexpr (D == 2)
                 sites.push_back({0.05 * (k + 1) * std::cos(t), 0.05 * (k + 1) * std::sin(t)});
         }
@@ -255,10 +256,13 @@ std::vector<cageform::Vec<double, D>> rings() {
     return sites;
 }
 
+enum class Sites { anywhere, in_rings };
+
 /// Natural neighbours and their weights, a short list for each point, as CGAL gives them. `exact`: the share of
 /// points whose weights double could not give.
-template <std::size_t D>
-void sibson_neighbours(benchmark::State& state, bool in_rings) {
+template <std::size_t D, Sites kind>
+void sibson_neighbours(benchmark::State& state) {
+    constexpr bool in_rings = kind == Sites::in_rings;
     const auto sites = in_rings ? rings<D>() : anywhere<D>(std::size_t(state.range(1)), 1, 1);
     const auto points = anywhere<D>(std::size_t(state.range(0)), in_rings ? 0.6 : 0.9, 2);
     const cageform::detail::NaturalNeighbours<D> neighbours(
@@ -288,10 +292,7 @@ void sibson_neighbours_of_cgal(benchmark::State& state) {
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
     using Triangulation = CGAL::Delaunay_triangulation_2<Kernel>;
     using Weight = std::pair<Triangulation::Vertex_handle, double>;
-    struct Identity {
-        using result_type = Weight;
-        Weight operator()(const Weight& weight) const { return weight; }
-    };
+    const auto as_it_is = [](const Weight& weight) { return weight; };
     Triangulation triangulation;
     for (const auto& p : anywhere<2>(std::size_t(state.range(1)), 1, 1)) triangulation.insert({p[0], p[1]});
     const auto points = anywhere<2>(std::size_t(state.range(0)), 0.9, 2);
@@ -301,7 +302,7 @@ void sibson_neighbours_of_cgal(benchmark::State& state) {
         for (const auto& p : points) {
             weights.clear();
             const auto result = CGAL::natural_neighbor_coordinates_2(
-                triangulation, Kernel::Point_2(p[0], p[1]), std::back_inserter(weights), Identity(), face);
+                triangulation, Kernel::Point_2(p[0], p[1]), std::back_inserter(weights), as_it_is, face);
             for (auto& [site, weight] : weights) weight /= result.second;
             if (!weights.empty()) face = weights.front().first->face();
             benchmark::DoNotOptimize(weights.data());
@@ -508,13 +509,13 @@ BENCHMARK_TEMPLATE(bind_sibson, float, 3)->Apply(points_sites_degree);
 BENCHMARK_TEMPLATE(evaluate_sibson, 2)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(evaluate_sibson, 3)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(limit_write_weights, of_sibson, true)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(sibson_neighbours<2>, random, false)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(sibson_neighbours, 2, Sites::anywhere)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 #if defined(CAGEFORM_BENCH_CGAL)
 BENCHMARK(sibson_neighbours_of_cgal)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 #endif
-BENCHMARK_CAPTURE(sibson_neighbours<3>, random, false)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(sibson_neighbours<2>, rings, true)->Args({10000, 240})->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(sibson_neighbours<3>, rings, true)->Args({10000, 240})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(sibson_neighbours, 3, Sites::anywhere)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(sibson_neighbours, 2, Sites::in_rings)->Args({10000, 240})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(sibson_neighbours, 3, Sites::in_rings)->Args({10000, 240})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
