@@ -571,6 +571,30 @@ void check_nearly_flat_hull(std::uint64_t seed) {
     }
 }
 
+TEST_CASE("sibson reproduces places of a hull whose triangles are thin to rounding",
+          "[coordinates][sibson][property]") {
+    const auto seed = std::uint64_t(GENERATE(range(0, 40)));
+    Random random(seed + 900);
+    const double off = std::pow(10.0, random.uniform(-13, -9));
+    CAPTURE(seed, off);
+    Points<3> sites(6);
+    for (auto& p : sites) {
+        const double x = random.uniform(-1, 1);
+        p = {x + off * random.uniform(-1, 1), x + off * random.uniform(-1, 1),
+             2 * x + off * random.uniform(-1, 1)};
+    }
+    const SibsonCoordinates<double, 3> sibson(sites);
+    if (sibson.cage_report().status != Status::ok) return; // in a plane, as good as
+    for (int n = 0; n < 20; ++n) {
+        const Vec<double, 3> p{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        std::vector<double> row(sites.size());
+        const auto place = sibson.nearest_boundary(p, row);
+        CHECK(std::fabs(double(sum_of(row)) - 1) <= 1e-14);
+        CHECK(*std::min_element(row.begin(), row.end()) >= 0);
+        CHECK(distance(combine(row, sites), place) <= 1e-14);
+    }
+}
+
 TEST_CASE("sibson on hull facets that are nearly one goes by the nearest",
           "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 30)));
