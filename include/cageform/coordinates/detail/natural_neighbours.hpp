@@ -282,6 +282,7 @@ private:
             axis[1] = (1 / length(across)) * across;
             axis[0] = cross(axis[1], facet.normal);
             std::vector<Vec<double, 2>> flat;
+            flat.reserve(facet.vertex.size());
             for (const std::uint32_t v : facet.vertex) flat.push_back(in_plane(axis, at_[v]));
             neighbours = Flat(flat, tolerance_, true);
         }
