@@ -104,9 +104,8 @@ public:
         return walk(p, search, [](std::uint32_t) { return false; });
     }
 
-    /// Fills the cavity of `p`: empty where p is a site, without ghosts where it lies inside the hull.
-    /// The walk ends at the first ball that holds p: returned is a simplex of the cavity, or one that
-    /// the site p is a corner of.
+    /// Fills the cavity of `p`: empty where p is a site; beyond the hull some of it, with a ghost. The
+    /// walk ends at the first ball that holds p; returns a simplex of the cavity, or one with corner p.
     std::uint32_t find_cavity(const detail::Place<D>& p, Search& search) const {
         const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
         const std::uint32_t from = walk(p, search, holds);
@@ -252,12 +251,14 @@ private:
         if (!in_conflict(from, p)) return;
         search.stamps_[from] = search.stamp_;
         search.cavity_.push_back(from);
+        if (!centres_.empty() && simplices_[from].is_ghost()) return;
         for (std::size_t n = 0; n < search.cavity_.size(); ++n) {
             for (const std::uint32_t next : simplices_[search.cavity_[n]].neighbour) {
                 if (search.stamps_[next] >= search.stamp_ - 1) continue;
                 const bool inside = in_conflict(next, p);
                 search.stamps_[next] = search.stamp_ - (inside ? 0 : 1);
                 if (inside) search.cavity_.push_back(next);
+                if (inside && !centres_.empty() && simplices_[next].is_ghost()) return;
             }
         }
         std::sort(search.cavity_.begin(), search.cavity_.end());
@@ -285,8 +286,7 @@ private:
     bool in_conflict(std::uint32_t s, const Place& p) const noexcept {
         const Simplex& simplex = simplices_[s];
         if (!centres_.empty() && !simplex.is_ghost()) {
-            const int sign = certainly_inside(s, p);
-            if (sign != 0) return sign > 0;
+            if (const int sign = certainly_inside(s, p); sign != 0) return sign > 0;
         }
         const std::size_t k = simplex.index_of(infinite);
         if (simplex.vertex[k] != infinite) return detail::in_sphere<D>(corners(simplex), p) > 0;
