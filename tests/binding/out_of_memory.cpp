@@ -12,6 +12,7 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/sibson.hpp>
 
 namespace out_of_memory_tests {
 
@@ -147,6 +148,16 @@ TEST_CASE("a cage or coordinates without the memory for them are empty and say s
         (void)made.add_faces(std::span(vertices).first(3), std::span(faces).first(0));
         return check(made).status;
     });
+    const std::vector<Point> sites{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0.4f, 0.5f, 0.3f}};
+    for (const bool tips : {false, true}) {
+        fail_in_turn("natural neighbours", [&] {
+            return cageform::SibsonCoordinates<float, 3>(sites, {.degree = 3, .tips = tips})
+                .cage_report()
+                .status;
+        });
+    }
+    const cageform::SibsonCoordinates<float, 3> sibson(sites);
+    fail_in_turn("bind to sites", [&] { return bind(sibson, std::span(sites).last(1)).report.status; });
     std::vector<std::vector<cageform::MeanValueCoordinates2d>> parts(
         100, {cageform::MeanValueCoordinates2d(square), cageform::MeanValueCoordinates2d(triangle)});
     fail_in_turn("blended", [&] {

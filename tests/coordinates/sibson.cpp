@@ -3,6 +3,8 @@
 #include "support/oracle.hpp"
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/rebind.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/core/threads.hpp>
 
@@ -908,6 +910,99 @@ TEST_CASE("sibson has linear precision in thin sets, and in ones as small as the
     for (std::size_t i = 0; i < 3; ++i) CHECK(units[i][i] == 1);
 }
 
+TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates][sibson][property]", float,
+                   double) {
+    using T = TestType;
+    const auto seed = std::uint64_t(GENERATE(range(0, 4)));
+    CAPTURE(seed);
+    const auto wide = random_sites<3>(seed);
+    const auto sites = rounded<T>(wide), points = rounded<T>(mixtures(wide, seed, 60));
+    const SibsonCoordinates<T, 3> sibson(sites, {.degree = 3, .tips = true});
+    REQUIRE(sibson.cage_report().status == Status::ok);
+    const auto bound = bind(sibson, points);
+    REQUIRE(bound.report.status == Status::ok);
+    std::vector<Vec<T, 3>> pose(sibson.handles().size()), moved(points.size());
+
+    // One affine map in all frames moves the figure by it.
+    Random random(seed);
+    std::array<Vec<T, 3>, 3> columns;
+    for (auto& column : columns)
+        column = {T(random.uniform(-1, 1)), T(random.uniform(-1, 1)), T(random.uniform(-1, 1))};
+    const auto map = [&](const Vec<T, 3>& p) {
+        return p[0] * columns[0] + p[1] * columns[1] + p[2] * columns[2] + Vec<T, 3>{1, -2, 3};
+    };
+    std::vector<Vec<T, 3>> to;
+    for (const auto& p : sites) to.push_back(map(p));
+    std::vector<std::array<Vec<T, 3>, 3>> frames(sites.size(), columns);
+    REQUIRE(sibson.pose_of(to, std::span(std::as_const(frames)), std::span(pose)) == Status::ok);
+    REQUIRE(clone(bound.binding, pose, moved) == Status::ok);
+    const double size = double(bounds_of(std::span<const Vec<T, 3>>(sites)).diagonal()) + 10;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        CHECK(distance(moved[i], map(points[i])) <= 2000 * double(epsilon<T>) * size);
+
+    // A frame alone turns what is near its site: next to it the clone is the frame's map, to second order.
+    for (auto& frame : frames) frame = {Vec<T, 3>{1, 0, 0}, Vec<T, 3>{0, 1, 0}, Vec<T, 3>{0, 0, 1}};
+    frames[3] = columns;
+    REQUIRE(sibson.pose_of(sites, std::span(std::as_const(frames)), std::span(pose)) == Status::ok);
+    if constexpr (sizeof(T) == 8) {
+        double gap = 1e30;
+        for (std::size_t i = 0; i < sites.size(); ++i) {
+            if (i != 3) gap = std::min(gap, distance(sites[i], sites[3]));
+        }
+        std::array<double, 2> errors{};
+        for (std::size_t level = 0; level < 2; ++level) {
+            const double step = gap * (level == 0 ? 1e-3 : 1e-4);
+            const Vec<double, 3> toward = (step / std::sqrt(3)) * Vec<double, 3>{1, -1, 1};
+            const auto near = bind(sibson, Points<3>{sites[3] + toward});
+            Points<3> out(1);
+            if (!near.report.outside.empty()) return; // the site is on the hull
+            REQUIRE(clone(near.binding, pose, out) == Status::ok);
+            const auto expected =
+                sites[3] + toward[0] * columns[0] + toward[1] * columns[1] + toward[2] * columns[2];
+            errors[level] = distance(out[0], expected) / step;
+        }
+        CHECK(errors[1] < 0.2 * errors[0] + 1e-9);
+    }
+
+    const auto before = pose;
+    CHECK(SibsonCoordinates<T, 3>(sites, {.degree = 3})
+              .pose_of(sites, std::span(std::as_const(frames)), std::span(pose)) ==
+          Status::sibson_degree_not_supported);
+    CHECK(sibson.pose_of(points, std::span(std::as_const(frames)), std::span(pose)) ==
+          Status::pose_size_differs);
+    CHECK(sibson.pose_of(sites, std::span(std::as_const(frames)), std::span(pose).first(sites.size())) ==
+          Status::output_too_small);
+    frames[1][2][0] = std::numeric_limits<T>::quiet_NaN();
+    CHECK(sibson.pose_of(sites, std::span(std::as_const(frames)), std::span(pose)) ==
+          Status::pose_not_finite);
+    CHECK(pose == before);
+}
+
+TEST_CASE("rebound, local zeros stay zeros", "[coordinates][sibson][rebind]") {
+    const auto sites = random_sites<3>(5);
+    const auto figure = mixtures(sites, 5, 400);
+    const auto bound = bind(SibsonCoordinates<double, 3>(sites), figure);
+    Points<3> between;
+    for (std::size_t i = 1; i < figure.size(); ++i)
+        between.push_back(figure[i] + 0.3 * (figure[i] - figure[i - 1]));
+    const auto rebound = rebind(bound.binding, between);
+    REQUIRE(rebound.report.status == Status::ok);
+    // A handle that none of the places next to a new one hears, that one does not hear either.
+    std::size_t lost = 0;
+    for (std::size_t i = 0; i < between.size(); ++i) {
+        std::vector<std::pair<double, std::size_t>> near;
+        for (std::size_t k = 0; k < figure.size(); ++k) near.emplace_back(distance(figure[k], between[i]), k);
+        std::partial_sort(near.begin(), near.begin() + 12, near.end());
+        for (std::size_t h = 0; h < sites.size(); ++h) {
+            const bool heard = std::any_of(near.begin(), near.begin() + 12, [&](const auto& place) {
+                return bound.binding.weight(place.second, h) != 0;
+            });
+            lost += !heard && rebound.binding.weight(i, h) != 0 ? 1 : 0;
+        }
+    }
+    CHECK(lost == 0);
+}
+
 // ---- faults -------------------------------------------------------------------------------------
 
 TEST_CASE("sibson names what is wrong with its sites", "[coordinates][sibson]") {
@@ -931,6 +1026,12 @@ TEST_CASE("sibson names what is wrong with its sites", "[coordinates][sibson]") 
               .cage_report()
               .status == Status::sites_in_a_plane);
     CHECK(status(sound, {.degree = 2}).status == Status::sibson_degree_not_supported);
+    // Nor does what was moved from.
+    SibsonCoordinates<double, 2> given(sound);
+    const auto taken = std::move(given);
+    CHECK(bind(taken, sound).report.status == Status::ok);
+    CHECK(bind(given, sound).report.status == // NOLINT(bugprone-use-after-move): what is tested
+          Status::coordinates_empty);
     // What is refused binds nothing.
     CHECK(bind(SibsonCoordinates<double, 2>(Points<2>{}), sound).report.status == Status::too_few_vertices);
 }

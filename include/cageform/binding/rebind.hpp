@@ -60,7 +60,7 @@ public:
         , options_(options)
         , running_(running)
         , handles_(old.handle_view())
-        , restorer_(handles_)
+        , restorer_(handles_, is_mostly_zero(old))
         , count_(points.size)
         , neighbours_(options.neighbours == 0 ? 4 * D : std::max(options.neighbours, D + 1)) {}
 
@@ -101,6 +101,16 @@ private:
     static constexpr std::size_t piece_blocks = 4;
     static constexpr std::size_t none = Extreme::none;
     using Tree = PointTree<D>;
+
+    /// Such are local coordinates: what restoring adds to them leaves their zeros.
+    static bool is_mostly_zero(const BindingView<T, D>& binding) noexcept {
+        std::size_t zeros = 0;
+        for (std::size_t i = 0; i < binding.point_count(); ++i) {
+            for (std::size_t h = 0; h < binding.handle_count(); ++h)
+                zeros += binding.weights(i, h) == T(0) ? 1 : 0;
+        }
+        return 2 * zeros > binding.point_count() * binding.handle_count();
+    }
 
     enum class Kind : std::uint8_t { matched, interpolated, far, kept_in_place, not_finite, unreached };
 
@@ -365,7 +375,8 @@ RebindResult<T, D> rebind_points(const BindingView<T, D>& binding, const PointRe
 ///            figure
 ///   weights  of a point that stands where an old one stood (its coordinates are equal): that
 ///            one's, bit for bit. Of others: interpolated linearly from the nearest old places,
-///            then changed the least that restores Σw = 1 and Σwc = p. Where old points follow the
+///            then changed the least that restores Σw = 1 and Σwc = p; of a binding most of whose
+///            weights are zero, zeros stay zeros. Where old points follow the
 ///            boundary at an offset, new ones between them do. Linear weights are met to rounding
 ///            up to half a spacing off the old figure, others to second order in its spacing: a
 ///            figure twice as dense has errors a quarter as large. Slopes that the old places do

@@ -15,7 +15,7 @@ struct SibsonOptions {
     SiteGradients gradients = SiteGradients::facets;
     /// Degree 3: gradients are in the user's hand instead. To the n sites D n handles are added, the
     /// tips of frames: those of site i at n + D i + axis, half the distance of its nearest site away
-    /// along the axis.
+    /// along the axis. SibsonCoordinates::pose_of poses them.
     bool tips = false;
 };
 
@@ -90,6 +90,36 @@ public:
         add_weights(work);
         for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(work.row[h]);
         return vec_cast<T>(place);
+    }
+
+    /// The pose of sites and tips. A frame turns and stretches what is about its site: tip `axis`
+    /// goes as far from the posed site as its column, times the distance at rest. With frames that
+    /// are the identity the sites alone are moved; those of one affine map move the figure by it.
+    ///
+    ///   sites   where the sites go, #sites
+    ///   frames  #sites; columns[axis] is where the map takes the unit vector of an axis
+    ///   pose    out: #handles
+    ///   fails   sibson_degree_not_supported (there are no tips); pose_size_differs;
+    ///           pose_not_finite; output_too_small. Nothing is written then
+    template <PointRangeIn<D> R>
+    Status pose_of(const R& sites, std::span<const std::array<Vec<T, D>, D>> frames,
+                   std::span<Vec<T, D>> pose) const {
+        if (handles_.size() == site_count_) return Status::sibson_degree_not_supported;
+        if (std::size(sites) != site_count_ || frames.size() != site_count_) return Status::pose_size_differs;
+        if (pose.size() < handles_.size()) return Status::output_too_small;
+        for (std::size_t i = 0; i < site_count_; ++i) {
+            bool finite = is_finite(to_vec<T>(sites[i]));
+            for (const auto& column : frames[i]) finite = finite && is_finite(column);
+            if (!finite) return Status::pose_not_finite;
+        }
+        for (std::size_t i = 0; i < site_count_; ++i) {
+            pose[i] = to_vec<T>(sites[i]);
+            for (std::size_t k = 0; k < D; ++k) {
+                const std::size_t tip = site_count_ + D * i + k;
+                pose[tip] = pose[i] + (handles_[tip][k] - handles_[i][k]) * frames[i][k];
+            }
+        }
+        return Status::ok;
     }
 
 private:
