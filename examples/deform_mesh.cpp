@@ -17,6 +17,7 @@
 #include "progress_bar.hpp"
 
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/clone_rational.hpp>
 
 #include <functional>
 #include <iostream>
@@ -31,7 +32,8 @@ int fail(const std::string& message) {
 }
 
 struct Arguments {
-    std::string figure, cage, pose, out, picture;
+    std::string figure, cage, pose, weights, out, picture;
+    double surround = 0; // margin of points around all; 0: none
     OutsideChoice outside;
     bool report = false;
     CoordinatesChoice choice;
@@ -40,16 +42,45 @@ struct Arguments {
 /// What moves the figure: coordinates, and the pose of their handles.
 struct Control {
     std::unique_ptr<AnyCoordinates<double, 3>> coordinates;
-    ObjFile cage, pose; // of sites with points alone
+    ObjFile cage, pose;          // of sites with points alone
+    std::vector<double> weights; // of sites, or none
     std::function<std::string(const cageform::BindReport&)> describe_faults;
 };
 
-SvgResult<Control> read_sites(const Arguments& given) {
+/// Sites as a picture shows them: an octahedron each.
+ObjFile dots(const std::vector<Point3>& sites, double radius) {
+    ObjFile file;
+    for (const Point3& site : sites) {
+        const auto first = std::uint32_t(file.vertices.size()); // then 2k and 2k + 1 along axis k
+        for (std::size_t n = 0; n < 6; ++n) {
+            file.vertices.push_back(site);
+            file.vertices.back()[n / 2] += n % 2 == 0 ? radius : -radius;
+        }
+        for (std::uint32_t corner = 0; corner < 8; ++corner) {
+            file.triangles.push_back(
+                {first + corner % 2, first + 2 + corner / 2 % 2, first + 4 + corner / 4});
+        }
+    }
+    return file;
+}
+
+SvgResult<Control> read_sites(const Arguments& given, const ObjFile& figure) {
     auto sites = load_sites<3>(given.cage);
     if (!sites) return sites.error();
     auto pose = load_site_pose(given.pose, *sites);
     if (!pose) return pose.error();
-    Control control{make_coordinates<double>(given.choice, *sites), {}, {}, {}};
+    std::vector<double> weights;
+    if (!given.weights.empty()) {
+        auto read = load_site_weights(given.weights, sites->points.size());
+        if (!read) return read.error();
+        weights = std::move(*read);
+    }
+    if (given.surround > 0) {
+        const std::string why = surround_sites(given.surround, figure.vertices, *sites, *pose);
+        if (!why.empty()) return SvgError{why};
+        if (!weights.empty()) weights.resize(sites->points.size(), 1);
+    }
+    Control control{make_coordinates<double>(given.choice, *sites), {}, {}, std::move(weights), {}};
     control.cage.name = given.cage;
     control.cage.vertices = sites->points;
     control.pose.name = given.pose;
@@ -60,8 +91,8 @@ SvgResult<Control> read_sites(const Arguments& given) {
     return control;
 }
 
-SvgResult<Control> read_control(const Arguments& given) {
-    if (given.choice.takes_sites()) return read_sites(given);
+SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
+    if (given.choice.takes_sites()) return read_sites(given, figure);
     auto cage = load_mesh_cage(given.cage);
     if (!cage) return cage.error();
     auto pose = load_obj(given.pose);
@@ -69,7 +100,10 @@ SvgResult<Control> read_control(const Arguments& given) {
     const std::string why = pose_difference(*cage, *pose);
     if (!why.empty()) return SvgError{why};
     auto coordinates = make_coordinates<double>(given.choice, *cage);
-    return Control{std::move(coordinates), std::move(*cage), std::move(*pose),
+    return Control{std::move(coordinates),
+                   std::move(*cage),
+                   std::move(*pose),
+                   {},
                    [name = given.cage](const cageform::BindReport& report) {
                        return describe_mesh_faults(name, report);
                    }};
@@ -77,7 +111,7 @@ SvgResult<Control> read_control(const Arguments& given) {
 
 /// Binds the figure, moves it and writes what was asked for.
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
-    const auto& [coordinates, cage, pose, describe_faults] = control;
+    const auto& [coordinates, cage, pose, weights, describe_faults] = control;
     warn_of_closed_gaps("deform_mesh", cage.name, coordinates->cage_report);
     cageform::BindOptions options;
     options.outside = given.outside.policy(*coordinates);
@@ -93,8 +127,11 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) std::cerr << "deform_mesh: warning: " << outside.warning << '\n';
     std::vector<Point3> moved(figure.vertices.size());
-    const auto status = cageform::clone(bound.binding, pose.vertices, moved);
-    if (status != cageform::Status::ok) return fail(pose.name + ": " + cageform::to_string(status));
+    const auto status =
+        weights.empty() ? cageform::clone(bound.binding, pose.vertices, moved)
+                        : cageform::clone_rational(bound.binding, pose.vertices, std::span(weights), moved);
+    if (status != cageform::Status::ok)
+        return fail((weights.empty() ? pose.name : given.weights) + ": " + cageform::to_string(status));
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has moved beyond all numbers");
     }
@@ -102,17 +139,31 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     OutputFiles outputs;
     outputs.add(given.out).write(to_text(figure, moved));
     if (!given.picture.empty()) {
+        ObjFile rest_dots, moved_dots;
+        const ObjFile *drawn = &cage, *drawn_pose = &pose;
+        if (coordinates->takes_sites) {
+            const double radius =
+                cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal() / 150;
+            rest_dots = dots(cage.vertices, radius);
+            moved_dots = dots(pose.vertices, radius);
+            drawn = &rest_dots;
+            drawn_pose = &moved_dots;
+        }
         const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles}, {cage.vertices, cage.triangles}},
-             {{moved, figure.triangles}, {pose.vertices, cage.triangles}}}};
+            {{{figure.vertices, figure.triangles}, {drawn->vertices, drawn->triangles}},
+             {{moved, figure.triangles}, {drawn_pose->vertices, drawn->triangles}}}};
         draw_meshes(scenes, 1600, 1000).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
     if (given.report) {
         std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
-                  << " normals, " << figure.faces.size() << " faces\ncage: " << cage.vertices.size()
-                  << " vertices, " << cage.triangles.size() << " triangles\n"
-                  << describe(report);
+                  << " normals, " << figure.faces.size() << " faces\n";
+        if (coordinates->takes_sites)
+            std::cout << "control points: " << cage.vertices.size() << '\n';
+        else
+            std::cout << "cage: " << cage.vertices.size() << " vertices, " << cage.triangles.size()
+                      << " triangles\n";
+        std::cout << describe(report);
     }
     return 0;
 }
@@ -129,16 +180,26 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
     given.outside.with_sites = given.choice.with_sites = true;
     given.outside.add_option(line);
+    line.add("--weights", given.weights, "of sibson: how much each point draws the figure, a text file");
+    line.add("--surround", given.surround,
+             "of sibson and sibson-c1: add corners of a box around all that stand still, "
+             "so that nothing is outside; its margin, in diagonals of figure and points; 0: none")
+        .range(0.0, 1e6)
+        .show_default();
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
     line.add_flag("--report", given.report, "print the bind report");
     given.choice.add_options(line);
-    line.set_footer(obj_format + std::string("\n") + site_formats);
+    line.set_footer(obj_format + std::string("\n") + site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (!given.choice.takes_sites() && (!given.weights.empty() || given.surround > 0))
+        return fail("--weights and --surround are of points without a cage: --coordinates sibson");
+    if (given.choice.name == "sibson-c1" && !given.weights.empty())
+        return fail("--weights: sibson-c1 has negative weights, --coordinates sibson has none");
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
-    const auto control = read_control(given);
+    const auto control = read_control(given, *figure);
     if (!control) return fail(to_string(control.error()));
     return deform_figure(given, *figure, *control);
 }

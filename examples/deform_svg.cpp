@@ -20,6 +20,7 @@
 #include "svg_text.hpp"
 
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/clone_rational.hpp>
 
 #include <functional>
 #include <iostream>
@@ -33,25 +34,59 @@ int fail(const std::string& message) {
     return 1;
 }
 
+struct SiteChoice {
+    std::string weights;
+    double surround = 0; // margin of points around all; 0: none
+};
+
 /// What moves the figure: coordinates, and the pose of their handles.
 struct Control {
     std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
     std::vector<Point2> pose;
+    std::vector<double> weights;  // of sites, or none
     std::vector<CageBlock> drawn; // the pose
     std::function<std::string(const cageform::BindReport&)> describe_faults;
 };
 
+/// All that bounds what a document draws.
+SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
+    const auto all = shapes(figure);
+    if (!all) return all.error();
+    std::vector<Point2> points;
+    for (const SvgShape& shape : *all) {
+        for (const Subpath& subpath : shape.path) {
+            points.push_back(subpath.start);
+            for (const Segment& s : subpath.segments) points.insert(points.end(), {s.p1, s.p2, s.p3});
+        }
+    }
+    return points;
+}
+
 SvgResult<Control> read_control(const CoordinatesChoice& choice, const std::string& cage_path,
-                                const std::string& pose_path) {
+                                const std::string& pose_path, const SiteChoice& of_sites,
+                                const SvgDocument& figure) {
     if (choice.takes_sites()) {
         auto sites = load_sites<2>(cage_path);
         if (!sites) return sites.error();
         auto pose = load_site_pose(pose_path, *sites);
         if (!pose) return pose.error();
+        std::vector<double> weights;
+        if (!of_sites.weights.empty()) {
+            auto read = load_site_weights(of_sites.weights, sites->points.size());
+            if (!read) return read.error();
+            weights = std::move(*read);
+        }
+        if (of_sites.surround > 0) {
+            const auto inside = control_points(figure);
+            if (!inside) return inside.error();
+            const std::string why = surround_sites(of_sites.surround, *inside, *sites, *pose);
+            if (!why.empty()) return SvgError{why};
+            if (!weights.empty()) weights.resize(sites->points.size(), 1);
+        }
         std::vector<CageBlock> drawn;
         for (const Point2& p : pose->points) drawn.push_back({CageBlock::Kind::point, 0, {p}});
-        return Control{make_coordinates<double>(choice, *sites), std::move(pose->points), std::move(drawn),
-                       [sites = std::move(*sites)](const cageform::BindReport& report) {
+        return Control{make_coordinates<double>(choice, *sites), std::move(pose->points), std::move(weights),
+                       std::move(drawn), [sites = std::move(*sites)](const cageform::BindReport& report) {
                            return describe_site_faults(sites, report);
                        }};
     }
@@ -60,7 +95,10 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const std::stri
     auto pose = load_pose(pose_path, *cage);
     if (!pose) return pose.error();
     return Control{
-        make_coordinates<double>(choice, *cage), std::move(pose->vertices), std::move(pose->blocks),
+        make_coordinates<double>(choice, *cage),
+        std::move(pose->vertices),
+        {},
+        std::move(pose->blocks),
         [cage_path](const cageform::BindReport& report) { return describe_faults(cage_path, report); }};
 }
 
@@ -109,6 +147,7 @@ int run_program(int argc, char** argv) {
     int png_width = 900;
     CoordinatesChoice choice;
     OutsideChoice outside;
+    SiteChoice of_sites;
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
     line.add("--cage", cage_path,
@@ -121,6 +160,12 @@ int run_program(int argc, char** argv) {
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
     outside.with_sites = choice.with_sites = true;
     outside.add_option(line);
+    line.add("--weights", of_sites.weights, "of sibson: how much each point draws the figure, a text file");
+    line.add("--surround", of_sites.surround,
+             "of sibson and sibson-c1: add corners of a box around all that stand still, "
+             "so that nothing is outside; its margin, in diagonals of figure and points; 0: none")
+        .range(0.0, 1e6)
+        .show_default();
     line.add_flag(
         "--text-as-paths", text_as_paths,
         "deform the outlines of letters (as rsvg-convert draws them); else a text moves as a whole");
@@ -132,12 +177,16 @@ int run_program(int argc, char** argv) {
     line.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
     line.add_flag("--report", report, "print the bind report and what became of the shapes");
     choice.add_options(line);
-    line.set_footer(cage_formats + std::string("\n") + site_formats);
+    line.set_footer(cage_formats + std::string("\n") + site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (!choice.takes_sites() && (!of_sites.weights.empty() || of_sites.surround > 0))
+        return fail("--weights and --surround are of points without a cage: --coordinates sibson");
+    if (choice.name == "sibson-c1" && !of_sites.weights.empty())
+        return fail("--weights: sibson-c1 has negative weights, --coordinates sibson has none");
 
     auto document = load_svg(figure_path);
     if (!document) return fail(to_string(document.error()));
-    const auto control = read_control(choice, cage_path, pose_path);
+    const auto control = read_control(choice, cage_path, pose_path, of_sites, *document);
     if (!control) return fail(to_string(control.error()));
 
     if (text_as_paths) {
@@ -171,8 +220,12 @@ int run_program(int argc, char** argv) {
         failure = std::move(verdict.fault);
         if (!failure.empty()) return false;
         if (warning.empty()) warning = std::move(verdict.warning); // of all points, not of those between them
-        const auto status = cageform::clone(binding, control->pose, moved);
-        if (status != cageform::Status::ok) failure = pose_path + ": " + cageform::to_string(status);
+        const auto& weights = control->weights;
+        const auto status = weights.empty()
+                                ? cageform::clone(binding, control->pose, moved)
+                                : cageform::clone_rational(binding, control->pose, std::span(weights), moved);
+        if (status != cageform::Status::ok)
+            failure = (weights.empty() ? pose_path : of_sites.weights) + ": " + cageform::to_string(status);
         if (last.points == 0) last = bound;
         return status == cageform::Status::ok;
     };

@@ -126,13 +126,14 @@ OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordina
     }
     if (!some || word != "auto") return {};
     const auto done = policy(coordinates);
-    return {{},
-            found + "; they " +
-                (done == cageform::OutsidePoints::extend ? "follow the extension of the coordinates"
-                 : done == cageform::OutsidePoints::keep_in_place
-                     ? "stay in place"
-                     : "follow the nearest points of the boundary") +
-                " (--outside)"};
+    return {
+        {},
+        found + "; they " +
+            (done == cageform::OutsidePoints::extend ? "follow the extension of the coordinates"
+             : done == cageform::OutsidePoints::keep_in_place
+                 ? coordinates.takes_sites ? "stay in place, and the figure may tear there" : "stay in place"
+                 : "follow the nearest points of the boundary") +
+            (coordinates.takes_sites ? " (--surround, --outside)" : " (--outside)")};
 }
 
 template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 2>&) const;

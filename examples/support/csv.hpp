@@ -38,8 +38,7 @@ std::string parse_point(std::string_view line, std::array<double, D>& point) {
     const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
     if (columns != D) {
         return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
-               (D == 2 ? " where a cage in the plane needs two: x,y"
-                       : " where a cage in space needs three: x,y,z");
+               (D == 2 ? " where the plane takes two: x,y" : " where space takes three: x,y,z");
     }
     for (double& number : point) {
         const std::string_view field = line.substr(0, line.find(','));

@@ -3,6 +3,8 @@
 #include "bind_report.hpp"
 #include "svg_document.hpp"
 
+#include <cageform/cage/control_points.hpp>
+
 #include <bit>
 
 namespace cageform_examples {
@@ -29,6 +31,8 @@ SvgResult<SiteFile<2>> read_site_circles(const std::string& path) {
     SiteFile<2> sites{path, {}, {}};
     for (SvgShape& shape : *all) {
         if (!shape.is_circle) continue;
+        if (shape.path.empty())
+            return SvgError{path + ": " + shape.label + ": has no radius above 0, so it draws no point"};
         const Subpath& outline = shape.path.front(); // of four arcs, or fewer where they are too small
         const Point2 &a = outline.start, &b = outline.segments.size() == 4 ? outline.segments[1].p3 : a;
         sites.points.push_back({a.x + (b.x - a.x) / 2, a.y + (b.y - a.y) / 2});
@@ -94,6 +98,46 @@ SvgResult<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>
     return pose;
 }
 
+SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::size_t count) {
+    const auto file = read_file(path);
+    if (!file) return file.error();
+    std::vector<double> weights;
+    std::string_view text = *file, line;
+    for (std::size_t number = 1; take_line(text, line); ++number) {
+        line = detail::trim(line);
+        if (line.empty() || line.front() == '#') continue;
+        double weight = 0;
+        std::string why = detail::parse_number(line, weight);
+        if (why.empty() && !(std::isfinite(weight) && weight > 0)) why = "a weight is a number above 0";
+        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+        weights.push_back(weight);
+    }
+    if (weights.size() == count) return weights;
+    return SvgError{path + ": holds " + std::to_string(weights.size()) + " weights where there are " +
+                    std::to_string(count) + " points"};
+}
+
+template <std::size_t D>
+std::string surround_sites(double margin, const std::vector<typename SiteFile<D>::Point>& figure,
+                           SiteFile<D>& sites, SiteFile<D>& pose) {
+    using Point = typename SiteFile<D>::Point;
+    std::vector<Point> inside = figure;
+    inside.insert(inside.end(), sites.points.begin(), sites.points.end());
+    const auto around = cageform::surround(inside, {.margin = margin});
+    if (around.status != cageform::Status::ok)
+        return sites.name + ": no box around the points: " + cageform::to_string(around.status);
+    for (std::size_t i = 0; i < around.sites.size(); ++i) {
+        std::array<double, D> corner{};
+        for (std::size_t k = 0; k < D; ++k) corner[k] = around.sites[i][k];
+        const auto site = std::bit_cast<Point>(corner);
+        for (SiteFile<D>* file : {&sites, &pose}) {
+            file->points.push_back(site);
+            file->places.push_back("corner " + std::to_string(i + 1) + " of --surround");
+        }
+    }
+    return {};
+}
+
 template <std::size_t D>
 std::string single_precision_fault(const SiteFile<D>& sites) {
     for (std::size_t i = 0; i < sites.points.size(); ++i) {
@@ -131,6 +175,8 @@ template SvgResult<SiteFile<2>> load_sites(const std::string&);
 template SvgResult<SiteFile<3>> load_sites(const std::string&);
 template SvgResult<SiteFile<2>> load_site_pose(const std::string&, const SiteFile<2>&);
 template SvgResult<SiteFile<3>> load_site_pose(const std::string&, const SiteFile<3>&);
+template std::string surround_sites<2>(double, const std::vector<Point2>&, SiteFile<2>&, SiteFile<2>&);
+template std::string surround_sites<3>(double, const std::vector<Point3>&, SiteFile<3>&, SiteFile<3>&);
 template std::string single_precision_fault(const SiteFile<2>&);
 template std::string single_precision_fault(const SiteFile<3>&);
 template std::string describe_site_faults(const SiteFile<2>&, const cageform::BindReport&);

@@ -47,6 +47,24 @@ SvgResult<SiteFile<D>> load_sites(const std::string& path);
 template <std::size_t D>
 SvgResult<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites);
 
+/// For --help: weights of sites.
+inline constexpr const char* site_weights_format =
+    "Weights of points are a text file of a number above 0 for each, a line each, in\n"
+    "their order; empty lines and lines that begin with # are skipped. A point heavier\n"
+    "than others draws the figure to it, though nothing has moved.\n";
+
+/// Reads weights of sites; fails also where there are not `count`, or one is not finite and above 0.
+SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::size_t count);
+
+/// Adds the corners of a box around the sites and a figure, which stand still in the pose. See surround() of
+/// cageform/cage/control_points.hpp.
+///
+///   margin   of the box, in diagonals of what is inside; above 0
+///   returns  why there is no such box; empty where there is one
+template <std::size_t D>
+std::string surround_sites(double margin, const std::vector<typename SiteFile<D>::Point>& figure,
+                           SiteFile<D>& sites, SiteFile<D>& pose);
+
 /// The first site that is finite and beyond single precision; empty where there is none.
 template <std::size_t D>
 std::string single_precision_fault(const SiteFile<D>& sites);

@@ -125,6 +125,7 @@ SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document) {
         const bool is_circle = local_name(shape.node) == "circle";
         shapes.push_back({label(work, shape.node), std::move(shape.path), is_circle});
     }
+    for (const pugi::xml_node& node : drawing->flat_circles) shapes.push_back({label(work, node), {}, true});
     return shapes;
 }
 
@@ -158,6 +159,7 @@ SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& doc
     if (!all) return all.error();
     std::string first;
     for (const SvgShape& shape : *all) {
+        if (shape.path.empty()) continue;
         std::vector<std::vector<Point2>> loops;
         const std::string found = detail::polygon_loops(shape.path, loops);
         if (found.empty()) return loops;

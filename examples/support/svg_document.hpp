@@ -56,7 +56,7 @@ struct ViewBox {
 struct SvgShape {
     std::string label; // such as: rect "wall" (line 12)
     Path path;
-    bool is_circle = false; // a circle element: four arcs
+    bool is_circle = false; // a circle element: four arcs, or no path where it has no radius
 };
 
 /// Maps `in` to `out`, of the same length, both in root user space; false stops the deformation. Has to be

@@ -209,7 +209,9 @@ bool ShapeCollector::add_shape(pugi::xml_node node, const Place& place) {
         error_ = path.error();
         return false;
     }
-    return path->empty() || add(node, std::move(*path), place);
+    if (!path->empty()) return add(node, std::move(*path), place);
+    if (local_name(node) == "circle") drawing.flat_circles.push_back(node);
+    return true;
 }
 
 void ShapeCollector::straighten(Path& path) {

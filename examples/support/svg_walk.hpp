@@ -29,6 +29,7 @@ struct Reference {
 struct Drawing {
     std::vector<DrawnShape> shapes; // in document order, clip paths and masks after what they belong to
     std::vector<Reference> references;
+    std::vector<pugi::xml_node> flat_circles; // without a radius, which draw nothing
 };
 
 struct WalkOptions {

@@ -249,7 +249,7 @@ faulty 'bad.csv:6: a chain has two points or more' '# chain\n2,2\n'
 faulty 'bad.csv:6: no points follow' '# chain\n\n2,2\n3,3\n'
 faulty 'bad.csv:6: "# chain" stands alone on its line' '# chain 3\n2,2\n3,3\n'
 faulty 'bad.csv:8: an empty line is missing before # point 1' '# chain\n1,1\n# point 1\n2,2\n'
-faulty 'bad.csv:7: 3 columns where a cage in the plane needs two: x,y' '# chain\n1,1,1\n2,2\n'
+faulty 'bad.csv:7: 3 columns where the plane takes two: x,y' '# chain\n1,1,1\n2,2\n'
 faulty 'radius not positive (4)' '# point 0\n2,2\n'
 faulty 'interior cell outside (4)' '# point 0.5\n9,2\n'
 faulty 'interior cells touch (4, ' '# point 3\n2,2\n'
@@ -472,8 +472,8 @@ sed -n 2p w.csv | awk -F, '{ split("0.125 0.25 0.125 0.5", w, " "); for (k = 1; 
   END { exit bad || NR != 1 || NF != 5 || $1 != "inside" }' && ok=yes || ok=no # to rounding: a solve by orthonormal rows
 report $ok "barycentric coordinates of a tetrahedron"
 refuses 'not a simplex (8, 4)' "$weights" --cage box.obj --points points.csv --coordinates barycentric -o out.csv
-refuses 'middle.csv:1: 2 columns where a cage in space needs three: x,y,z' "$weights" --cage box.obj --points middle.csv -o out.csv
-refuses 'points.csv:1: 3 columns where a cage in the plane needs two: x,y' "$weights" --cage square.csv --points points.csv -o out.csv
+refuses 'middle.csv:1: 2 columns where space takes three: x,y,z' "$weights" --cage box.obj --points middle.csv -o out.csv
+refuses 'points.csv:1: 3 columns where the plane takes two: x,y' "$weights" --cage square.csv --points points.csv -o out.csv
 refuses 'nowhere.obj' "$weights" --cage nowhere.obj --points points.csv -o out.csv
 refuses 'box_bow_tie.obj: a face cannot be cut into triangles' "$weights" --cage box_bow_tie.obj --points points.csv -o out.csv
 refuses 'counted from 0' "$weights" --cage box_wide_open.obj --points points.csv -o out.csv
@@ -731,7 +731,7 @@ for type in sibson sibson-c1; do
 done
 echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M9 9 L8 8"/></svg>' >beyond.svg
 works "outside the hull" "$deform" beyond.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson -o circled.svg
-[ "$(wc -l <log)" = 1 ] && grep -q 'lie outside the convex hull of circles.svg, first (9, 9).*; they stay in place (--outside)' log && grep -q 'd="M9 9' circled.svg && ok=yes || ok=no
+[ "$(wc -l <log)" = 1 ] && grep -q 'lie outside the convex hull of circles.svg, first (9, 9).*; they stay in place, and the figure may tear there (--surround, --outside)' log && grep -q 'd="M9 9' circled.svg && ok=yes || ok=no
 report $ok "what lies outside the hull stays, with one warning"
 works "outside the hull, nearest" "$deform" beyond.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson --outside nearest -o circled.svg
 grep -q 'd="M9 11' circled.svg && ok=yes || ok=no
@@ -763,6 +763,41 @@ refuses 'bad.obj: holds too few points, 2: space takes four' "$mesh" figure.obj 
 sed '5s/.*/v 0 1 1/' sites.obj >bad.obj
 refuses 'line 4 and line 5' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
 refuses 'sites.obj: holds no faces' "$mesh" figure.obj --cage sites.obj --pose sites.obj -o out.obj
+echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M9 9 L7 7"/></svg>' >half_out.svg
+works "surrounded in the plane" "$deform" half_out.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson --surround 0.25 -o circled.svg
+! grep -q 'outside' log && ! grep -q 'd="M9 9' circled.svg && grep -q '7 9"' circled.svg && ok=yes || ok=no
+report $ok "with points around all nothing is outside, and a site still has its figure point"
+works "surrounded in space" "$mesh" figure.obj --cage sites.obj --pose sites_pose.obj --coordinates sibson --surround 0.1 -o moved.obj --picture moved.png --report
+! grep -q 'outside the convex hull' log && grep -q '^control points: 17$' log && ! grep -q 'triangles' log && ok=yes || ok=no
+report $ok "the report has points, not triangles"
+printf 'v 0.3 0.3 0.3\nv 0.4 0.3 0.3\nv 0.3 0.4 0.3\nf 1 2 3\n' >still.obj
+seq 9 | sed 's/.*/2/' >even_weights.txt
+works "even weights" "$mesh" still.obj --cage sites.obj --pose sites_pose.obj --coordinates sibson --weights even_weights.txt -o even.obj
+"$mesh" still.obj --cage sites.obj --pose sites_pose.obj --coordinates sibson -o moved.obj && cmp -s even.obj moved.obj && ok=yes || ok=no
+report $ok "even weights change nothing"
+{ echo '# the last'; seq 8 | sed 's/.*/1/'; echo 3; } >weights.txt
+works "weights in space" "$mesh" still.obj --cage sites.obj --pose sites.obj --coordinates sibson --weights weights.txt --surround 0.1 -o heavy.obj
+cmp -s still.obj heavy.obj && ok=no || ok=yes
+report $ok "a heavy point draws the figure to it"
+printf '1\n1\n3\n1\n' >weights.txt
+works "weights in the plane" "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson --weights weights.txt -o heavy.svg
+cmp -s line.svg heavy.svg && ok=no || ok=yes
+report $ok "a heavy circle draws the figure to it"
+for weight in 0 -1 nan inf word; do
+  printf '1\n1\n%s\n1\n' $weight >bad.txt
+  refuses 'bad.txt:3: ' "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson --weights bad.txt -o out.svg
+done
+printf '1\n1\n' >bad.txt
+refuses 'bad.txt: holds 2 weights where there are 4 points' "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson --weights bad.txt -o out.svg
+refuses 'bad.txt: holds 2 weights where there are 9 points' "$mesh" still.obj --cage sites.obj --pose sites.obj --coordinates sibson --weights bad.txt -o out.obj
+: >bad.txt
+refuses 'bad.txt: holds 0 weights' "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson --weights bad.txt -o out.svg
+refuses 'no_such_file' "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson --weights no_such_file -o out.svg
+refuses 'sibson-c1 has negative weights' "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson-c1 --weights weights.txt -o out.svg
+refuses 'points without a cage' "$deform" line.svg --cage "$cage" --pose "$cage" --surround 1 -o out.svg
+refuses '--surround' "$mesh" still.obj --cage sites.obj --pose sites.obj --coordinates sibson --surround -1 -o out.obj
+sed 's/cx="6" cy="6" r="2"/cx="6" cy="6" r="0"/' circles.svg >bad.svg
+refuses 'bad.svg: circle (line 1): has no radius above 0' "$deform" line.svg --cage bad.svg --pose bad.svg --coordinates sibson -o out.svg
 # ---- a hand ----
 works "a hand" "$programs/make_hand" folder/hand
 grep -q 'hand_poses.csv: 7 poses$' log && ok=yes || ok=no
