@@ -282,9 +282,11 @@ TEST_CASE("every basic shape becomes the path of the recommendation", "[examples
     CHECK(drawn(R"(<rect width="4" height="4" rx="2" ry="0"/>)") == "M0 0 L4 0 L4 4 L0 4 Z");
     CHECK(shapes_of(svg(R"(<rect width="10" height="8" rx="5" ry="4"/>)"))[0].path[0].segments.size() == 4);
 
-    CHECK(shapes_of(
-              svg(R"(<rect width="5"/><circle/><ellipse rx="0" ry="3"/><path/><path d="none"/><polygon/>)"))
+    CHECK(shapes_of(svg(R"(<rect width="5"/><ellipse rx="0" ry="3"/><path/><path d="none"/><polygon/>)"))
               .empty());
+    const auto flat = shapes_of(svg(R"(<circle/>)")); // listed, so that no site is lost unseen
+    REQUIRE(flat.size() == 1);
+    CHECK((flat[0].is_circle && flat[0].path.empty()));
 }
 
 TEST_CASE("transforms accumulate through groups, viewBoxes and nested documents",
