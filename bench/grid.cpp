@@ -3,14 +3,17 @@
 // The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions); data is given at the
 // cells around them, as on the staircase grids of the papers. Beside the multigrid (to an estimated error of 1e-6): the
 // papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), CHOLMOD's factorisation
-// where it is installed, and what it takes to move the memory of the solution once.
+// where it is installed, and what it takes to move the memory of the solution once. Then a drawing of a hundred strokes
+// with two sides, its colours diffused over a canvas.
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
 #include <cageform/grid/pyramid/averaging_pyramid.hpp>
+#include <cageform/grid/strokes.hpp>
 
 #include <benchmark/benchmark.h>
 
 #include <numeric>
+#include <random>
 
 #if defined(CAGEFORM_BENCH_CHOLMOD)
 #include <Eigen/CholmodSupport>
@@ -194,6 +197,109 @@ void limit_move_solution(benchmark::State& state) {
     state.counters["unknowns"] = double(problem.nodes.count());
 }
 
+// ---- strokes --------------------------------------------------------------------------------------
+
+/// Arcs across the unit square with a colour and an opacity at their ends: four channels.
+std::vector<cageform::Stroke<float>> arcs() {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    std::vector<cageform::Stroke<float>> strokes(100);
+    for (auto& stroke : strokes) {
+        const Vec<float, 2> centre{0.15f + 0.7f * uniform(random), 0.15f + 0.7f * uniform(random)};
+        const float radius = 0.02f + 0.12f * uniform(random), first = 6.28f * uniform(random);
+        constexpr int points = 40;
+        for (int i = 0; i < points; ++i) {
+            const float turn = first + 3 * float(i) / points;
+            stroke.points.push_back(centre + radius * Vec<float, 2>{std::cos(turn), std::sin(turn)});
+        }
+        for (int i = 0; i < 4 * points; ++i) stroke.left.push_back(uniform(random));
+        for (int i = 0; i < 4 * points; ++i) stroke.right.push_back(uniform(random));
+    }
+    return strokes;
+}
+constexpr cageform::Bounds<float, 2> canvas{{0, 0}, {1, 1}};
+
+/// To 1e-6 and to 1e-3, below what eight bits a channel show.
+void strokes(benchmark::State& state) {
+    const auto drawing = arcs();
+    cageform::SolverReport report;
+    for (auto _ : state) {
+        cageform::Diffusion<float> field(canvas, std::size_t(state.range(0)), 4);
+        for (const auto& stroke : drawing) {
+            if (field.add(stroke) != cageform::Status::ok) state.SkipWithError("a stroke");
+        }
+        const auto solved = field.solve({.tolerance = state.range(1) == 6 ? 1e-6 : 1e-3});
+        if (solved.status != cageform::Status::ok) state.SkipWithError(to_string(solved.status));
+        report = solved.solver;
+        benchmark::DoNotOptimize(field.field(3).data());
+    }
+    state.counters["unknowns"] = double(report.cells);
+    state.counters["cycles"] = double(report.cycles);
+}
+
+/// Writing four channels of the canvas once.
+void limit_write_canvas(benchmark::State& state) {
+    std::vector<float> fields(4 * std::size_t(state.range(0)) * std::size_t(state.range(0)));
+    float value = 0;
+    for (auto _ : state) {
+        std::fill(fields.begin(), fields.end(), value += 1);
+        benchmark::ClobberMemory();
+    }
+}
+
+#if defined(CAGEFORM_BENCH_CHOLMOD)
+/// The same strokes as marked cells, nothing through the rim.
+void cholmod_strokes(benchmark::State& state) {
+    const int n = int(state.range(0));
+    const auto size = std::size_t(n) * std::size_t(n);
+    std::vector<std::array<float, 4>> data(size);
+    std::vector<bool> given(size, false);
+    for (const auto& stroke : arcs()) {
+        for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
+            for (int k = 0; k < 200; ++k) {
+                const auto p =
+                    stroke.points[i] + (float(k) / 200) * (stroke.points[i + 1] - stroke.points[i]);
+                const std::size_t cell =
+                    std::size_t(p[1] * float(n)) * std::size_t(n) + std::size_t(p[0] * float(n));
+                given[cell] = true;
+                std::copy_n(stroke.left.begin() + std::ptrdiff_t(4 * i), 4, data[cell].begin());
+            }
+        }
+    }
+    std::vector<int> number(size, -1);
+    int count = 0;
+    for (std::size_t cell = 0; cell < size; ++cell) {
+        if (!given[cell]) number[cell] = count++;
+    }
+    for (auto _ : state) {
+        std::vector<Eigen::Triplet<double>> entries;
+        Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count, 4);
+        for (std::size_t cell = 0; cell < size; ++cell) {
+            if (number[cell] < 0) continue;
+            const int i = number[cell], x = int(cell % std::size_t(n)), y = int(cell / std::size_t(n));
+            double diagonal = 0;
+            for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+                if (x + dx < 0 || x + dx >= n || y + dy < 0 || y + dy >= n) continue;
+                const std::size_t other = std::size_t(y + dy) * std::size_t(n) + std::size_t(x + dx);
+                ++diagonal;
+                if (number[other] > i) entries.emplace_back(number[other], i, -1.0);
+                for (int c = 0; number[other] < 0 && c < 4; ++c)
+                    right(i, c) += double(data[other][std::size_t(c)]);
+            }
+            entries.emplace_back(i, i, diagonal);
+        }
+        Eigen::SparseMatrix<double> a(count, count);
+        a.setFromTriplets(entries.begin(), entries.end());
+        const Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(a);
+        if (factor.info() != Eigen::Success) state.SkipWithError("not factorised");
+        const Eigen::MatrixXd solution = factor.solve(right);
+        benchmark::DoNotOptimize(solution.data());
+    }
+    state.counters["unknowns"] = double(count);
+}
+BENCHMARK(cholmod_strokes)->ArgName("n")->Arg(1024)->Unit(benchmark::kMillisecond);
+#endif
+
 void grids_2d(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"n", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
     for (const int n : {256, 1024}) benchmark->Args({n, 1});
@@ -209,6 +315,12 @@ void grids_3d(benchmark::internal::Benchmark* benchmark) {
 
 BENCHMARK_TEMPLATE(multigrid, 2)->Apply(grids_2d);
 BENCHMARK_TEMPLATE(multigrid, 3)->Apply(grids_3d);
+BENCHMARK(strokes)
+    ->ArgNames({"n", "digits"})
+    ->Args({1024, 6})
+    ->Args({1024, 3})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(limit_write_canvas)->ArgName("n")->Arg(1024)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(papers_sweeps, 2)->ArgName("n")->Arg(256)->Arg(1024)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(papers_sweeps, 3)->ArgName("n")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(limit_move_solution, 2)->ArgName("n")->Arg(1024)->Unit(benchmark::kMillisecond);
