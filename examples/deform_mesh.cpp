@@ -32,11 +32,11 @@ int fail(const std::string& message) {
 }
 
 struct Arguments {
-    std::string figure, cage, pose, weights, out, picture;
-    double surround = 0; // margin of points around all; 0: none
+    std::string figure, cage, pose, out, picture;
     OutsideChoice outside;
     bool report = false;
     CoordinatesChoice choice;
+    SiteChoice of_sites;
 };
 
 /// What moves the figure: coordinates, and the pose of their handles.
@@ -65,28 +65,17 @@ ObjFile dots(const std::vector<Point3>& sites, double radius) {
 }
 
 SvgResult<Control> read_sites(const Arguments& given, const ObjFile& figure) {
-    auto sites = load_sites<3>(given.cage);
-    if (!sites) return sites.error();
-    auto pose = load_site_pose(given.pose, *sites);
-    if (!pose) return pose.error();
-    std::vector<double> weights;
-    if (!given.weights.empty()) {
-        auto read = load_site_weights(given.weights, sites->points.size());
-        if (!read) return read.error();
-        weights = std::move(*read);
-    }
-    if (given.surround > 0) {
-        const std::string why = surround_sites(given.surround, figure.vertices, *sites, *pose);
-        if (!why.empty()) return SvgError{why};
-        if (!weights.empty()) weights.resize(sites->points.size(), 1);
-    }
-    Control control{make_coordinates<double>(given.choice, *sites), {}, {}, std::move(weights), {}};
+    auto posed = load_posed_sites<3>(given.cage, given.pose, given.of_sites,
+                                     [&]() -> SvgResult<std::vector<Point3>> { return figure.vertices; });
+    if (!posed) return posed.error();
+    auto& [sites, pose, weights] = *posed;
+    Control control{make_coordinates<double>(given.choice, sites), {}, {}, std::move(weights), {}};
     control.cage.name = given.cage;
-    control.cage.vertices = sites->points;
+    control.cage.vertices = sites.points;
     control.pose.name = given.pose;
-    control.pose.vertices = std::move(pose->points);
-    control.describe_faults = [sites = std::move(*sites)](const cageform::BindReport& report) {
-        return describe_site_faults(sites, report);
+    control.pose.vertices = std::move(pose.points);
+    control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
+        return describe_site_faults(known, report);
     };
     return control;
 }
@@ -131,7 +120,8 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
         weights.empty() ? cageform::clone(bound.binding, pose.vertices, moved)
                         : cageform::clone_rational(bound.binding, pose.vertices, std::span(weights), moved);
     if (status != cageform::Status::ok)
-        return fail((weights.empty() ? pose.name : given.weights) + ": " + cageform::to_string(status));
+        return fail((weights.empty() ? pose.name : given.of_sites.weights) + ": " +
+                    cageform::to_string(status));
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has moved beyond all numbers");
     }
@@ -180,22 +170,15 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
     given.outside.with_sites = given.choice.with_sites = true;
     given.outside.add_option(line);
-    line.add("--weights", given.weights, "of sibson: how much each point draws the figure, a text file");
-    line.add("--surround", given.surround,
-             "of sibson and sibson-c1: add corners of a box around all that stand still, "
-             "so that nothing is outside; its margin, in diagonals of figure and points; 0: none")
-        .range(0.0, 1e6)
-        .show_default();
+    given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
     line.add_flag("--report", given.report, "print the bind report");
     given.choice.add_options(line);
     line.set_footer(obj_format + std::string("\n") + site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (!given.choice.takes_sites() && (!given.weights.empty() || given.surround > 0))
-        return fail("--weights and --surround are of points without a cage: --coordinates sibson");
-    if (given.choice.name == "sibson-c1" && !given.weights.empty())
-        return fail("--weights: sibson-c1 has negative weights, --coordinates sibson has none");
+    const std::string why = given.of_sites.fault(given.choice);
+    if (!why.empty()) return fail(why);
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));

@@ -34,11 +34,6 @@ int fail(const std::string& message) {
     return 1;
 }
 
-struct SiteChoice {
-    std::string weights;
-    double surround = 0; // margin of points around all; 0: none
-};
-
 /// What moves the figure: coordinates, and the pose of their handles.
 struct Control {
     std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
@@ -66,28 +61,15 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const std::stri
                                 const std::string& pose_path, const SiteChoice& of_sites,
                                 const SvgDocument& figure) {
     if (choice.takes_sites()) {
-        auto sites = load_sites<2>(cage_path);
-        if (!sites) return sites.error();
-        auto pose = load_site_pose(pose_path, *sites);
-        if (!pose) return pose.error();
-        std::vector<double> weights;
-        if (!of_sites.weights.empty()) {
-            auto read = load_site_weights(of_sites.weights, sites->points.size());
-            if (!read) return read.error();
-            weights = std::move(*read);
-        }
-        if (of_sites.surround > 0) {
-            const auto inside = control_points(figure);
-            if (!inside) return inside.error();
-            const std::string why = surround_sites(of_sites.surround, *inside, *sites, *pose);
-            if (!why.empty()) return SvgError{why};
-            if (!weights.empty()) weights.resize(sites->points.size(), 1);
-        }
+        auto posed =
+            load_posed_sites<2>(cage_path, pose_path, of_sites, [&] { return control_points(figure); });
+        if (!posed) return posed.error();
+        auto& [sites, pose, weights] = *posed;
         std::vector<CageBlock> drawn;
-        for (const Point2& p : pose->points) drawn.push_back({CageBlock::Kind::point, 0, {p}});
-        return Control{make_coordinates<double>(choice, *sites), std::move(pose->points), std::move(weights),
-                       std::move(drawn), [sites = std::move(*sites)](const cageform::BindReport& report) {
-                           return describe_site_faults(sites, report);
+        for (const Point2& p : pose.points) drawn.push_back({CageBlock::Kind::point, 0, {p}});
+        return Control{make_coordinates<double>(choice, sites), std::move(pose.points), std::move(weights),
+                       std::move(drawn), [known = std::move(sites)](const cageform::BindReport& report) {
+                           return describe_site_faults(known, report);
                        }};
     }
     const auto cage = load_cage(cage_path);
@@ -160,12 +142,7 @@ int run_program(int argc, char** argv) {
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
     outside.with_sites = choice.with_sites = true;
     outside.add_option(line);
-    line.add("--weights", of_sites.weights, "of sibson: how much each point draws the figure, a text file");
-    line.add("--surround", of_sites.surround,
-             "of sibson and sibson-c1: add corners of a box around all that stand still, "
-             "so that nothing is outside; its margin, in diagonals of figure and points; 0: none")
-        .range(0.0, 1e6)
-        .show_default();
+    of_sites.add_options(line);
     line.add_flag(
         "--text-as-paths", text_as_paths,
         "deform the outlines of letters (as rsvg-convert draws them); else a text moves as a whole");
@@ -179,10 +156,7 @@ int run_program(int argc, char** argv) {
     choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (!choice.takes_sites() && (!of_sites.weights.empty() || of_sites.surround > 0))
-        return fail("--weights and --surround are of points without a cage: --coordinates sibson");
-    if (choice.name == "sibson-c1" && !of_sites.weights.empty())
-        return fail("--weights: sibson-c1 has negative weights, --coordinates sibson has none");
+    if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
 
     auto document = load_svg(figure_path);
     if (!document) return fail(to_string(document.error()));

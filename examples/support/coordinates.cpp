@@ -14,6 +14,23 @@ const std::vector<std::string>& CoordinatesChoice::names() {
     return all;
 }
 
+void SiteChoice::add_options(CommandLine& line) {
+    line.add("--weights", weights, "of sibson: how much each point draws the figure, a text file");
+    line.add("--surround", surround,
+             "of sibson and sibson-c1: add corners of a box around all that stand still, "
+             "so that nothing is outside; its margin, in diagonals of figure and points; 0: none")
+        .range(0.0, 1e6)
+        .show_default();
+}
+
+std::string SiteChoice::fault(const CoordinatesChoice& choice) const {
+    if (!choice.takes_sites() && (!weights.empty() || surround > 0))
+        return "--weights and --surround are of points without a cage: --coordinates sibson";
+    if (choice.name == "sibson-c1" && !weights.empty())
+        return "--weights: sibson-c1 has negative weights, --coordinates sibson has none";
+    return {};
+}
+
 void CoordinatesChoice::add_options(CommandLine& line) {
     std::vector<std::string> known = names();
     std::string help = "barycentric (of a triangle or tetrahedron), mean-value or harmonic";

@@ -11,6 +11,7 @@
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -37,6 +38,49 @@ struct CoordinatesChoice {
     /// Of harmonic coordinates, in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
 };
+
+/// What --weights and --surround say of sites.
+struct SiteChoice {
+    std::string weights; // a file; empty: none
+    double surround = 0; // the margin of points around all that stand still; 0: none
+
+    void add_options(CommandLine& line);
+    std::string fault(const CoordinatesChoice& choice) const; ///< why they do not go with it; empty: they do
+};
+
+/// Sites with their pose, as the options have them.
+template <std::size_t D>
+struct PosedSites {
+    SiteFile<D> sites, pose;
+    std::vector<double> weights; // of all sites, or none
+};
+
+/// Reads sites and a pose of them; fails also where the weights do, or no box can be had.
+///
+///   figure   gives what the box has to hold, where one is asked for
+template <std::size_t D>
+SvgResult<PosedSites<D>>
+load_posed_sites(const std::string& path, const std::string& pose_path, const SiteChoice& choice,
+                 const std::function<SvgResult<std::vector<typename SiteFile<D>::Point>>()>& figure) {
+    auto sites = load_sites<D>(path);
+    if (!sites) return sites.error();
+    auto pose = load_site_pose(pose_path, *sites);
+    if (!pose) return pose.error();
+    PosedSites<D> posed{std::move(*sites), std::move(*pose), {}};
+    if (!choice.weights.empty()) {
+        auto read = load_site_weights(choice.weights, posed.sites.points.size());
+        if (!read) return read.error();
+        posed.weights = std::move(*read);
+    }
+    if (choice.surround > 0) {
+        const auto inside = figure();
+        if (!inside) return inside.error();
+        const std::string why = surround_sites(choice.surround, *inside, posed.sites, posed.pose);
+        if (!why.empty()) return SvgError{why};
+        if (!posed.weights.empty()) posed.weights.resize(posed.sites.points.size(), 1);
+    }
+    return posed;
+}
 
 /// Coordinates of a type known when the program runs.
 template <cageform::Scalar T, std::size_t D>
