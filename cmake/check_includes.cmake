@@ -17,6 +17,7 @@ endforeach()
 # Third-party headers, by folder.
 set(third_party_adapt Eigen/ glm/)
 set(third_party_binding Eigen/)
+set(third_party_grid/puzzle.hpp Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
 set(light_folders core clone ${waist} animate/piecewise_cubic.hpp animate/quantised_cubic.hpp animate/curve_bank.hpp
@@ -53,7 +54,7 @@ foreach(header IN LISTS headers)
       endif()
     elseif(name MATCHES "/" OR name MATCHES "\\.h$")
       set(ok FALSE)
-      foreach(prefix IN LISTS third_party_${folder})
+      foreach(prefix IN LISTS third_party_${folder} third_party_${header})
         if(name MATCHES "^${prefix}" AND NOT header IN_LIST light_folders)
           set(ok TRUE)
         endif()

@@ -50,7 +50,8 @@ struct SolverReport {
     /// A resolution that would do, where grid_too_coarse or out_of_memory say that the given one does
     /// not; 0: none is offered. With out_of_memory `bytes` is what was asked for, if known.
     std::size_t sufficient_resolution = 0;
-    std::size_t culprit = none; ///< rim_not_given, value_not_finite: the place (grid/dirichlet.hpp)
+    /// rim_not_given, value_not_finite: the place (grid/dirichlet.hpp); the node or link (grid/puzzle.hpp)
+    std::size_t culprit = none;
 
     /// Where the largest error is to be feared, of error 0 where nowhere; with a resolution at which
     /// no corner's is notable.
