@@ -323,6 +323,13 @@ TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values"
         links[0].conductance = links[1].conductance = 1.7e308;
         refuses(Status::not_converged, none);
     }
+    SECTION("a value that float cannot hold") {
+        const std::vector<GraphLink> pair{{0, 1, 1}, {1, 2, -0.5}};
+        std::vector<float> large{3e38F, 7, 0}; // the middle one would be 6e38
+        const auto done = cageform::solve_graph(Graph{3, pair}, Marks{1, 0, 1}, std::span(large), {true});
+        CHECK(done.status == Status::not_converged);
+        CHECK(large[1] == 7);
+    }
     SECTION("cancelled") {
         cageform::Running running;
         running.progress = [](double) { return false; };
