@@ -6,6 +6,8 @@
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/dirichlet.hpp>
 
+#include <numeric>
+
 namespace dirichlet_tests {
 
 using cageform::CellBox;
@@ -129,6 +131,200 @@ TEST_CASE("the printed grids are solved", "[grid][dirichlet][oracle]") {
     }
 }
 
+namespace {
+
+/// "447/196", or a whole number.
+double fraction(const nlohmann::json& text) {
+    const auto words = text.get<std::string>();
+    const std::size_t bar = words.find('/');
+    return bar == std::string::npos ? std::stod(words) : std::stod(words) / std::stod(words.substr(bar + 1));
+}
+/// All entries of nested tables, in order.
+template <class F>
+void for_each_entry(const nlohmann::json& table, const F& f) {
+    if (!table.is_array()) return f(table);
+    for (const auto& part : table) for_each_entry(part, f);
+}
+
+/// Fields given exactly: what is neither given nor solved for is outside.
+template <std::size_t D>
+void check_puzzle(const nlohmann::json& puzzle) {
+    CAPTURE(puzzle["name"].get<std::string>());
+    CellBox<D> cells; // tables have their first index outermost, a CellBox its first axis innermost
+    for (std::size_t k = 0; k < D; ++k) cells.cells[k] = puzzle["shape"][D - 1 - k].get<std::size_t>();
+    std::vector<double> values, expected;
+    std::vector<cageform::Cell> kinds;
+    for_each_entry(puzzle["given"], [&](const auto& entry) {
+        kinds.push_back(entry.is_null() ? cageform::Cell::unknown : cageform::Cell::given);
+        values.push_back(entry.is_null() ? 1e300 : fraction(entry));
+    });
+    std::size_t place = 0;
+    for_each_entry(puzzle["solution"], [&](const auto& entry) {
+        if (entry.is_null()) kinds[place] = cageform::Cell::outside;
+        expected.push_back(entry.is_null() ? values[place] : fraction(entry));
+        ++place;
+    });
+    REQUIRE(place == values.size());
+    kinds.resize(cells.size()); // all fields have the same
+    const auto solved = cageform::solve_dirichlet<D, double>(
+        cells, kinds, values, {.tolerance = 1e-14, .rim = cageform::Rim::mirrored});
+    REQUIRE(solved.status == Status::ok);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        CHECK(std::fabs(values[i] - expected[i]) <= 1e-12 * std::max(1.0, std::fabs(expected[i])));
+}
+
+} // namespace
+
+TEST_CASE("mirrored rims and cells outside: the exact fields", "[grid][dirichlet][oracle]") {
+    std::size_t solved = 0;
+    const auto file = cageform_tests::read_json("puzzles");
+    for (const auto& puzzle : file["puzzles"]) {
+        if (puzzle["stencil"] != "face") continue;
+        ++solved;
+        switch (puzzle["shape"].size()) {
+        case 1: check_puzzle<1>(puzzle); break;
+        case 2: check_puzzle<2>(puzzle); break;
+        default: check_puzzle<3>(puzzle);
+        }
+    }
+    CHECK(solved >= 17);
+}
+
+TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part without is named",
+                   "[grid][dirichlet][property]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    using cageform::Cell;
+    const int seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const CellBox<2> cells{{5 + random.below(40), 5 + random.below(40)}};
+    const std::size_t size = cells.size(), rarity = 3 + random.below(20);
+    std::vector<Cell> kinds(size, Cell::unknown);
+    std::vector<T> values(size, T(-5));
+    for (std::size_t i = 0; i < size; ++i) {
+        if (random.below(3) == 0) kinds[i] = Cell::outside;
+        if (random.below(rarity) == 0) kinds[i] = Cell::given;
+        if (kinds[i] == Cell::given) values[i] = T(random.uniform(-1, 1));
+    }
+    // Parts by a flood, the range that each is given.
+    std::vector<std::size_t> part(size, size);
+    std::vector<std::array<double, 2>> ranges;
+    std::size_t unreached = 0, first = size;
+    const auto for_each_neighbour = [&](std::size_t i, const auto& f) {
+        const auto [x, y] = cells.index(i);
+        if (x > 0) f(i - 1);
+        if (x + 1 < cells.cells[0]) f(i + 1);
+        if (y > 0) f(i - cells.cells[0]);
+        if (y + 1 < cells.cells[1]) f(i + cells.cells[0]);
+    };
+    for (std::size_t start = 0; start < size; ++start) {
+        if (kinds[start] != Cell::unknown || part[start] != size) continue;
+        std::vector<std::size_t> members{start};
+        part[start] = ranges.size();
+        std::array<double, 2> range{2, -2};
+        for (std::size_t n = 0; n < members.size(); ++n) {
+            for_each_neighbour(members[n], [&](std::size_t other) {
+                if (kinds[other] == Cell::given)
+                    range = {std::min(range[0], double(values[other])),
+                             std::max(range[1], double(values[other]))};
+                if (kinds[other] != Cell::unknown || part[other] != size) return;
+                part[other] = ranges.size();
+                members.push_back(other);
+            });
+        }
+        if (range[0] > range[1]) {
+            unreached += members.size();
+            first = std::min(first, start);
+        }
+        ranges.push_back(range);
+    }
+    // A third of the cells are walls: a maze, in which a cycle divides the error by 1.4 at worst.
+    const cageform::DirichletOptions options{
+        .tolerance = sizeof(T) == 8 ? 1e-11 : 1e-6, .max_cycles = 300, .rim = cageform::Rim::mirrored};
+    auto solved = cageform::solve_dirichlet<2, T>(cells, kinds, values, options);
+    if (unreached > 0) {
+        CHECK(solved.status == Status::cells_unreached);
+        CHECK(solved.solver.culprit == first);
+        CHECK(solved.solver.unreached_cells == unreached);
+        for (std::size_t i = 0; i < size; ++i) { // the same without those parts
+            if (kinds[i] != Cell::unknown) continue;
+            CHECK(values[i] == T(-5));
+            if (ranges[part[i]][0] > ranges[part[i]][1]) kinds[i] = Cell::outside;
+        }
+        solved = cageform::solve_dirichlet<2, T>(cells, kinds, values, options);
+    }
+    CAPTURE(to_string(solved.status));
+    REQUIRE(solved.status == Status::ok);
+    for (std::size_t i = 0; i < size; ++i) {
+        if (kinds[i] == Cell::outside) CHECK(values[i] == T(-5));
+        if (kinds[i] != Cell::unknown) continue;
+        CHECK(double(values[i]) >= ranges[part[i]][0] - 20 * options.tolerance);
+        CHECK(double(values[i]) <= ranges[part[i]][1] + 20 * options.tolerance);
+        double flow = 0;
+        for_each_neighbour(i, [&](std::size_t other) {
+            if (kinds[other] != Cell::outside) flow += double(values[i]) - double(values[other]);
+        });
+        CHECK(std::fabs(flow) <= 100 * options.tolerance);
+    }
+}
+
+TEST_CASE("larger mirrored fields have the values of the reference file", "[grid][dirichlet][oracle]") {
+    const auto file = cageform_tests::read_json("fields");
+    for (const char* name : {"height_map", "colours"}) {
+        const auto& field = file[name];
+        CAPTURE(name);
+        const CellBox<2> cells{{field["columns"].get<std::size_t>(), field["rows"].get<std::size_t>()}};
+        const std::size_t size = cells.size();
+        const auto number = [&](const nlohmann::json& place) {
+            return cells.number({place[0].get<std::size_t>(), place[1].get<std::size_t>()});
+        };
+        const auto numbers = [](const nlohmann::json& value) {
+            return value.is_array() ? value.get<std::vector<double>>() : std::vector{value.get<double>()};
+        };
+        std::vector<cageform::Cell> kinds(size, cageform::Cell::unknown);
+        const std::size_t fields = numbers(field["given"][0][1]).size();
+        std::vector<double> values(fields * size);
+        for (const auto& entry : field["given"]) {
+            kinds[number(entry[0])] = cageform::Cell::given;
+            for (std::size_t f = 0; f < fields; ++f)
+                values[f * size + number(entry[0])] = numbers(entry[1])[f];
+        }
+        if (field.contains("exterior")) {
+            for (const auto& place : field["exterior"]) kinds[number(place)] = cageform::Cell::outside;
+        }
+        REQUIRE(cageform::solve_dirichlet<2, double>(cells, kinds, values,
+                                                     {.tolerance = 1e-14, .rim = cageform::Rim::mirrored})
+                    .status == Status::ok);
+        REQUIRE(field["samples"].size() >= 8);
+        for (const auto& sample : field["samples"]) {
+            for (std::size_t f = 0; f < fields; ++f)
+                CHECK(std::fabs(values[f * size + number(sample[0])] - numbers(sample[1])[f]) < 1e-12);
+        }
+        if (!field.contains("mean")) continue;
+        const double mean = std::accumulate(values.begin(), values.end(), 0.0) / double(size);
+        CHECK(std::fabs(mean - field["mean"].get<double>()) < 1e-12);
+    }
+    // 0 on the border, 1 at (5, 5, 5), 1/2 along a line.
+    const CellBox<3> cells{{12, 12, 12}};
+    std::vector<cageform::Cell> kinds(cells.size(), cageform::Cell::unknown);
+    std::vector<double> values(cells.size(), 0.0);
+    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+        const auto index = cells.index(cell);
+        const auto at_end = [](std::size_t i) { return i == 0 || i == 11; };
+        const bool on_line = index[0] == 3 && index[1] == 3 && index[2] >= 2 && index[2] <= 8;
+        const bool peak = index == CellBox<3>::Index{5, 5, 5};
+        if (std::any_of(index.begin(), index.end(), at_end) || on_line || peak)
+            kinds[cell] = cageform::Cell::given;
+        values[cell] = peak ? 1 : on_line ? 0.5 : 0;
+    }
+    REQUIRE(cageform::solve_dirichlet<3, double>(cells, kinds, values, {.tolerance = 1e-14}).status ==
+            Status::ok);
+    for (const auto& sample : file["volume"]["samples"]) {
+        const auto at = sample[0].get<std::vector<std::size_t>>();
+        CHECK(std::fabs(values[cells.number({at[0], at[1], at[2]})] - sample[1].get<double>()) < 1e-12);
+    }
+}
+
 TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid][dirichlet][status]") {
     const CellBox<2> cells{{5, 4}};
     std::vector<std::uint8_t> given(20, 1);
@@ -148,6 +344,10 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     CHECK(solve().status == Status::value_not_finite);
     CHECK(solve().solver.culprit == 31);
     values[31] = 3;
+    const std::vector<cageform::Cell> odd(20, cageform::Cell(3));
+    const auto malformed = cageform::solve_dirichlet<2, double>(cells, odd, values);
+    CHECK(malformed.status == Status::input_malformed);
+    CHECK(malformed.solver.culprit == 0);
     CHECK(solve({.tolerance = 0}).status == Status::tolerance_not_positive);
     CHECK(solve({.tolerance = std::numeric_limits<double>::quiet_NaN()}).status ==
           Status::tolerance_not_positive);

@@ -50,8 +50,10 @@ struct SolverReport {
     /// A resolution that would do, where grid_too_coarse or out_of_memory say that the given one does
     /// not; 0: none is offered. With out_of_memory `bytes` is what was asked for, if known.
     std::size_t sufficient_resolution = 0;
-    /// rim_not_given, value_not_finite: the place (grid/dirichlet.hpp); the node or link (grid/puzzle.hpp)
+    /// The place in what is refused: a cell or value (grid/dirichlet.hpp), a node or link
+    /// (grid/puzzle.hpp), a stroke (grid/strokes.hpp).
     std::size_t culprit = none;
+    std::size_t unreached_cells = 0; ///< cells_unreached: in all parts without a given value
 
     /// Where the largest error is to be feared, of error 0 where nowhere; with a resolution at which
     /// no corner's is notable.
