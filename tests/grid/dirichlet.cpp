@@ -344,6 +344,23 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     CHECK(solve().status == Status::value_not_finite);
     CHECK(solve().solver.culprit == 31);
     values[31] = 3;
+    // Behind a wall nothing is given.
+    const CellBox<3> box{{4, 4, 4}};
+    std::vector<cageform::Cell> walled(64, cageform::Cell::unknown);
+    std::fill(walled.begin() + 16, walled.begin() + 32, cageform::Cell::outside);
+    walled[5] = cageform::Cell::given;
+    std::vector<double> heat(64, 1.0);
+    const cageform::DirichletOptions open{.rim = cageform::Rim::mirrored};
+    const auto cold = cageform::solve_dirichlet<3, double>(box, walled, heat, open);
+    CHECK(cold.status == Status::cells_unreached);
+    CHECK(cold.solver.culprit == 32);
+    CHECK(cold.solver.unreached_cells == 32);
+    walled[16] = cageform::Cell::unknown; // a gap
+    CHECK(cageform::solve_dirichlet<3, double>(box, walled, heat, open).status == Status::ok);
+    const CellBox<1> line{{6}};
+    const std::vector<cageform::Cell> ends{{}, cageform::Cell::given, cageform::Cell::outside, {}, {}, {}};
+    std::vector<double> along(6, 1.0);
+    CHECK(cageform::solve_dirichlet<1, double>(line, ends, along, open).solver.unreached_cells == 3);
     const std::vector<cageform::Cell> odd(20, cageform::Cell(3));
     const auto malformed = cageform::solve_dirichlet<2, double>(cells, odd, values);
     CHECK(malformed.status == Status::input_malformed);
