@@ -7,11 +7,11 @@
 # Prints a line a step, and at the end what to open.
 set -eu
 cd "$(dirname "$0")/.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev librsvg2-bin
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev libgmp-dev librsvg2-bin
 
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 15 "$1"
+  printf '[%d/%d] %s\n' $count 16 "$1"
 }
 mkdir -p out
 step "configure"
@@ -138,6 +138,12 @@ step "heights and colours from strokes"
 "$programs/contact_sheet" -o out/strokes.svg --columns 3 --png --png-width 1500 "heights" out/hills.png \
   "level lines" out/hills_lines.svg "colours on both sides of lines" out/cat_colours.png
 
+step "puzzles of numbers"
+"$programs/puzzle" "$data/puzzle.csv" --exact -o out/puzzle_4.svg >out/puzzle.txt
+"$programs/puzzle" "$data/puzzle.csv" --exact --neighbours 8 --walks 10000 --from 2 2 -o out/puzzle_8.svg >>out/puzzle.txt
+"$programs/contact_sheet" -o out/puzzle.svg --columns 2 --png "each the mean of four neighbours" out/puzzle_4.svg \
+  "of eight" out/puzzle_8.svg
+
 step "how the solver converges"
 "$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png >>$report
 
@@ -170,7 +176,7 @@ Open, in out/:
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
   biped_signs.png            what negative weights mean; field_*.png: more heat maps
-  strokes.png                heights and colours diffused from lines
+  strokes.png                heights and colours diffused from lines; puzzle.png: a table of means, in fractions
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
 END

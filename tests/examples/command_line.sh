@@ -70,6 +70,38 @@ refuses "\"high\" is no height from 0 to 1" "$heights" word.svg -o out.png
 refuses "does not end with" "$heights" "$data/hills.svg" -o out.txt
 refuses "--levels" "$heights" "$data/hills.svg" -o out.png --levels 0
 
+# ---- puzzle ----
+puzzle="$programs/puzzle"
+works "a puzzle in fractions" "$puzzle" "$data/puzzle.csv" --exact --csv fractions.csv -o puzzle.svg
+printf '1,1,0,0\n1,7/12,1/6,0\n0,1/6,1/12,0\n0,0,0,0\n' >expected.csv
+works "its answers by four neighbours" cmp fractions.csv expected.csv
+works "by eight" "$puzzle" "$data/puzzle.csv" --exact --neighbours 8 --csv fractions.csv
+printf '1,1,0,0\n1,4/9,2/9,0\n0,2/9,1/9,0\n0,0,0,0\n' >expected.csv
+works "its answers by eight" cmp fractions.csv expected.csv
+works "a puzzle is made" "$puzzle" --make 5 7 --seed 4 --csv made.csv
+for neighbours in 4 8; do
+  works "and solved" "$puzzle" made.csv --exact --neighbours $neighbours --csv solved_$neighbours.csv
+done
+works "by whole numbers, whichever neighbours count" cmp solved_4.csv solved_8.csv
+works "random walks" "$puzzle" "$data/puzzle.csv" --walks 1000 --from 2 2
+refuses_table() { # MESSAGE TABLE
+  printf '%b' "$2" >table.csv
+  refuses "$1" "$puzzle" table.csv --exact --csv out.csv -o out.svg
+}
+refuses_table 'table.csv:1: column 2: "x" is no whole number' '1,x\n2,3\n'
+refuses_table 'table.csv:1: column 2: "1/0" is no whole number' '1,1/0\n'
+refuses_table 'table.csv:2: column 1: "nan" is no whole number' '1,2\nnan,3\n'
+refuses_table 'table.csv:2: 1 columns, and the first line has 2' '1,2\n3\n'
+refuses_table 'table.csv:1: column 1: some unknown cells touch no given value' '.,.\n.,.\n'
+refuses_table 'table.csv: holds no table' ''
+refuses "missing.csv" "$puzzle" missing.csv --csv out.csv
+refuses "--neighbours is 4 or 8" "$puzzle" table.csv --neighbours 5
+refuses "--walks needs --from" "$puzzle" "$data/puzzle.csv" --walks 5
+refuses "--make takes two numbers" "$puzzle" --make 2 9 --csv out.csv
+refuses "a table, or --make, is required" "$puzzle"
+"$puzzle" --make 40 40 --csv large.csv
+refuses "1444 unknown cells are too many for --exact" "$puzzle" large.csv --exact --csv out.csv
+
 # ---- sibson_figures ----
 mkdir figures
 works "figures of natural neighbours" "$programs/sibson_figures" figures
