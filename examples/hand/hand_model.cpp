@@ -45,7 +45,7 @@ RigidMotion3 turn(const Point3& place, const Point3& axis, double degrees) {
 
 /// A joint's own turn: first it bends, then it spreads. Without an axis its angle is 0.
 struct JointTurn {
-    Point3 place, bend_axis, spread_axis;
+    Point3 place{}, bend_axis{}, spread_axis{};
     double bend = 0, spread = 0; ///< degrees
 
     JointTurn(const HandJoint& joint, const HandPose& angles)

@@ -63,10 +63,10 @@ struct HandJoint {
     static constexpr std::size_t none = ~std::size_t{0};
 
     std::size_t parent = none;
-    Point3 place, bend_axis, spread_axis;
-    std::size_t bend = none, spread = none; ///< angles; none where it does not turn so
-    double radius = 0;                      ///< of the skin about it
-    Point3 end;                             ///< of its bone
+    Point3 place{}, bend_axis{}, spread_axis{}; // 0 where it does not turn so
+    std::size_t bend = none, spread = none;     ///< angles; none where it does not turn so
+    double radius = 0;                          ///< of the skin about it
+    Point3 end{};                               ///< of its bone
     double end_radius = 0;
 };
 
@@ -86,7 +86,7 @@ const char* to_string(HandPointKind kind);
 
 /// A control point.
 struct HandPoint {
-    Point3 place;
+    Point3 place{};
     HandPointKind kind = HandPointKind::surround;
     std::size_t joint = HandJoint::none; ///< none: fixed
     std::size_t other =
