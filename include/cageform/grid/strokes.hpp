@@ -16,7 +16,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A line with values, linear from each of its points to the next. It is closed where the last point
-/// equals the first.
+/// equals the first. Left is where y points up: with y downwards, as on a screen, it is the right.
 template <Scalar T>
 struct Stroke {
     std::vector<Vec<T, 2>> points;
@@ -157,8 +157,7 @@ public:
     }
 
     /// The values at any places, right up to the strokes: multilinear between nodes, linear up to a
-    /// stroke between them. Off the canvas the mirror image, and farther away the value of the
-    /// nearest place.
+    /// stroke between them. Off the canvas that of its nearest place.
     ///
     ///   values  out: #channels a point, one point after the other
     ///   cost    O(#channels + strokes that pass the cell) a point
