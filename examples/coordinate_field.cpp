@@ -6,11 +6,13 @@
 #include "cage_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
+#include "field_plot.hpp"
 #include "guard.hpp"
-#include "picture.hpp"
 #include "progress_bar.hpp"
 
 #include <iostream>
+#include <limits>
+#include <memory>
 
 namespace {
 
@@ -21,133 +23,177 @@ int fail(const std::string& message) {
     return 1;
 }
 
-int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Draws one coordinate over its cage. Warm colours are positive, blue is negative, green is the "
-        "value on the boundary; level lines every tenth.");
-    std::string cage_path, out_path;
-    std::size_t vertex = 0, size = 900;
+struct Arguments {
+    std::string cage, out, zoom;
+    std::size_t vertex = 0;
     bool y_up = false;
+    FieldStyle style;
+    SurfaceView view;
     CoordinatesChoice choice;
-    line.add("--cage", cage_path, "an SVG or CSV file").required();
-    line.add("--vertex", vertex, "whose coordinate, from 0").required();
-    line.add("-o,--output", out_path, "the PNG file to write").required().ends_with({".png"});
-    line.add("--size", size, "pixels along the longer side").range(16, 8192).show_default();
-    line.add_flag("--y-up", y_up, "the cage's y axis points up (as in most CSV files)");
-    choice.add_options(line);
-    line.set_footer(cage_formats);
-    if (const auto code = line.parse(argc, argv)) return *code;
+};
 
-    const auto cage = load_cage(cage_path);
-    if (!cage) return fail(to_string(cage.error()));
-    if (vertex >= cage->vertices.size()) {
-        return fail("there is no vertex " + std::to_string(vertex) + ": " + cage_path + " has " +
-                    std::to_string(cage->vertices.size()));
-    }
-    const auto polygon = cage->polygon<double>();
-    const auto coordinates = make_coordinates<double>(choice, *cage);
-    if (coordinates->cage_report.status != cageform::Status::ok) {
-        cageform::BindReport bad;
-        bad.cage = coordinates->cage_report;
-        bad.status = bad.cage.status;
-        return fail(describe_faults(cage_path, bad));
+/// One coordinate, ready to be sampled.
+class CoordinateField {
+public:
+    CoordinateField(const Arguments& given, const CageFile& cage)
+        : vertex_(given.vertex)
+        , coordinates_(make_coordinates<double>(given.choice, cage)) {}
+
+    /// Empty, or why there is no field.
+    std::string solve(const std::string& cage_path) {
+        if (coordinates_->cage_report.status != cageform::Status::ok) {
+            cageform::BindReport bad;
+            bad.cage = coordinates_->cage_report;
+            bad.status = bad.cage.status;
+            return describe_faults(cage_path, bad);
+        }
+        ProgressBar bar("coordinate field");
+        const auto evaluation = coordinates_->solve({.progress = bar.callback()});
+        return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
     }
 
-    // Twice the pixels, averaged at the end, and a margin for the cage's outline.
-    const auto bounds = cageform::bounds_of(polygon.vertices());
-    const double extent = std::max(bounds.upper[0] - bounds.lower[0], bounds.upper[1] - bounds.lower[1]);
-    const double margin = 0.04 * extent;
-    const double scale = 2 * double(size) / (extent + 2 * margin);
-    const auto width =
-        2 * std::size_t(std::ceil((bounds.upper[0] - bounds.lower[0] + 2 * margin) * scale / 2));
-    const auto height =
-        2 * std::size_t(std::ceil((bounds.upper[1] - bounds.lower[1] + 2 * margin) * scale / 2));
-    const auto to_picture = [&](const cageform::Vec<double, 2>& p) {
-        const double y = (p[1] - bounds.lower[1] + margin) * scale;
-        return Point2{(p[0] - bounds.lower[0] + margin) * scale, y_up ? double(height) - y : y};
+    /// The values at points, not a number outside. Of the weights only one column is kept, so points are bound in parts.
+    SvgResult<std::vector<double>> at(std::span<const Point2> points, const std::string& cage_path) const {
+        constexpr std::size_t most = 16384;
+        std::vector<double> values(points.size());
+        for (std::size_t first = 0; first < points.size(); first += most) {
+            const auto part = points.subspan(first, std::min(most, points.size() - first));
+            const auto [binding, bound] =
+                coordinates_->bind(part, {.linear_precision = cageform::LinearPrecision::leave});
+            if (bound.status != cageform::Status::ok) return SvgError{describe_faults(cage_path, bound)};
+            for (std::size_t i = 0; i < part.size(); ++i) values[first + i] = binding.weight(i, vertex_);
+            for (const auto* list : {&bound.outside, &bound.unreached}) {
+                for (const std::size_t i : *list)
+                    values[first + i] = std::numeric_limits<double>::quiet_NaN();
+            }
+        }
+        return values;
+    }
+
+private:
+    std::size_t vertex_;
+    std::unique_ptr<AnyCoordinates<double, 2>> coordinates_;
+};
+
+/// The boundary's edges within a box, with the coordinate's values on them: linear.
+std::vector<PlaneLine> boundary_of(const CageFile& cage, std::size_t vertex, const PlaneBox& box) {
+    std::vector<PlaneLine> lines;
+    cage.for_each_edge([&](std::size_t i, std::size_t j) {
+        const Point2 &a = cage.vertices[i], &b = cage.vertices[j];
+        const auto part = clip_segment(a, b, box);
+        if (!part) return;
+        PlaneLine line;
+        for (const double t : *part) {
+            line.points.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+            line.values.push_back((i == vertex ? 1 - t : 0.0) + (j == vertex ? t : 0.0));
+        }
+        lines.push_back(std::move(line));
+    });
+    return lines;
+}
+
+/// The map of the field over a box, seen at twice the pixels and halved, under the boundary's values.
+SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                            const PlaneBox& box) {
+    const double scale = 2 * double(given.style.size) / box.extent();
+    const std::size_t width = 2 * std::size_t(std::ceil(box.width() * scale / 2));
+    const std::size_t height = 2 * std::size_t(std::ceil(box.height() * scale / 2));
+    const auto row = [&](double y) { return given.y_up ? double(height) - y : y; };
+    const auto to_picture = [&](const Point2& p) {
+        return Point2{(p.x - box.low.x) * scale, row((p.y - box.low.y) * scale)};
     };
     std::vector<Point2> points;
     points.reserve(width * height);
     for (std::size_t y = 0; y < height; ++y) {
-        const double row = y_up ? double(height - y) - 0.5 : double(y) + 0.5;
-        for (std::size_t x = 0; x < width; ++x) {
-            points.push_back({(double(x) + 0.5) / scale + bounds.lower[0] - margin,
-                              row / scale + bounds.lower[1] - margin});
-        }
+        for (std::size_t x = 0; x < width; ++x)
+            points.push_back(
+                {(double(x) + 0.5) / scale + box.low.x, row(double(y) + 0.5) / scale + box.low.y});
     }
+    const auto values = field.at(points, given.cage);
+    if (!values) return values.error();
+    const auto [least, largest] = least_and_largest(*values);
+    std::cout << given.choice.name << " coordinate of vertex " << given.vertex << ": " << least << " to "
+              << largest << '\n';
 
-    std::vector<double> values(points.size());
-    std::vector<bool> inside(points.size(), true);
-    double least = 0, largest = 0;
-    std::string failure;
-    {
-        // Of the weights only one row is kept, so the picture is bound in strips.
-        ProgressBar bar("coordinate field");
-        const auto evaluation = coordinates->solve({.progress = bar.callback()});
-        if (evaluation.status != cageform::Status::ok) failure = cageform::to_string(evaluation.status);
-        const std::size_t strip = 16 * width;
-        for (std::size_t first = 0; first < points.size() && failure.empty(); first += strip) {
-            const std::span<const Point2> part(points.data() + first, std::min(strip, points.size() - first));
-            const auto [binding, bound] =
-                coordinates->bind(part, {.linear_precision = cageform::LinearPrecision::leave});
-            if (bound.status != cageform::Status::ok) return fail(describe_faults(cage_path, bound));
-            for (const auto* list : {&bound.outside, &bound.unreached}) {
-                for (const std::size_t i : *list) inside[first + i] = false;
-            }
-            for (std::size_t i = 0; i < part.size(); ++i) {
-                if (!inside[first + i]) continue;
-                values[first + i] = binding.weight(i, vertex);
-                least = std::min(least, values[first + i]);
-                largest = std::max(largest, values[first + i]);
-            }
-        }
-    }
-    if (!failure.empty()) return fail(failure);
-
-    // On the right of the field the bar that its colours are read by.
-    const double letter = std::max(2.0, double(size) / 225); // a seventh of a letter's height
-    const auto beside = 2 * std::size_t(28 * letter);
-    Picture fine(width + beside, height);
-    const Axis bar{least, std::max(largest, 1.0), 0.96 * double(height), 0.04 * double(height)};
-    const int most_marks = std::clamp(int((bar.begin - bar.end) / (16 * letter)), 1, 10);
-    draw_colour_bar(fine, bar, marks_of(bar, most_marks), double(width) + 4 * letter, 12 * letter, letter);
-    const auto level = [&](std::size_t i) { return std::floor(values[i] * 10 + 1e-9); };
-    for (std::size_t y = 0; y < height; ++y) {
-        for (std::size_t x = 0; x < width; ++x) {
-            const std::size_t i = y * width + x;
-            if (!inside[i]) continue;
-            fine.at(x, y) = heat(values[i]);
-            const bool right = x + 1 < width && inside[i + 1] && level(i) != level(i + 1);
-            const bool below = y + 1 < height && inside[i + width] && level(i) != level(i + width);
-            if (right || below) fine.at(x, y) = mix(fine.at(x, y), {0.15f, 0.1f, 0.1f}, 0.75f);
-        }
-    }
-    const auto handle = [&](std::size_t i) { return cageform::to_vec<double>(cage->vertices[i]); };
-    cage->for_each_edge([&](std::size_t i, std::size_t j) {
+    Picture fine = draw_field(*values, width, given.style);
+    for (const PlaneLine& line : boundary_of(cage, given.vertex, box)) {
         constexpr int pieces = 64;
+        const auto at = [&](double t) {
+            const Point2 &a = line.points[0], &b = line.points[1];
+            return to_picture({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+        };
         for (int k = 0; k < pieces; ++k) {
-            const double s = double(k) / pieces, t = double(k + 1) / pieces;
-            const double value = (i == vertex ? 1 - s : 0.0) + (j == vertex ? s : 0.0);
-            fine.line(to_picture((1 - s) * handle(i) + s * handle(j)),
-                      to_picture((1 - t) * handle(i) + t * handle(j)), 14, boundary_hue(value));
+            const double t = double(k) / pieces;
+            fine.line(at(t), at(t + 1.0 / pieces), 14,
+                      boundary_hue(line.values[0] + t * (line.values[1] - line.values[0])));
         }
-    });
-    const Point2 at = to_picture(handle(vertex));
+    }
+    const Point2 at = to_picture(cage.vertices[given.vertex]);
     fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
     fine.line(at, at, 24, boundary_hue(1));
+    return with_colour_bar(fine.halved(), least, std::max(largest, 1.0), given.style);
+}
 
-    Picture picture(fine.width() / 2, height / 2);
-    for (std::size_t y = 0; y < picture.height(); ++y) {
-        for (std::size_t x = 0; x < picture.width(); ++x) {
-            picture.at(x, y) = mix(mix(fine.at(2 * x, 2 * y), fine.at(2 * x + 1, 2 * y), 0.5f),
-                                   mix(fine.at(2 * x, 2 * y + 1), fine.at(2 * x + 1, 2 * y + 1), 0.5f), 0.5f);
-        }
+SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                                   const PlaneBox& box) {
+    std::vector<std::vector<Point2>> loops;
+    for (const CageBlock& block : cage.blocks) {
+        if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
     }
-    AtomicFile out(out_path);
-    picture.write_png(out);
-    if (const auto error = out.commit()) return fail(*error);
-    std::cout << choice.name << " coordinate of vertex " << vertex << ": " << least << " to " << largest
-              << '\n';
+    FieldSurface surface;
+    surface.mesh = cut_by_lattice(loops, box, std::clamp<std::size_t>(given.style.size / 4, 16, 400));
+    auto values = field.at(surface.mesh.places, given.cage);
+    if (!values) return values.error();
+    surface.values = std::move(*values);
+    surface.boundary = boundary_of(cage, given.vertex, box);
+    surface.y_up = given.y_up;
+    return draw_surface(surface, given.view, given.style);
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Draws one coordinate over its cage. Warm colours are positive, blue is negative, green is the "
+        "value on the boundary.");
+    Arguments given;
+    line.add("--cage", given.cage, "an SVG or CSV file").required();
+    line.add("--vertex", given.vertex, "whose coordinate, from 0").required();
+    line.add("-o,--output", given.out, "the PNG file to write").required().ends_with({".png"});
+    given.style.add_options(line);
+    line.add("--zoom", given.zoom, "x,y,width,height: only this part of the plane, in the cage's units")
+        .check([](const std::string& text) {
+            return parse_box(text) ? "" : "\"" + text + "\" is no part of the plane: x,y,width,height";
+        });
+    line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
+    given.view.add_options(line);
+    given.choice.add_options(line);
+    line.set_footer(cage_formats);
+    if (const auto code = line.parse(argc, argv)) return *code;
+
+    const auto cage = load_cage(given.cage);
+    if (!cage) return fail(to_string(cage.error()));
+    if (given.vertex >= cage->vertices.size()) {
+        return fail("there is no vertex " + std::to_string(given.vertex) + ": " + given.cage + " has " +
+                    std::to_string(cage->vertices.size()));
+    }
+    PlaneBox around;
+    for (const Point2& p : cage->vertices) around.add(p);
+    const double margin = 0.04 * around.extent(); // for the cage's outline
+    const PlaneBox wide{{around.low.x - margin, around.low.y - margin},
+                        {around.high.x + margin, around.high.y + margin}};
+    const auto zoomed = parse_box(given.zoom);
+    CoordinateField field(given, *cage);
+    if (const std::string why = field.solve(given.cage); !why.empty()) return fail(why);
+
+    OutputFiles outputs;
+    const auto map = draw_map(given, *cage, field, zoomed.value_or(wide));
+    if (!map) return fail(to_string(map.error()));
+    map->write_png(outputs.add(given.out));
+    if (!given.view.path.empty()) {
+        const auto surface = draw_as_surface(given, *cage, field, zoomed.value_or(around));
+        if (!surface) return fail(to_string(surface.error()));
+        surface->write_png(outputs.add(given.view.path));
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
     return 0;
 }
 

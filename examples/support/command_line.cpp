@@ -83,6 +83,9 @@ CommandOption CommandLine::add(const std::string& name, std::vector<std::string>
                                const std::string& help) {
     return CommandOption(app_->add_option(name, value, help));
 }
+CommandOption CommandLine::add(const std::string& name, std::vector<double>& value, const std::string& help) {
+    return CommandOption(app_->add_option(name, value, help));
+}
 CommandOption CommandLine::add(const std::string& name, int& value, const std::string& help) {
     return CommandOption(app_->add_option(name, value, help));
 }

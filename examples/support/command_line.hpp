@@ -49,6 +49,7 @@ public:
     /// "-o,--output" is an option, "figure" an argument in its place. `value` is set by parse().
     CommandOption add(const std::string& name, std::string& value, const std::string& help);
     CommandOption add(const std::string& name, std::vector<std::string>& value, const std::string& help);
+    CommandOption add(const std::string& name, std::vector<double>& value, const std::string& help);
     CommandOption add(const std::string& name, int& value, const std::string& help);
     CommandOption add(const std::string& name, std::size_t& value, const std::string& help);
     CommandOption add(const std::string& name, double& value, const std::string& help);

@@ -16,40 +16,47 @@ Point3 unit(const Point3& v) {
     return length > 0 ? (1 / length) * v : v;
 }
 
-/// Looks at the middle of all scenes from the front, somewhat from the figure's left and from above: the y
-/// axis is up, the figure faces along z. Every scene is seen at the same size from the same place.
+/// The smallest box, along the axes, around the points of a list of lists.
+struct Box3 {
+    Point3 low, high;
+};
+Box3 box_of(const std::vector<std::span<const Point3>>& lists) {
+    constexpr double most = std::numeric_limits<double>::max();
+    Box3 box{{most, most, most}, {-most, -most, -most}};
+    for (const auto& list : lists) {
+        for (const Point3& v : list) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                box.low[k] = std::min(box.low[k], v[k]);
+                box.high[k] = std::max(box.high[k], v[k]);
+            }
+        }
+    }
+    return box;
+}
+
+/// Looks at the middle of all points; they fill a picture of the given size up to a margin.
 class Camera {
 public:
-    Camera(std::span<const MeshScene> scenes, double width, double height) {
-        constexpr double turn = 0.6, rise = 0.2; // radians
-        back_ = {std::sin(turn) * std::cos(rise), std::sin(rise), std::cos(turn) * std::cos(rise)};
-        right_ = {std::cos(turn), 0, -std::sin(turn)};
-        up_ = cross(back_, right_);
+    enum class Rays { converging, parallel };
 
-        constexpr double most = std::numeric_limits<double>::max();
-        Point3 low{most, most, most}, high{-most, -most, -most};
-        const auto for_each_vertex = [&](const auto& body) {
-            for (const MeshScene& scene : scenes) {
-                for (const Point3& v : scene.figure.vertices) body(v);
-                for (const Point3& v : scene.cage.vertices) body(v);
-            }
-        };
-        for_each_vertex([&](const Point3& v) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                low[k] = std::min(low[k], v[k]);
-                high[k] = std::max(high[k], v[k]);
-            }
-        });
+    Camera(const ViewDirections& view, Rays rays, const std::vector<std::span<const Point3>>& lists,
+           double width, double height)
+        : view_(view)
+        , rays_(rays) {
+        const auto [low, high] = box_of(lists);
         middle_ = 0.5 * low + 0.5 * high;
         distance_ = 2 * std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
         if (!(distance_ > 0)) distance_ = 1;
 
+        constexpr double most = std::numeric_limits<double>::max();
         Point2 least{most, most}, greatest{-most, -most};
-        for_each_vertex([&](const Point3& v) {
-            const Point3 p = project(v);
-            least = {std::min(least.x, p[0]), std::min(least.y, p[1])};
-            greatest = {std::max(greatest.x, p[0]), std::max(greatest.y, p[1])};
-        });
+        for (const auto& list : lists) {
+            for (const Point3& v : list) {
+                const Point3 p = project(v);
+                least = {std::min(least.x, p[0]), std::min(least.y, p[1])};
+                greatest = {std::max(greatest.x, p[0]), std::max(greatest.y, p[1])};
+            }
+        }
         constexpr double filled = 0.9;        // of the width or of the height
         const double flat = 1e-9 * distance_; // a figure of no width or no height
         scale_ = filled * std::min(width / std::max(greatest.x - least.x, flat),
@@ -58,19 +65,25 @@ public:
                    height / 2 - scale_ * (least.y + greatest.y) / 2};
     }
 
-    /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a line.
+    /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a line, in the
+    /// picture's units too where rays are parallel.
     Point3 project(const Point3& v) const {
-        const Point3 d = v - middle_;
-        const double nearness = 1 / (1 - dot(d, back_) / distance_);
-        return {offset_.x + scale_ * nearness * dot(d, right_), offset_.y - scale_ * nearness * dot(d, up_),
-                nearness};
+        const Point3 d = seen(v - middle_);
+        const bool parallel = rays_ == Rays::parallel;
+        const double nearness = parallel ? 1.0 : 1 / (1 - d[2] / distance_);
+        return {offset_.x + scale_ * nearness * d[0], offset_.y - scale_ * nearness * d[1],
+                parallel ? scale_ * d[2] : nearness};
     }
 
     /// A direction as the camera sees it: to the right, up, towards it.
-    Point3 seen(const Point3& v) const { return {dot(v, right_), dot(v, up_), dot(v, back_)}; }
+    Point3 seen(const Point3& v) const {
+        return {dot(v, view_.right), dot(v, view_.up), dot(v, view_.towards)};
+    }
 
 private:
-    Point3 right_, up_, back_, middle_;
+    ViewDirections view_;
+    Rays rays_;
+    Point3 middle_{};
     double distance_ = 1;
     double scale_ = 1;
     Point2 offset_{};
@@ -81,11 +94,11 @@ class MeshCanvas {
 public:
     static constexpr std::size_t samples = 3; // along each side of a pixel
 
-    MeshCanvas(std::size_t width, std::size_t height)
+    MeshCanvas(std::size_t width, std::size_t height, const Colour& paper = background)
         : width_(width * samples)
         , height_(height * samples)
-        , colour_(width_ * height_, background)
-        , nearness_(width_ * height_, 0)
+        , colour_(width_ * height_, paper)
+        , nearness_(width_ * height_, std::numeric_limits<float>::lowest())
         , ink_(width_ * height_, 0) {}
 
     void draw_figure(const MeshView& figure, const Camera& camera) {
@@ -105,7 +118,37 @@ public:
         };
         for (const auto& [a, b, c] : figure.triangles) {
             fill({places[a], places[b], places[c]}, {normals[a], normals[b], normals[c]},
-                 {own(a), own(b), own(c)});
+                 {own(a), own(b), own(c)}, shade);
+        }
+    }
+
+    /// A surface of its own colours, flat triangles under a light from above and the left, so that they can be read.
+    void draw_plot(const MeshView& surface, const Camera& camera) {
+        const Point3 light = unit({-0.45, 0.75, 0.7});
+        const auto lit = [&](const Point3& normal, const Point3& own) {
+            const double share = 0.62 + 0.38 * std::max(0.0, dot(normal, light)); // of its colour
+            return Colour{float(share * own[0]), float(share * own[1]), float(share * own[2])};
+        };
+        const auto own = [&](std::uint32_t i) {
+            const Colour& colour = surface.colours[i];
+            return Point3{colour.r, colour.g, colour.b};
+        };
+        for (const auto& [a, b, c] : surface.triangles) {
+            const auto &va = surface.vertices[a], &vb = surface.vertices[b], &vc = surface.vertices[c];
+            const Point3 normal = unit(camera.seen(cross(vb - va, vc - va)));
+            fill({on_canvas(camera, va), on_canvas(camera, vb), on_canvas(camera, vc)},
+                 {normal, normal, normal}, {own(a), own(b), own(c)}, lit);
+        }
+    }
+
+    /// A line as far as no surface hides it: half a pixel nearer than it is, so that it is seen on one.
+    void draw_line(const SpaceLine& line, const Camera& camera) {
+        for (std::size_t k = 1; k < line.points.size(); ++k) {
+            for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),
+                            line.thickness * samples,
+                            [&](std::size_t i, std::size_t middle, double nearness) {
+                                if (nearness + 0.5 >= double(nearness_[middle])) colour_[i] = line.colour;
+                            });
         }
     }
 
@@ -166,8 +209,10 @@ private:
         return {std::pow(colour.r, 2.2), std::pow(colour.g, 2.2), std::pow(colour.b, 2.2)};
     }
 
+    /// shade(normal, own) is the colour of a place, from what the corners have.
+    template <class Shade>
     void fill(const std::array<Point3, 3>& p, const std::array<Point3, 3>& normals,
-              const std::array<Point3, 3>& own) {
+              const std::array<Point3, 3>& own, Shade&& shade) {
         const double area = turn(p[0], p[1], p[2]);
         if (!(std::fabs(area) > 0)) return;
         const double side = area < 0 ? 1 : -1; // seen from behind: the other side of the surface
@@ -222,8 +267,16 @@ private:
         return {channel(0, 0.86, 0.16), channel(1, 0.82, 0.20), channel(2, 0.76, 0.28)};
     }
 
-    void line(Point3 a, Point3 b, float ink) {
-        constexpr double thickness = 1.3 * samples;
+    void line(const Point3& a, const Point3& b, float ink) {
+        for_each_sample(a, b, 1.3 * samples, [&](std::size_t i, std::size_t, double nearness) {
+            const float covered = float(nearness) >= nearness_[i] ? ink : 0.13f;
+            ink_[i] = std::max(ink_[i], covered); // lines that cross are no darker there
+        });
+    }
+
+    /// Calls body(sample, the sample in the line's middle beside it, how near the line is there).
+    template <class Body>
+    void for_each_sample(Point3 a, Point3 b, double thickness, Body&& body) {
         const bool steep = std::fabs(b[1] - a[1]) > std::fabs(b[0] - a[0]);
         const std::size_t along = steep ? 1 : 0, across = 1 - along;
         if (a[along] > b[along]) std::swap(a, b);
@@ -236,12 +289,11 @@ private:
             const double t = (double(s) + 0.5 - a[along]) / length;
             const double centre = a[across] + t * (b[across] - a[across]);
             const double nearness = a[2] + t * (b[2] - a[2]);
-            const auto [low, high] = range(centre - reach, centre + reach, steep ? width_ : height_);
-            for (std::size_t o = low; o < high; ++o) {
-                const std::size_t i = steep ? s * width_ + o : o * width_ + s;
-                const float covered = float(nearness) >= nearness_[i] ? ink : 0.13f;
-                ink_[i] = std::max(ink_[i], covered); // lines that cross are no darker there
-            }
+            const std::size_t size = steep ? width_ : height_;
+            const auto place = [&](std::size_t o) { return steep ? s * width_ + o : o * width_ + s; };
+            const std::size_t middle = place(std::size_t(std::clamp(centre, 0.0, double(size - 1))));
+            const auto [low, high] = range(centre - reach, centre + reach, size);
+            for (std::size_t o = low; o < high; ++o) body(place(o), middle, nearness);
         }
     }
 
@@ -254,15 +306,54 @@ private:
 
 } // namespace detail
 
+ViewDirections view_from(double turn, double rise) {
+    constexpr double degree = 3.14159265358979323846 / 180;
+    const double t = degree * std::remainder(turn, 360), r = degree * std::remainder(rise, 360);
+    return {{std::cos(t), -std::sin(t), 0},
+            {std::sin(t) * std::sin(r), std::cos(t) * std::sin(r), std::cos(r)},
+            {-std::sin(t) * std::cos(r), -std::cos(t) * std::cos(r), std::sin(r)}};
+}
+
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height) {
+    // From the front, somewhat from the figure's left and from above: the y axis is up, the figure faces along z.
+    constexpr double turn = 0.6, rise = 0.2; // radians
+    const Point3 towards{std::sin(turn) * std::cos(rise), std::sin(rise), std::cos(turn) * std::cos(rise)};
+    const Point3 right{std::cos(turn), 0, -std::sin(turn)};
+
     Picture picture(width, height, detail::MeshCanvas::background);
     const std::size_t part = width / scenes.size();
-    const detail::Camera camera(scenes, double(part), double(height));
+    std::vector<std::span<const Point3>> all; // every scene is seen at the same size from the same place
+    for (const MeshScene& scene : scenes) {
+        all.push_back(scene.figure.vertices);
+        all.push_back(scene.cage.vertices);
+    }
+    const detail::Camera camera({right, cross(towards, right), towards}, detail::Camera::Rays::converging,
+                                all, double(part), double(height));
     for (std::size_t n = 0; n < scenes.size(); ++n) {
         detail::MeshCanvas canvas(part, height);
         canvas.draw_figure(scenes[n].figure, camera);
         canvas.draw_cage(scenes[n].cage, camera);
         canvas.copy_to(picture, n * part);
+    }
+    return picture;
+}
+
+Picture draw_plot(const SpacePlot& plot, const ViewDirections& view, std::size_t width, std::size_t height) {
+    std::vector<Point3> places;
+    for (const SpaceText& text : plot.texts) places.push_back(text.at);
+    std::vector<std::span<const Point3>> all{plot.surface.vertices, places};
+    for (const SpaceLine& line : plot.lines) all.push_back(line.points);
+    const detail::Camera camera(view, detail::Camera::Rays::parallel, all, double(width), double(height));
+
+    detail::MeshCanvas canvas(width, height, {1, 1, 1});
+    canvas.draw_plot(plot.surface, camera);
+    for (const SpaceLine& line : plot.lines) canvas.draw_line(line, camera);
+    Picture picture(width, height);
+    canvas.copy_to(picture, 0);
+    for (const SpaceText& text : plot.texts) {
+        const Point3 at = camera.project(text.at);
+        picture.text({at[0] - 3 * plot.letter * double(text.words.size()), at[1]}, text.words, plot.letter,
+                     {0.2f, 0.2f, 0.2f});
     }
     return picture;
 }

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace cageform_examples {
 
@@ -26,5 +28,38 @@ struct MeshScene {
 
 /// Draws scenes side by side, each in an equal part of the width, all at the same scale from the same place.
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height);
+
+/// Where a picture is seen from: what is to its right, up in it, and towards the eye. Unit lengths, at right angles.
+struct ViewDirections {
+    Point3 right, up, towards;
+};
+
+/// The z axis is up: turned about it, then seen from above. Whole turns change nothing.
+///
+///   turn, rise   in degrees; 0, 0 looks along y
+ViewDirections view_from(double turn, double rise);
+
+struct SpaceLine {
+    std::vector<Point3> points;
+    double thickness = 1; ///< in pixels
+    Colour colour{};
+};
+
+/// A word whose middle is at a place.
+struct SpaceText {
+    Point3 at;
+    std::string words;
+};
+
+/// A surface with its own colours, and lines where no surface hides them.
+struct SpacePlot {
+    MeshView surface;
+    std::vector<SpaceLine> lines;
+    std::vector<SpaceText> texts;
+    double letter = 2; ///< a seventh of a letter's height, in pixels
+};
+
+/// Draws a plot as parallel rays show it.
+Picture draw_plot(const SpacePlot& plot, const ViewDirections& view, std::size_t width, std::size_t height);
 
 } // namespace cageform_examples

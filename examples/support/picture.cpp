@@ -46,6 +46,23 @@ Colour boundary_hue(double value) {
     return ramp(greens, value);
 }
 
+void Picture::place(const Picture& other, std::size_t left) {
+    for (std::size_t y = 0; y < std::min(height_, other.height_); ++y) {
+        for (std::size_t x = 0; x < other.width_ && left + x < width_; ++x) at(left + x, y) = other.at(x, y);
+    }
+}
+
+Picture Picture::halved() const {
+    Picture half(width_ / 2, height_ / 2);
+    for (std::size_t y = 0; y < half.height_; ++y) {
+        for (std::size_t x = 0; x < half.width_; ++x) {
+            half.at(x, y) = mix(mix(at(2 * x, 2 * y), at(2 * x + 1, 2 * y), 0.5f),
+                                mix(at(2 * x, 2 * y + 1), at(2 * x + 1, 2 * y + 1), 0.5f), 0.5f);
+        }
+    }
+    return half;
+}
+
 void Picture::line(const Point2& a, const Point2& b, double thickness, const Colour& colour) {
     const double reach = thickness / 2 + 1;
     const auto clip = [](double v, std::size_t n) { return std::size_t(std::clamp(v, 0.0, double(n))); };
@@ -87,12 +104,13 @@ void Picture::text(const Point2& at, const std::string& words, double size, cons
 }
 
 void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisMark>& marks, double left,
-                     double width, double size) {
+                     double width, double size, const std::function<Colour(double)>& colour) {
     constexpr Colour ink{0.2f, 0.2f, 0.2f};
     for (std::size_t y = std::size_t(axis.end); double(y) < axis.begin; ++y) {
         const double value =
             axis.from + (double(y) + 0.5 - axis.begin) / (axis.end - axis.begin) * (axis.to - axis.from);
-        for (std::size_t x = std::size_t(left); double(x) < left + width; ++x) picture.at(x, y) = heat(value);
+        for (std::size_t x = std::size_t(left); double(x) < left + width; ++x)
+            picture.at(x, y) = colour(value);
     }
     const double right = left + width, line = size / 2;
     for (const double x : {left, right}) picture.line({x, axis.begin}, {x, axis.end}, line, ink);

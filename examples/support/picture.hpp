@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,6 +41,12 @@ public:
     Colour& at(std::size_t x, std::size_t y) { return pixels_[y * width_ + x]; }
     const Colour& at(std::size_t x, std::size_t y) const { return pixels_[y * width_ + x]; }
 
+    /// Copies another picture into this one, its upper left corner at the top; what does not fit is left out.
+    void place(const Picture& other, std::size_t left);
+
+    /// The picture at half its width and height: the mean of four pixels each.
+    Picture halved() const;
+
     /// A line of the given thickness with round ends, in pixels; pixel (x, y) has its centre at (x + ½, y + ½).
     void line(const Point2& a, const Point2& b, double thickness, const Colour& colour);
 
@@ -65,12 +72,12 @@ void write_png(AtomicFile& file, std::size_t width, std::size_t height, int chan
 /// Writes greys of 16 bits as a PNG file: 0 is black, 65535 white.
 void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys);
 
-/// A bar of the colours of heat(), from `width` pixels of its left side on, with numbers on its right.
+/// A bar of colours, `width` pixels from its left side on, with numbers on its right.
 ///
 ///   axis   values to rows of pixels
 ///   marks  where the numbers are
 ///   size   of the numbers, as of Picture::text()
 void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisMark>& marks, double left,
-                     double width, double size);
+                     double width, double size, const std::function<Colour(double)>& colour = heat);
 
 } // namespace cageform_examples
