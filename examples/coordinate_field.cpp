@@ -160,14 +160,13 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the PNG file to write").required().ends_with({".png"});
     given.style.add_options(line);
     line.add("--zoom", given.zoom, "x,y,width,height: only this part of the plane, in the cage's units")
-        .check([](const std::string& text) {
-            return parse_box(text) ? "" : "\"" + text + "\" is no part of the plane: x,y,width,height";
-        });
+        .check(box_fault);
     line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
     given.view.add_options(line);
     given.choice.add_options(line);
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
+    given.style.set_range(0, 1);
 
     const auto cage = load_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));

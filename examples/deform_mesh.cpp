@@ -34,6 +34,8 @@ int fail(const std::string& message) {
 struct Arguments {
     std::string figure, cage, pose, out, picture;
     OutsideChoice outside;
+    std::size_t weight = 0; // whose is painted
+    bool paints = false;
     bool report = false;
     CoordinatesChoice choice;
     SiteChoice of_sites;
@@ -139,9 +141,12 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
             drawn = &rest_dots;
             drawn_pose = &moved_dots;
         }
+        std::vector<Colour> paint;
+        for (std::size_t i = 0; given.paints && i < moved.size(); ++i)
+            paint.push_back(heat(bound.binding.weight(i, given.weight)));
         const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles}, {drawn->vertices, drawn->triangles}},
-             {{moved, figure.triangles}, {drawn_pose->vertices, drawn->triangles}}}};
+            {{{figure.vertices, figure.triangles, paint}, {drawn->vertices, drawn->triangles}},
+             {{moved, figure.triangles, paint}, {drawn_pose->vertices, drawn->triangles}}}};
         draw_meshes(scenes, 1600, 1000).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
@@ -173,6 +178,8 @@ int run_program(int argc, char** argv) {
     given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
+    const CommandOption weight =
+        line.add("--weight", given.weight, "paint this vertex's weight on the figure in the picture, from 0");
     line.add_flag("--report", given.report, "print the bind report");
     given.choice.add_options(line);
     line.set_footer(obj_format + std::string("\n") + site_formats + "\n" + site_weights_format);
@@ -184,6 +191,12 @@ int run_program(int argc, char** argv) {
     if (!figure) return fail(to_string(figure.error()));
     const auto control = read_control(given, *figure);
     if (!control) return fail(to_string(control.error()));
+    given.paints = weight.is_given();
+    if (given.paints && given.picture.empty()) return fail("--weight is painted on the --picture: give one");
+    if (given.paints && given.weight >= control->cage.vertices.size()) {
+        return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.cage + " has " +
+                    std::to_string(control->cage.vertices.size()));
+    }
     return deform_figure(given, *figure, *control);
 }
 

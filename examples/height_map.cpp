@@ -1,11 +1,12 @@
 // Heights from a few lines that have them: contours, ridges, rivers of a drawing are diffused over it.
 //
-//     height_map hills.svg -o hills.png --lines hills_lines.svg --levels 0.1
+//     height_map hills.svg -o hills.png --lines hills_lines.svg --3d hills_3d.png --levels 0.1
 //
 // Each stroke of the SVG is a line of known height: its attribute data-height, else how light its colour is. Between the
 // lines the field is harmonic, so it has no summit of its own: each is drawn.
 
 #include "command_line.hpp"
+#include "field_plot.hpp"
 #include "guard.hpp"
 #include "level_lines.hpp"
 #include "progress_bar.hpp"
@@ -31,6 +32,7 @@ struct HeightOptions {
     double step = 0.1;
     std::size_t size = 512;
     std::string rim = "mirrored";
+    SurfaceView view;
 };
 
 SvgResult<std::vector<double>> read_height(const std::string& word) {
@@ -146,6 +148,27 @@ void write_lines(AtomicFile& out, const StrokeFile& file, const cageform::Diffus
     out.write("</g>\n</svg>\n");
 }
 
+/// The heights as a surface, with the strokes on it.
+Picture draw_hills(const StrokeFile& file, const cageform::Diffusion<double>& field,
+                   const HeightOptions& options) {
+    const auto lattice = field.lattice();
+    const auto values = field.field(0);
+    FieldSurface surface{
+        mesh_of_grid(lattice.cells[0], lattice.cells[1]), {values.begin(), values.end()}, {}};
+    for (Point2& p : surface.mesh.places) {
+        p = {lattice.origin[0] + p.x * lattice.spacing, lattice.origin[1] + p.y * lattice.spacing};
+    }
+    for (const DrawnLine& line : file.lines) {
+        const auto heights = heights_of(line);
+        PlaneLine& above = surface.boundary.emplace_back();
+        for (const auto& p : line.points) above.points.push_back({p[0], p[1]});
+        above.values = *heights;
+    }
+    FieldStyle style;
+    style.step = options.step;
+    return draw_surface(surface, options.view, style);
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line("Diffuses the heights of drawn lines over a drawing: a height map, black where it is 0, "
                      "white where it "
@@ -163,6 +186,7 @@ int run_program(int argc, char** argv) {
         .range(0.001, 1.0)
         .show_default();
     line.add("--size", options.size, "pixels along the longer side").range(16, 8192).show_default();
+    options.view.add_options(line, "--3d");
     line.add("--rim", options.rim, "the rim of the picture: nothing flows through it, or a frame of height 0")
         .one_of({"mirrored", "frame"})
         .show_default();
@@ -180,6 +204,8 @@ int run_program(int argc, char** argv) {
     OutputFiles outputs;
     for (const std::string& path : options.outputs) write_field(outputs.add(path), *field);
     if (!options.lines.empty()) write_lines(outputs.add(options.lines), *file, *field, options.step);
+    if (!options.view.path.empty())
+        draw_hills(*file, *field, options).write_png(outputs.add(options.view.path));
     if (const auto error = outputs.commit()) return fail(*error);
     const auto [least, largest] = std::minmax_element(field->field(0).begin(), field->field(0).end());
     std::cout << file->lines.size() << " strokes, heights " << *least << " to " << *largest << '\n';

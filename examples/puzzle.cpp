@@ -8,8 +8,8 @@
 
 #include "atomic_file.hpp"
 #include "command_line.hpp"
+#include "csv.hpp"
 #include "guard.hpp"
-#include "input_file.hpp"
 #include "plot.hpp"
 #include "svg_xml.hpp"
 
@@ -75,37 +75,16 @@ bool parse_fraction(std::string_view text, mpq_class& value) {
 }
 
 SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
-    const auto file = read_file(path);
-    if (!file) return file.error();
     Puzzle puzzle{path, 0, 0, {}, {}, neighbours};
-    std::string_view text = *file, line;
-    for (std::size_t number = 1; take_line(text, line); ++number) {
-        if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-        if (line.empty() && text.empty()) break;
-        std::size_t columns = 0;
-        for (bool more = true; more;) {
-            const std::size_t end = std::min(line.find(','), line.size());
-            const auto field = detail::trimmed(line.substr(0, end));
-            more = end < line.size();
-            line.remove_prefix(std::min(end + 1, line.size()));
-            ++columns;
-            const bool unknown = field.empty() || field == ".";
-            puzzle.given.push_back(unknown ? 0 : 1);
-            if (!unknown && !parse_fraction(field, puzzle.values.emplace_back())) {
-                return SvgError{path + ":" + std::to_string(number) + ": column " + std::to_string(columns) +
-                                ": \"" + std::string(field.substr(0, 40)) +
-                                "\" is no whole number and no fraction a/b"};
-            }
-            if (unknown) puzzle.values.emplace_back();
-        }
-        if (number > 1 && columns != puzzle.columns) {
-            return SvgError{path + ":" + std::to_string(number) + ": " + std::to_string(columns) +
-                            " columns, and the first line has " + std::to_string(puzzle.columns)};
-        }
-        puzzle.columns = columns;
-        ++puzzle.rows;
-    }
-    if (puzzle.rows == 0) return SvgError{path + ": holds no table"};
+    const auto size = read_table(path, [&](std::string_view cell) -> std::string {
+        const bool unknown = cell.empty() || cell == ".";
+        puzzle.given.push_back(unknown ? 0 : 1);
+        if (parse_fraction(unknown ? "0" : cell, puzzle.values.emplace_back())) return {};
+        return "\"" + std::string(cell.substr(0, 40)) + "\" is no whole number and no fraction a/b";
+    });
+    if (!size) return size.error();
+    puzzle.rows = size->rows;
+    puzzle.columns = size->columns;
     return puzzle;
 }
 

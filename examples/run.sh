@@ -99,7 +99,7 @@ step "a character in space"
 for type in mean-value harmonic; do
   name=out/character_$(echo $type | tr - _)
   "$programs/deform_mesh" out/character.obj --cage out/character_cage.obj --pose out/character_pose.obj \
-    --coordinates $type -o "$name.obj" --picture "$name.png"
+    --coordinates $type -o "$name.obj" --picture "$name.png" --weight 30
 done
 
 step "a character for a game"
@@ -118,10 +118,15 @@ step "a hand"
 "$programs/hand_sheet" out >out/hand.txt
 
 step "heat maps"
-field() { # NAME CAGE VERTEX COORDINATES
-  "$programs/coordinate_field" --cage "$data/$2.svg" --vertex "$3" --coordinates "$4" --resolution 256 -o "out/$1.png" >>$report
+field() { # NAME CAGE VERTEX COORDINATES [OPTION ...]
+  name=$1 cage=$2 vertex=$3 type=$4
+  shift 4
+  "$programs/coordinate_field" --cage "$data/$cage.svg" --vertex "$vertex" --coordinates "$type" --resolution 256 \
+    -o "out/$name.png" "$@" >>$report
 }
-field field_cat_8_harmonic cat_cage 8 harmonic
+field field_cat_8_harmonic cat_cage 8 harmonic --surface out/surface_cat_8.png
+field field_cat_8_signs cat_cage 8 mean-value --signs root --levels 0
+field field_cat_8_zoom cat_cage 8 harmonic --zoom 780,240,180,140 --levels 20
 field field_cat_8_mean_value cat_cage 8 mean-value
 for vertex in 1 2; do
   field field_biped_${vertex}_mean_value biped_cage $vertex mean-value
@@ -133,7 +138,9 @@ done
   "harmonic: nowhere negative" out/field_biped_1_harmonic.png
 
 step "heights and colours from strokes"
-"$programs/height_map" "$data/hills.svg" -o out/hills.png --lines out/hills_lines.svg --levels 0.05 >>$report
+"$programs/height_map" "$data/hills.svg" -o out/hills.png -o out/hills.csv --lines out/hills_lines.svg \
+  --3d out/hills_3d.png --levels 0.05 >>$report
+"$programs/grid_field" out/hills.csv -o out/grid_field.png --levels 20 --surface out/grid_surface.png --turn 60 >>$report
 "$programs/diffuse_colours" "$data/cat_colours.svg" -o out/cat_colours.png >>$report
 "$programs/contact_sheet" -o out/strokes.svg --columns 3 --png --png-width 1500 "heights" out/hills.png \
   "level lines" out/hills_lines.svg "colours on both sides of lines" out/cat_colours.png
@@ -175,8 +182,8 @@ Open, in out/:
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
-  biped_signs.png            what negative weights mean; field_*.png: more heat maps
-  strokes.png                heights and colours diffused from lines; puzzle.png: a table of means, in fractions
+  biped_signs.png            what negative weights mean; field_*.png: more heat maps; surface_cat_8.png: one as a surface
+  strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
 END

@@ -76,6 +76,34 @@ std::string fault_of_count(const CageBlock& block) {
 
 } // namespace detail
 
+SvgResult<TableSize> read_table(const std::string& path,
+                                const std::function<std::string(std::string_view)>& take) {
+    const auto file = read_file(path);
+    if (!file) return file.error();
+    TableSize size;
+    std::string_view text = *file, line;
+    while (take_line(text, line)) {
+        if (detail::trim(line).empty() && text.empty()) break;
+        const std::string at = path + ":" + std::to_string(++size.rows) + ": ";
+        std::size_t columns = 0;
+        for (bool more = true; more;) {
+            const std::size_t end = std::min(line.find(','), line.size());
+            const std::string why = take(detail::trim(line.substr(0, end)));
+            ++columns;
+            if (!why.empty()) return SvgError{at + "column " + std::to_string(columns) + ": " + why};
+            more = end < line.size();
+            line.remove_prefix(std::min(end + 1, line.size()));
+        }
+        if (size.rows > 1 && columns != size.columns) {
+            return SvgError{at + std::to_string(columns) + " columns, and the first line has " +
+                            std::to_string(size.columns)};
+        }
+        size.columns = columns;
+    }
+    if (size.rows == 0) return SvgError{path + ": holds no table"};
+    return size;
+}
+
 SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const std::string& name) {
     std::vector<CageBlock> blocks;
     bool open = false; // whether the next line belongs to the last block

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -124,6 +125,18 @@ private:
     std::size_t at_ = 0, line_ = 0;
     std::string error_;
 };
+
+/// Rows and columns of a table.
+struct TableSize {
+    std::size_t rows = 0, columns = 0;
+};
+
+/// Reads a table: a row a line, cells between commas, all rows as long as the first.
+///
+///   take    gets each cell's text, without blanks around it, row by row; returns why it is wrong, else nothing
+///   fails   where the file cannot be read, holds no row, rows differ, or a cell is wrong: with line and column
+SvgResult<TableSize> read_table(const std::string& path,
+                                const std::function<std::string(std::string_view)>& take);
 
 /// Lines of a cage's file that belong together.
 struct CageBlock {

@@ -3,6 +3,7 @@
 #include "csv.hpp"
 
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -14,17 +15,10 @@ Colour sign_root(double value) {
     return value >= 0 ? Colour{s, s, 0} : Colour{0, s, 0};
 }
 
-void FieldStyle::add_options(CommandLine& line) {
-    line.add("--size", size, "pixels along the longer side").range(16, 8192).show_default();
-    line.add("--levels", levels, "steps between level lines from 0 to 1; 0: no lines")
-        .range(0, 1000)
-        .show_default();
-    line.add("--signs", signs,
-             "colours: heat, or root: the root of the size of the value, yellow where it is positive, green "
-             "where it is negative, red outside")
-        .one_of({"heat", "root"})
-        .show_default();
-    line.add_flag("--colour-bar,!--no-colour-bar", colour_bar, "the bar that colours are read by (default)");
+void FieldStyle::set_range(double from, double to) {
+    zero = from;
+    one = to;
+    step = levels == 0 ? 0 : (to - from) / double(levels);
 }
 
 std::optional<PlaneBox> parse_box(const std::string& text) {
@@ -41,6 +35,10 @@ std::optional<PlaneBox> parse_box(const std::string& text) {
     const bool is_finite =
         std::isfinite(x) && std::isfinite(y) && std::isfinite(width) && std::isfinite(height);
     return is_finite && box.width() > 0 && box.height() > 0 ? std::optional(box) : std::nullopt;
+}
+
+std::string box_fault(const std::string& text) {
+    return parse_box(text) ? "" : detail::quoted(text) + " is no part of the plane: x,y,width,height";
 }
 
 std::optional<std::array<double, 2>> clip_segment(const Point2& a, const Point2& b, const PlaneBox& box) {
@@ -71,7 +69,7 @@ std::array<double, 2> least_and_largest(std::span<const double> values) {
 Picture draw_field(std::span<const double> values, std::size_t width, const FieldStyle& style) {
     const std::size_t height = values.size() / width;
     Picture picture(width, height, style.outside());
-    const double step = style.step();
+    const double step = style.step;
     const auto differ = [&](double a, double b) { // not a number differs from nothing
         const auto level = [&](double value) { return std::floor((value - style.zero) / step + 1e-9); };
         return step > 0 && !std::isnan(a) && !std::isnan(b) && level(a) != level(b);
@@ -83,7 +81,7 @@ Picture draw_field(std::span<const double> values, std::size_t width, const Fiel
             picture.at(x, y) = style.colour(values[i]);
             if ((x + 1 < width && differ(values[i], values[i + 1])) ||
                 (y + 1 < height && differ(values[i], values[i + width]))) {
-                picture.at(x, y) = mix(picture.at(x, y), {0.15f, 0.1f, 0.1f}, 0.75f);
+                picture.at(x, y) = mix(picture.at(x, y), style.ink(), 0.75f);
             }
         }
     }
@@ -104,17 +102,19 @@ Picture with_colour_bar(const Picture& picture, double from, double to, const Fi
 
 namespace {
 
-/// The convex polygon on one side of a vertical line.
-std::vector<Point2> clip_at(const std::vector<Point2>& polygon, double x, bool keep_left) {
-    std::vector<Point2> kept;
-    const auto is_in = [&](const Point2& p) { return keep_left ? p.x <= x : p.x >= x; };
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const Point2 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-        if (is_in(a)) kept.push_back(a);
-        if ((a.x < x && b.x > x) || (a.x > x && b.x < x))
-            kept.push_back({x, a.y + (x - a.x) / (b.x - a.x) * (b.y - a.y)});
-    }
-    return kept;
+/// Appends the end of a side to a polygon, and before it where the side crosses columns: once for the two pieces that
+/// meet there, so that they share the place to the last bit.
+void append_cut(std::vector<Point2>& polygon, const Point2& end, const std::vector<double>& columns) {
+    const Point2 start = polygon.back();
+    const auto append = [&](double x) {
+        if ((start.x < x) == (x < end.x) && x != start.x && x != end.x)
+            polygon.push_back({x, start.y + (x - start.x) / (end.x - start.x) * (end.y - start.y)});
+    };
+    if (start.x < end.x)
+        std::for_each(columns.begin(), columns.end(), append);
+    else
+        std::for_each(columns.rbegin(), columns.rend(), append);
+    polygon.push_back(end);
 }
 
 /// Collects convex polygons as triangles; equal places are one.
@@ -221,23 +221,29 @@ PlaneMesh cut_by_lattice(std::span<const std::vector<Point2>> loops, const Plane
         }
         for (std::size_t k = 0; k + 1 < crossings.size(); k += 2) {
             const auto &left = crossings[k], &right = crossings[k + 1];
-            const std::vector<Point2> trapezoid{
-                {left[0], low}, {right[0], low}, {right[1], high}, {left[1], high}};
+            std::vector<Point2> trapezoid{{left[0], low}};
+            append_cut(trapezoid, {right[0], low}, columns);
+            append_cut(trapezoid, {right[1], high}, columns);
+            append_cut(trapezoid, {left[1], high}, columns);
+            append_cut(trapezoid, {left[0], low}, columns);
+            trapezoid.pop_back();
             const double first = std::min(left[0], left[1]), last = std::max(right[0], right[1]);
             for (std::size_t c = 0; c + 1 < columns.size(); ++c) {
                 if (columns[c + 1] <= first || columns[c] >= last) continue;
-                builder.add(clip_at(clip_at(trapezoid, columns[c], false), columns[c + 1], true), here);
+                std::vector<Point2> piece; // convex, so its corners are in order
+                std::copy_if(trapezoid.begin(), trapezoid.end(), std::back_inserter(piece),
+                             [&](const Point2& p) { return p.x >= columns[c] && p.x <= columns[c + 1]; });
+                builder.add(piece, here);
             }
         }
     }
     return std::move(builder.mesh);
 }
 
-PlaneMesh mesh_of_grid(std::span<const double> values, std::size_t width) {
+PlaneMesh mesh_of_grid(std::size_t width, std::size_t height) {
     PlaneMesh mesh;
-    const std::size_t height = values.size() / width;
     for (std::size_t y = 0; y < height; ++y) {
-        for (std::size_t x = 0; x < width; ++x) mesh.places.push_back({double(x), double(y)});
+        for (std::size_t x = 0; x < width; ++x) mesh.places.push_back({double(x) + 0.5, double(y) + 0.5});
     }
     for (std::size_t y = 0; y + 1 < height; ++y) {
         for (std::size_t x = 0; x + 1 < width; ++x) {
@@ -249,18 +255,27 @@ PlaneMesh mesh_of_grid(std::span<const double> values, std::size_t width) {
     return mesh;
 }
 
-void SurfaceView::add_options(CommandLine& line) {
-    line.add("--surface", path, "a PNG file to draw the field to as a surface over its domain")
-        .ends_with({".png"});
-    line.add("--turn", turns, "the surface turned about the vertical, in degrees; several: a view each")
-        .count(1, 8)
-        .show_default("35 -126");
-    line.add("--rise", rise, "how far above the floor the eye is, in degrees")
-        .range(-90.0, 90.0)
-        .show_default();
-    line.add("--height", height, "the surface's height, as a share of the domain's longer side")
-        .range(0.0, 10.0)
-        .show_default();
+/// The triangles of a mesh that have a value at every corner.
+static std::vector<std::array<std::uint32_t, 3>> whole_triangles(const PlaneMesh& mesh,
+                                                                 std::span<const double> values) {
+    std::vector<std::array<std::uint32_t, 3>> whole;
+    std::copy_if(mesh.triangles.begin(), mesh.triangles.end(), std::back_inserter(whole), [&](const auto& t) {
+        return !std::isnan(values[t[0]]) && !std::isnan(values[t[1]]) && !std::isnan(values[t[2]]);
+    });
+    return whole;
+}
+
+std::vector<PlaneLine> rim_of(const PlaneMesh& mesh, std::span<const double> values) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> triangles_at;
+    for (const auto& triangle : whole_triangles(mesh, values)) {
+        for (std::size_t k = 0; k < 3; ++k) ++triangles_at[std::minmax(triangle[k], triangle[(k + 1) % 3])];
+    }
+    std::vector<PlaneLine> rim;
+    for (const auto& [edge, count] : triangles_at) {
+        const auto& [a, b] = edge;
+        if (count == 1) rim.push_back({{mesh.places[a], mesh.places[b]}, {values[a], values[b]}});
+    }
+    return rim;
 }
 
 namespace {
@@ -296,7 +311,7 @@ struct PlotBox {
 /// The surface's level lines, triangle by triangle.
 void add_level_lines(const FieldSurface& surface, const PlotBox& box, const FieldStyle& style,
                      double thickness, SpacePlot& plot) {
-    const double step = style.step();
+    const double step = style.step;
     if (step == 0) return;
     for (const auto& triangle : plot.surface.triangles) {
         std::array<double, 3> value{};
@@ -312,7 +327,7 @@ void add_level_lines(const FieldSurface& surface, const PlotBox& box, const Fiel
                 const Point2 &a = surface.mesh.places[triangle[k]], &b = surface.mesh.places[triangle[next]];
                 ends.push_back(box.at({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}, level));
             }
-            if (ends.size() == 2) plot.lines.push_back({std::move(ends), thickness, {0.25f, 0.17f, 0.15f}});
+            if (ends.size() == 2) plot.lines.push_back({std::move(ends), thickness, style.ink()});
         }
     }
 }
@@ -373,21 +388,16 @@ Picture draw_surface(const FieldSurface& surface, const SurfaceView& view, const
     const double thin = std::max(0.6, double(style.size) / 900);
     std::vector<Point3> vertices;
     std::vector<Colour> colours;
-    std::vector<std::array<std::uint32_t, 3>> triangles;
     for (std::size_t i = 0; i < surface.values.size(); ++i) {
         const double value = std::isnan(surface.values[i]) ? 0 : surface.values[i]; // of no triangle
         vertices.push_back(box.at(surface.mesh.places[i], value));
         colours.push_back(style.colour(value));
     }
-    for (const auto& triangle : surface.mesh.triangles) {
-        const bool is_whole = std::none_of(triangle.begin(), triangle.end(),
-                                           [&](std::uint32_t i) { return std::isnan(surface.values[i]); });
-        if (is_whole) triangles.push_back(triangle);
-    }
+    const auto triangles = whole_triangles(surface.mesh, surface.values);
     SpacePlot base{{vertices, triangles, colours}, {}, {}, std::max(1.0, double(style.size) / 450)};
     add_level_lines(surface, box, style, thin, base);
     for (const PlaneLine& line : surface.boundary) {
-        SpaceLine above{{}, 2.5 * thin, {0.05f, 0.05f, 0.05f}}, below{{}, 1.5 * thin, {0.45f, 0.5f, 0.6f}};
+        SpaceLine above{{}, 2.5 * thin, style.ink()}, below{{}, 1.5 * thin, {0.45f, 0.5f, 0.6f}};
         for (std::size_t i = 0; i < line.points.size(); ++i) {
             above.points.push_back(box.at(line.points[i], line.values[i]));
             below.points.push_back(box.at(line.points[i], box.floor));

@@ -47,6 +47,20 @@ svg() { # NAME CONTENT
 heights="$programs/height_map"
 colours="$programs/diffuse_colours"
 works "a height map" "$heights" "$data/hills.svg" -o hills.png -o hills.pgm -o hills.csv --lines lines.svg --size 96
+works "heights as a surface" "$heights" "$data/hills.svg" -o hills.png --3d hills_3d.png --size 48 --turn 20 --rise 45
+works "a grid" "$programs/grid_field" hills.csv -o grid.png --surface surface.png --size 60 --levels 5
+printf '1,2,.\n3,nan,\n' >holes.csv
+works "a grid with cells outside" "$programs/grid_field" holes.csv -o grid.png --surface surface.png --size 60 --signs root --zoom 0,0,2,2
+printf '1,2\n3,x\n' >word.csv
+printf '1,2\n3\n' >ragged.csv
+printf '1,inf\n' >endless.csv
+printf '.,\n' >hollow.csv
+refuses 'word.csv:2: column 2: not a number' "$programs/grid_field" word.csv -o out.png
+refuses 'ragged.csv:2: 1 columns, and the first line has 2' "$programs/grid_field" ragged.csv -o out.png
+refuses 'endless.csv:1: column 2: "inf" is not finite' "$programs/grid_field" endless.csv -o out.png
+refuses 'hollow.csv: has no values' "$programs/grid_field" hollow.csv -o out.png
+refuses 'nowhere.csv' "$programs/grid_field" nowhere.csv -o out.png
+refuses '--zoom' "$programs/grid_field" hills.csv -o out.png --zoom 1,2,3
 works "a height map in a frame" "$heights" "$data/hills.svg" -o hills.png --rim frame --size 64
 works "diffusion curves" "$colours" "$data/cat_colours.svg" -o colours.png --size 96 --srgb
 svg none.svg '<rect width="5" height="5"/>'
@@ -326,6 +340,11 @@ for type in mean-value harmonic; do
   cmp -s character.obj rest.obj && ok=yes || ok=no
   report $ok "at rest, $type, the file is the same"
 done
+works "a weight painted on the character" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o posed.obj --picture painted.png --weight 30
+cmp -s posed.png painted.png && ok=no || ok=yes
+report $ok "the paint is seen"
+refuses 'there is no vertex 112: character_cage.obj has 112' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --picture out.png --weight 112
+refuses '--weight is painted on the --picture' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --weight 1
 printf 'v 0 1 0\nv 0 1 0.01\nv 0 1.01 0\nv 0.01 1 0\n' >points.obj
 # What a game loads: sizes told, no half-written file.
 bind="$programs/bind_mesh"
@@ -515,6 +534,14 @@ report $ok "the gap is reported"
 
 # ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
+works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --surface surface.png --turn 35 -100 0 --height 1
+[ -s surface.png ] && ok=yes || ok=no
+report $ok "the surface is there"
+works "a part of a field by signs" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --zoom 100,100,300,200 --signs root --levels 0 --no-colour-bar
+refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom 1,2,0,5
+refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom here
+refuses '--surface' "$field" --cage "$cage" --vertex 8 -o out.png --surface out.svg
+refuses '--signs' "$field" --cage "$cage" --vertex 8 -o out.png --signs minus
 works "a negative field" "$field" --cage "$data/biped_cage.svg" --vertex 2 --size 120 -o field.png
 grep -q ': -0.3' log && ok=yes || ok=no
 report $ok "mean value is negative in the biped's other leg"
@@ -871,7 +898,7 @@ done
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
-  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet; do
+  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
