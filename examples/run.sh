@@ -125,7 +125,7 @@ field() { # NAME CAGE VERTEX COORDINATES [OPTION ...]
     -o "out/$name.png" "$@" >>$report
 }
 field field_cat_8_harmonic cat_cage 8 harmonic --surface out/surface_cat_8.png
-field field_cat_8_signs cat_cage 8 mean-value --signs root --levels 0
+field field_biped_1_signs biped_cage 1 mean-value --signs root --levels 0
 field field_cat_8_zoom cat_cage 8 harmonic --zoom 780,240,180,140 --levels 20
 field field_cat_8_mean_value cat_cage 8 mean-value
 for vertex in 1 2; do

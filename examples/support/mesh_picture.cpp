@@ -148,7 +148,8 @@ public:
             for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),
                             line.thickness * samples,
                             [&](std::size_t i, std::size_t middle, double nearness) {
-                                if (nearness + 0.5 + line.thickness >= double(nearness_[middle])) colour_[i] = line.colour;
+                                if (nearness + 0.5 + line.thickness >= double(nearness_[middle]))
+                                    colour_[i] = line.colour;
                             });
         }
     }
