@@ -454,6 +454,76 @@ TEMPLATE_TEST_CASE("a pyramid ends where one level ends, sooner", "[grid][averag
     }
 }
 
+TEMPLATE_TEST_CASE("from the linear guess on a line the first sweep changes nothing",
+                   "[grid][averaging_pyramid]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    auto problem = all_interior<T, 1>({101});
+    for (std::size_t c = 0; c <= 100; ++c) problem.values[c] = T(c) / 100;
+    fix(problem, 0, 0);
+    fix(problem, 100, 1);
+    for (const std::size_t coarsest : {8u, 1000u}) { // one level either way
+        auto guessed = problem;
+        const auto once = solve(
+            guessed,
+            {.coarsest = coarsest, .tolerance = double(epsilon<T>), .max_sweeps = 1, .first_guess = true});
+        CHECK(once.converged);
+        CHECK(once.sweeps == 1);
+        for (std::size_t c = 0; c <= 100; ++c)
+            CHECK(std::fabs(double(guessed.values[c]) - double(c) / 100) <= 2 * double(epsilon<T>));
+    }
+    auto from_zero = problem; // whatever the interior cells hold
+    const auto outcome = solve(from_zero, {.coarsest = 1000, .tolerance = 1e-7});
+    CHECK(outcome.converged);
+    CHECK(outcome.sweeps > 2000);
+    // What a sweep makes of a guess is what it makes of the sweep before: n sweeps are n times one.
+    auto together = problem, apart = problem;
+    for (std::size_t c = 1; c < 100; ++c) together.values[c] = apart.values[c] = c % 7 == 0 ? T(1) : T(0.25);
+    (void)solve(together, {.tolerance = 0, .max_sweeps = 5, .first_guess = true});
+    for (int n = 0; n < 5; ++n)
+        CHECK(solve(apart, {.tolerance = 0, .max_sweeps = 1, .first_guess = true}).sweeps == 1);
+    CHECK(together.values == apart.values);
+}
+
+TEST_CASE("what a coarser grid pushes is a good first guess", "[grid][averaging_pyramid]") {
+    // Data of one side of a square, as a function of a cage's vertex has it.
+    const std::size_t n = 256;
+    auto problem = all_interior<double, 2>({n, n});
+    auto coarse = all_interior<double, 2>({n / 2, n / 2});
+    for (std::size_t c = 0; c < problem.tags.size(); ++c) {
+        const auto [x, y] = problem.box.index(c);
+        if (on_border(problem.box, c)) fix(problem, c, y == 0 ? double(std::min(x, n - 1 - x)) / n : 0.0);
+    }
+    std::vector<double> children(coarse.tags.size(), 0.0);
+    const auto parent = [&](std::size_t c) {
+        const auto [x, y] = problem.box.index(c);
+        return coarse.box.number({x / 2, y / 2});
+    };
+    for (std::size_t c = 0; c < problem.tags.size(); ++c) {
+        if (problem.tags[c] != CellTag::boundary) continue;
+        const double sum = children[parent(c)] == 0 ? 0.0 : coarse.values[parent(c)];
+        fix(coarse, parent(c), sum + problem.values[c]);
+        children[parent(c)] += 1;
+    }
+    for (std::size_t c = 0; c < children.size(); ++c) {
+        if (children[c] > 0) coarse.values[c] /= children[c];
+    }
+    REQUIRE(solve(coarse, {}).converged); // to the published tolerance
+    auto guessed = problem, from_zero = problem, pyramid = problem;
+    for (std::size_t c = 0; c < problem.tags.size(); ++c) {
+        if (problem.tags[c] == CellTag::interior) guessed.values[c] = coarse.values[parent(c)];
+    }
+    const auto with_guess = solve(guessed, {.first_guess = true});
+    const auto without = solve(from_zero, {.coarsest = 1000});
+    CAPTURE(with_guess.sweeps, without.sweeps);
+    CHECK(with_guess.converged);
+    CHECK(without.converged);
+    CHECK(with_guess.sweeps > 1);
+    CHECK(3 * with_guess.sweeps <= without.sweeps);
+    // By hand it is what the pyramid does.
+    CHECK(solve(pyramid, {}).sweeps == with_guess.sweeps);
+    CHECK(pyramid.values == guessed.values);
+}
+
 TEMPLATE_TEST_CASE("cells beyond the grid are mirrored", "[grid][averaging_pyramid][property]", float,
                    double) {
     using T = TestType;
@@ -562,6 +632,17 @@ TEMPLATE_TEST_CASE("sweeps end at max_sweeps and say so", "[grid][averaging_pyra
     CHECK(outcome.converged);
     CHECK(outcome.mean_change < 1e-3);
     CHECK(outcome.sweeps > 1);
+}
+
+TEST_CASE("tolerance 0 makes max_sweeps sweeps", "[grid][averaging_pyramid]") {
+    auto problem = all_interior<double, 1>({3}); // at rest after one sweep
+    fix(problem, 0, 1);
+    fix(problem, 2, 1);
+    const auto outcome = solve(problem, {.tolerance = 0, .max_sweeps = 12});
+    CHECK(outcome.sweeps == 12);
+    CHECK(outcome.mean_change == 0);
+    CHECK(!outcome.converged);
+    CHECK(problem.values[1] == 1);
 }
 
 TEMPLATE_TEST_CASE("mean_change is the mean over the unknowns of the last sweep", "[grid][averaging_pyramid]",

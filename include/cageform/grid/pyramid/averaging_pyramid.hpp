@@ -25,8 +25,10 @@ enum class Stencil : std::uint8_t {
 struct AveragingOptions {
     Stencil stencil = Stencil::face_neighbours;
     std::size_t coarsest = 16; ///< the pyramid ends at this many cells a side; ≥ the grid's: one level
-    double tolerance = 1e-5;   ///< τ: sweeps end when the mean change of a cell is below it
+    double tolerance = 1e-5;   ///< τ: sweeps end when the mean change of a cell is below it; 0: never
     std::size_t max_sweeps = 100000; ///< on each level
+    bool first_guess = false;        ///< sweeps begin with the values that interior cells have, not with 0;
+                                     ///< there is one level then, whatever `coarsest`
 };
 
 struct AveragingOutcome {
@@ -56,27 +58,27 @@ public:
         for (;;) {
             const auto& cells = levels_.back().box.cells;
             const std::size_t longest = *std::max_element(cells.begin(), cells.end());
-            if (longest <= options.coarsest || longest < 2) break;
+            if (options.first_guess || longest <= options.coarsest || longest < 2) break;
             levels_.push_back(coarsen(levels_.back(), options.stencil));
         }
     }
 
     std::size_t unknowns() const noexcept { return levels_[0].unknowns(); }
 
-    /// Fills the interior cells of `values` (#cells), of which the boundary cells are read and the
-    /// others ignored. `keep_going()` is asked now and then and cancels by returning false. Scratch
+    /// Fills the interior cells of `values` (#cells), of which the boundary cells are read (with
+    /// first_guess interior ones too: finite) and the others ignored. `keep_going()` is asked now and then and cancels by returning false. Scratch
     /// is kept inside, so one pyramid serves one thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
         levels_[0].values.assign(values.begin(), values.end());
         for (std::size_t l = 1; l < levels_.size(); ++l) restrict_data(levels_[l - 1], levels_[l]);
+        if (!options_.first_guess)
+            levels_.back().for_each_unknown([&](std::size_t c) { levels_.back().values[c] = T(0); });
         AveragingOutcome outcome;
         for (std::size_t l = levels_.size(); l-- > 0;) {
             Level& level = levels_[l];
-            level.for_each_unknown([&](std::size_t c) {
-                level.values[c] = l + 1 < levels_.size() ? levels_[l + 1].values[level.parent[c]] : T(0);
-            });
+            if (l + 1 < levels_.size()) push(levels_[l + 1], level);
             outcome = relax(level, keep_going);
             if (outcome.cancelled) return outcome;
         }
@@ -182,6 +184,11 @@ private:
         for (std::size_t c = 0; c < children.size(); ++c) {
             if (children[c] > T(0)) coarse.values[c] /= children[c];
         }
+    }
+
+    /// An interior cell begins with the value of its parent.
+    static void push(const Level& coarse, Level& fine) {
+        fine.for_each_unknown([&](std::size_t c) { fine.values[c] = coarse.values[fine.parent[c]]; });
     }
 
     template <class KeepGoing>
