@@ -1,6 +1,9 @@
-// Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage.
+// Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage. Or of the field
+// that has given values at the cage's vertices, linear between them: by harmonic coordinates, the solution of Laplace's
+// equation.
 //
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
+//     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png
 
 #include "bind_report.hpp"
 #include "cage_file.hpp"
@@ -26,18 +29,52 @@ int fail(const std::string& message) {
 struct Arguments {
     std::string cage, out, zoom;
     std::size_t vertex = 0;
+    std::vector<double> values; // of the field, at every vertex: 1 at `vertex`, or any
+    bool is_coordinate = true;
     bool y_up = false;
     FieldStyle style;
     SurfaceView view;
     CoordinatesChoice choice;
+
+    std::string name() const {
+        return choice.name + (is_coordinate ? " coordinate of vertex " + std::to_string(vertex)
+                                            : " interpolation of values");
+    }
+    /// The value on an edge, at a share of the way from vertex i to vertex j.
+    double on_edge(std::size_t i, std::size_t j, double t) const {
+        return (1 - t) * values[i] + t * values[j];
+    }
 };
 
-/// One coordinate, ready to be sampled.
+/// "v0,v1,…", a number for each vertex.
+SvgResult<std::vector<double>> parse_values(const std::string& text, const CageFile& cage) {
+    std::vector<double> values;
+    std::string_view rest = text;
+    for (bool more = true; more;) {
+        const std::size_t end = std::min(rest.find(','), rest.size());
+        const std::string why =
+            detail::parse_number(detail::trim(rest.substr(0, end)), values.emplace_back());
+        if (!why.empty()) return SvgError{"--values: " + why};
+        if (!std::isfinite(values.back())) return SvgError{"--values: a value is not finite"};
+        more = end < rest.size();
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    if (values.size() != cage.vertices.size()) {
+        return SvgError{"--values: " + std::to_string(values.size()) + " of them, and " + cage.name +
+                        " has " + std::to_string(cage.vertices.size()) + " vertices"};
+    }
+    return values;
+}
+
+/// The field, ready to be sampled.
 class CoordinateField {
 public:
     CoordinateField(const Arguments& given, const CageFile& cage)
-        : vertex_(given.vertex)
-        , coordinates_(make_coordinates<double>(given.choice, cage)) {}
+        : coordinates_(make_coordinates<double>(given.choice, cage)) {
+        for (std::size_t i = 0; i < given.values.size(); ++i) {
+            if (given.values[i] != 0) terms_.emplace_back(i, given.values[i]);
+        }
+    }
 
     /// Empty, or why there is no field.
     std::string solve(const std::string& cage_path) {
@@ -61,7 +98,10 @@ public:
             const auto [binding, bound] =
                 coordinates_->bind(part, {.linear_precision = cageform::LinearPrecision::leave});
             if (bound.status != cageform::Status::ok) return SvgError{describe_faults(cage_path, bound)};
-            for (std::size_t i = 0; i < part.size(); ++i) values[first + i] = binding.weight(i, vertex_);
+            for (std::size_t i = 0; i < part.size(); ++i) {
+                for (const auto& [vertex, value] : terms_)
+                    values[first + i] += value * binding.weight(i, vertex);
+            }
             for (const auto* list : {&bound.outside, &bound.unreached}) {
                 for (const std::size_t i : *list)
                     values[first + i] = std::numeric_limits<double>::quiet_NaN();
@@ -71,12 +111,12 @@ public:
     }
 
 private:
-    std::size_t vertex_;
+    std::vector<std::pair<std::size_t, double>> terms_; // vertices with their values, where not 0
     std::unique_ptr<AnyCoordinates<double, 2>> coordinates_;
 };
 
-/// The boundary's edges within a box, with the coordinate's values on them: linear.
-std::vector<PlaneLine> boundary_of(const CageFile& cage, std::size_t vertex, const PlaneBox& box) {
+/// The boundary's edges within a box, with the values on them.
+std::vector<PlaneLine> boundary_of(const Arguments& given, const CageFile& cage, const PlaneBox& box) {
     std::vector<PlaneLine> lines;
     cage.for_each_edge([&](std::size_t i, std::size_t j) {
         const Point2 &a = cage.vertices[i], &b = cage.vertices[j];
@@ -85,7 +125,7 @@ std::vector<PlaneLine> boundary_of(const CageFile& cage, std::size_t vertex, con
         PlaneLine line;
         for (const double t : *part) {
             line.points.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
-            line.values.push_back((i == vertex ? 1 - t : 0.0) + (j == vertex ? t : 0.0));
+            line.values.push_back(given.on_edge(i, j, t));
         }
         lines.push_back(std::move(line));
     });
@@ -112,11 +152,10 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
     const auto values = field.at(points, given.cage);
     if (!values) return values.error();
     const auto [least, largest] = least_and_largest(*values);
-    std::cout << given.choice.name << " coordinate of vertex " << given.vertex << ": " << least << " to "
-              << largest << '\n';
+    std::cout << given.name() << ": " << least << " to " << largest << '\n';
 
     Picture fine = draw_field(*values, width, given.style);
-    for (const PlaneLine& line : boundary_of(cage, given.vertex, box)) {
+    for (const PlaneLine& line : boundary_of(given, cage, box)) {
         constexpr int pieces = 64;
         const auto at = [&](double t) {
             const Point2 &a = line.points[0], &b = line.points[1];
@@ -124,14 +163,17 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
         };
         for (int k = 0; k < pieces; ++k) {
             const double t = double(k) / pieces;
-            fine.line(at(t), at(t + 1.0 / pieces), 14,
-                      boundary_hue(line.values[0] + t * (line.values[1] - line.values[0])));
+            const double value = line.values[0] + t * (line.values[1] - line.values[0]);
+            fine.line(at(t), at(t + 1.0 / pieces), 14, boundary_hue(given.style.share(value)));
         }
     }
-    const Point2 at = to_picture(cage.vertices[given.vertex]);
-    fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
-    fine.line(at, at, 24, boundary_hue(1));
-    return with_colour_bar(fine.halved(), least, std::max(largest, 1.0), given.style);
+    if (given.is_coordinate) {
+        const Point2 at = to_picture(cage.vertices[given.vertex]);
+        fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
+        fine.line(at, at, 24, boundary_hue(1));
+    }
+    return with_colour_bar(fine.halved(), std::min(least, given.style.zero),
+                           std::max(largest, given.style.one), given.style);
 }
 
 SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
@@ -145,18 +187,22 @@ SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage,
     auto values = field.at(surface.mesh.places, given.cage);
     if (!values) return values.error();
     surface.values = std::move(*values);
-    surface.boundary = boundary_of(cage, given.vertex, box);
+    surface.boundary = boundary_of(given, cage, box);
     surface.y_up = given.y_up;
     return draw_surface(surface, given.view, given.style);
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Draws one coordinate over its cage. Warm colours are positive, blue is negative, green is the "
-        "value on the boundary.");
+    CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
+                     "are positive, blue is negative, green is the "
+                     "value on the boundary.");
     Arguments given;
     line.add("--cage", given.cage, "an SVG or CSV file").required();
-    line.add("--vertex", given.vertex, "whose coordinate, from 0").required();
+    const CommandOption vertex = line.add("--vertex", given.vertex, "whose coordinate, from 0");
+    std::string values;
+    CommandOption of_values = line.add(
+        "--values", values, "v0,v1,...: instead of a coordinate the field of these values at the vertices");
+    of_values.excludes(vertex);
     line.add("-o,--output", given.out, "the PNG file to write").required().ends_with({".png"});
     given.style.add_options(line);
     line.add("--zoom", given.zoom, "x,y,width,height: only this part of the plane, in the cage's units")
@@ -166,13 +212,24 @@ int run_program(int argc, char** argv) {
     given.choice.add_options(line);
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
-    given.style.set_range(0, 1);
 
     const auto cage = load_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
+    given.is_coordinate = vertex.is_given();
+    if (vertex.is_given() == of_values.is_given()) return fail("--vertex or --values says what to draw");
     if (given.vertex >= cage->vertices.size()) {
         return fail("there is no vertex " + std::to_string(given.vertex) + ": " + given.cage + " has " +
                     std::to_string(cage->vertices.size()));
+    }
+    given.values.assign(cage->vertices.size(), 0.0);
+    given.values[given.vertex] = 1;
+    given.style.set_range(0, 1);
+    if (of_values.is_given()) {
+        auto parsed = parse_values(values, *cage);
+        if (!parsed) return fail(to_string(parsed.error()));
+        given.values = std::move(*parsed);
+        const auto [least, largest] = least_and_largest(given.values);
+        given.style.set_range(least, largest > least ? largest : least + 1);
     }
     PlaneBox around;
     for (const Point2& p : cage->vertices) around.add(p);

@@ -76,6 +76,11 @@ rm -f out/cat_walk_[0-9][0-9].svg out/cat_walk_frames.svg
 step "the man, the aleph"
 deform man_posed man man_cage man_pose barycentric
 deform man_rest man man_cage man_cage barycentric
+deform point_rest point man_cage man_cage barycentric
+deform point_posed point man_cage man_pose barycentric
+deform point_square point_square aleph_cage aleph_cage harmonic
+"$programs/contact_sheet" -o out/points.svg --columns 3 --png "a point in a triangle" out/point_rest.svg \
+  "the cage moved: its mean still" out/point_posed.svg "in a square" out/point_square.svg
 deform aleph_rest aleph aleph_cage aleph_cage mean-value
 deform aleph_mean_value aleph aleph_cage aleph_pose mean-value
 deform aleph_harmonic aleph aleph_cage aleph_pose harmonic
@@ -132,6 +137,9 @@ for vertex in 1 2; do
   field field_biped_${vertex}_mean_value biped_cage $vertex mean-value
   field field_biped_${vertex}_harmonic biped_cage $vertex harmonic
 done
+# A field with values at the corners of a rectangle: the black line is what is given.
+"$programs/coordinate_field" --cage "$data/rectangle.csv" --y-up --values 1,2,4,2 --coordinates harmonic \
+  -o out/field_rectangle.png --surface out/surface_rectangle.png --turn 35 -60 >>$report
 
 "$programs/contact_sheet" -o out/biped_signs.svg --columns 2 --png \
   "mean value: negative (blue) in the other leg" out/field_biped_1_mean_value.png \

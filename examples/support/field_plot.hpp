@@ -32,11 +32,11 @@ struct FieldStyle {
 
     /// After parsing: sets zero and one, and the step by the number of levels.
     void set_range(double from, double to);
+    double share(double value) const { return (value - zero) / (one - zero); }
     /// Of lines over the colours.
     Colour ink() const { return signs == "root" ? Colour{0.8f, 0.8f, 0.8f} : Colour{0.2f, 0.13f, 0.12f}; }
     Colour colour(double value) const {
-        const double share = (value - zero) / (one - zero);
-        return signs == "root" ? sign_root(share) : heat(share);
+        return signs == "root" ? sign_root(share(value)) : heat(share(value));
     }
     void add_options(CommandLine& line);
     Colour outside() const { return signs == "root" ? Colour{0.75f, 0.1f, 0.1f} : Colour{1, 1, 1}; }

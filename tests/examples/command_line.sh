@@ -537,6 +537,12 @@ works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --reso
 works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --surface surface.png --turn 35 -100 0 --height 1
 [ -s surface.png ] && ok=yes || ok=no
 report $ok "the surface is there"
+printf '0,0\n4,0\n4,3\n0,3\n' >rectangle.csv
+works "a field of values" "$field" --cage rectangle.csv --values 1,2,3,2 --coordinates harmonic --resolution 32 --size 60 -o field.png --surface surface.png
+refuses '--values: 3 of them, and rectangle.csv has 4 vertices' "$field" --cage rectangle.csv --values 1,2,3 -o out.png
+refuses '--values: not a number: "x"' "$field" --cage rectangle.csv --values 1,2,x,4 -o out.png
+refuses '--vertex or --values says what to draw' "$field" --cage rectangle.csv -o out.png
+refuses 'excludes' "$field" --cage rectangle.csv --vertex 1 --values 1,2,3,4 -o out.png
 works "a part of a field by signs" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --zoom 100,100,300,200 --signs root --levels 0 --no-colour-bar
 refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom 1,2,0,5
 refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom here

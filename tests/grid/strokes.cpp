@@ -223,6 +223,17 @@ TEST_CASE("fields converge with the square of the spacing", "[grid][strokes]") {
     }
 }
 
+TEST_CASE("a disc far larger than the canvas covers it", "[grid][strokes]") {
+    // Where its circle crosses lattice lines no index holds (undefined behaviour before, found by a sanitizer).
+    for (const double radius : {10.0, 1e12, 1e59, 1e150}) {
+        CAPTURE(radius);
+        Diffusion<double> field(about_unit_circle, 24, 1);
+        REQUIRE(field.add({{{0.1, 0.2}}, {3.0}, {}, radius}) == Status::ok);
+        REQUIRE(field.solve().status == Status::ok);
+        for (const double value : field.field(0)) CHECK(value == 3);
+    }
+}
+
 TEST_CASE("at the end of a stroke with two sides the error falls with the spacing", "[grid][strokes]") {
     // r^½ sin(θ/2): ±√r on the two sides of a slit along the negative axis, zero ahead of it.
     const auto crack = [](const Vec<double, 2>& p) {

@@ -42,8 +42,9 @@ public:
                     const Interval chord = chord_of(bone, p, axis);
                     if (chord.is_empty()) return;
                     for (const double x : {chord.low, chord.high}) {
-                        p[axis] = x;
-                        all[axis].push_back({lattice_.line(axis, index), false, x, value_on(bone, p)});
+                        // Beyond the lattice one place is like another, as long as an index holds it.
+                        p[axis] = std::fmin(std::fmax(x, -2), double(lattice_.counts()[axis] + 1));
+                        all[axis].push_back({lattice_.line(axis, index), false, p[axis], value_on(bone, p)});
                     }
                 });
             }
@@ -126,8 +127,9 @@ private:
             if (k == axis) continue;
             const double least = std::fmin(bone.a[k], bone.b[k]) - bone.radius - 1;
             const double most = std::fmax(bone.a[k], bone.b[k]) + bone.radius;
-            low[k] = std::max(std::int32_t(std::floor(least)), 0);
-            high[k] = std::min(std::int32_t(std::ceil(most)), counts[k] - 1);
+            // Bones may be far away: beyond what an index holds.
+            low[k] = std::int32_t(std::fmin(std::fmax(std::floor(least), 0), double(counts[k])));
+            high[k] = std::int32_t(std::fmax(std::fmin(std::ceil(most), double(counts[k] - 1)), -1));
             if (low[k] > high[k]) return;
         }
         Index index = low;
