@@ -22,6 +22,7 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::radius_not_positive:
     case Kind::interior_cell_outside:
     case Kind::interior_cells_not_supported:
+    case Kind::vertex_not_convex:
     case Kind::collinear_vertex:
     case Kind::vertex_unused:
     case Kind::loop_turns_otherwise:

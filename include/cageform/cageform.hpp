@@ -19,6 +19,7 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/coordinates/sibson.hpp>
+#include <cageform/coordinates/three_point.hpp>
 #include <cageform/grid/dirichlet.hpp>
 #include <cageform/grid/strokes.hpp>
 #include <cageform/version.hpp>

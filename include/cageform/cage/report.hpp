@@ -28,7 +28,8 @@ enum class CageFaultKind : std::uint8_t {
     radius_not_positive,   ///< of the interior cell at handle `a`
     interior_cell_outside, ///< the interior cell at handle `a`
     interior_cells_touch, ///< the cells or facets at handles `a` and `b`, elsewhere than in a vertex they share
-    sites_in_a_plane,     ///< all sites of a point set lie in a plane, or in the plane on a line
+    vertex_not_convex, ///< vertex `a` is no convex corner, or the first of a second loop; not for this type
+    sites_in_a_plane,  ///< all sites of a point set lie in a plane, or in the plane on a line
     interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
     gap_closed, ///< warning: only one face has the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,      ///< warning: vertex `a` lies on the straight line between its neighbours
@@ -71,6 +72,7 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::radius_not_positive, Status::radius_not_positive, "radius not positive"},
     {CageFaultKind::interior_cell_outside, Status::interior_cell_outside, "interior cell outside"},
     {CageFaultKind::interior_cells_touch, Status::interior_cells_touch, "interior cells touch"},
+    {CageFaultKind::vertex_not_convex, Status::cage_not_convex, "no convex corner at a vertex"},
     {CageFaultKind::sites_in_a_plane, Status::sites_in_a_plane, "sites in a plane"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},

@@ -112,6 +112,15 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
 
 namespace detail {
 
+/// Writes the boundary data of a place as weights: a lane of a block of `handles` rows.
+template <class T, std::size_t K>
+void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, Lanes<T>* rows,
+                          std::size_t lane) noexcept {
+    for (std::size_t i = 0; i < handles; ++i) rows[i][lane] = T(0);
+    for (std::size_t k = 0; k < value.handle.size(); ++k)
+        rows[value.handle[k]][lane] += static_cast<T>(value.weight[k]);
+}
+
 /// What `evaluate` and `evaluate_gradients` are given.
 template <class T>
 struct Batch {

@@ -36,6 +36,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(sites_in_a_plane, "all sites lie in a plane, or in the plane on a line")                    \
     /* coordinates/: what a type cannot do with a sound cage */                                   \
     X(interior_cells_not_supported, "this coordinate type cannot honour interior cells")          \
+    X(cage_not_convex, "these coordinates need one strictly convex loop")                         \
     X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \
     X(not_a_simplex, "barycentric coordinates need a simplex: dimension + 1 vertices")            \
     X(degenerate_simplex, "the simplex has no volume relative to its size")                       \

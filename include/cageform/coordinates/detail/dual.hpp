@@ -106,4 +106,16 @@ N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, 
         return value;
 }
 
+/// set(row, value) for the weight of handle `i` of `handles`, or for its derivatives times `scale`.
+template <class N, class S, class Set>
+void for_parts(const N& weight, std::size_t i, [[maybe_unused]] std::size_t handles, [[maybe_unused]] S scale,
+               const Set& set) {
+    if constexpr (has_gradient<N>) {
+        for (std::size_t k = 0; k < NumberTraits<N>::derivatives; ++k)
+            set(k * handles + i, ValueOf<N>(scale) * weight.gradient[k]);
+    } else {
+        set(i, weight);
+    }
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -140,12 +140,12 @@ private:
         Lanes<T>* const rows = batch.rows.block(b);
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k)
-            p[k] = X(S(scale_)) * (load<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
+            p[k] = X(S(scale_)) * (load_lanes<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
         const WeightSum<N> result = weigh_registers(frame<N>(), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
-            for_parts(memory.weights[i] * inverse, i, S(scale_),
-                      [&](std::size_t row, const X& x) { store(x, rows[row], first); });
+            for_parts(memory.weights[i] * inverse, i, cage_.size(), S(scale_),
+                      [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
         }
 
         // Inside, the sum is 2π or 4π over the diagonal and more (Hormann & Floater 2006, sec. 4.1).
@@ -184,39 +184,6 @@ private:
             return test_;
     }
 
-    /// set(row, value) for the weight of handle `i`, or for its derivatives times `scale`.
-    template <class N, class S, class Set>
-    void for_parts(const N& weight, std::size_t i, [[maybe_unused]] S scale, const Set& set) const {
-        if constexpr (has_gradient<N>) {
-            for (std::size_t k = 0; k < D; ++k)
-                set(k * cage_.size() + i, ValueOf<N>(scale) * weight.gradient[k]);
-        } else {
-            set(i, weight);
-        }
-    }
-
-    /// Lanes [first, first + lane_count<S>) of a row.
-    template <class S>
-    static Simd<S> load(const Lanes<T>& row, std::size_t first) noexcept {
-        if constexpr (std::is_same_v<S, T>) {
-            return Simd<S>::load(row);
-        } else {
-            Lanes<S> part;
-            for (std::size_t lane = 0; lane < lane_count<S>; ++lane) part[lane] = S(row[first + lane]);
-            return Simd<S>::load(part);
-        }
-    }
-    template <class S>
-    static void store(const Simd<S>& x, Lanes<T>& row, std::size_t first) noexcept {
-        if constexpr (std::is_same_v<S, T>) {
-            x.store(row);
-        } else {
-            Lanes<S> part;
-            x.store(part);
-            for (std::size_t lane = 0; lane < lane_count<S>; ++lane) row[first + lane] = T(part[lane]);
-        }
-    }
-
     /// One point, in a wider scalar; on the boundary the limit.
     template <class N>
     PointState evaluate_point(const Vec<T, D>& p, Lanes<T>* rows, std::size_t lane) const {
@@ -226,9 +193,7 @@ private:
         const bool on_boundary = distance <= scale_ * tolerance_;
         if constexpr (!has_gradient<N>) {
             if (on_boundary) {
-                for (std::size_t i = 0; i < cage_.size(); ++i) rows[i][lane] = T(0);
-                for (std::size_t k = 0; k < value.handle.size(); ++k)
-                    rows[value.handle[k]][lane] += static_cast<T>(value.weight[k]);
+                store_boundary_value(value, cage_.size(), rows, lane);
                 return PointState::on_boundary;
             }
         }
@@ -240,7 +205,7 @@ private:
         bool finite = true;
         const N inverse = Wide(1) / sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
-            for_parts(memory.weights[i] * inverse, i, 1 / unit, [&](std::size_t row, Wide x) {
+            for_parts(memory.weights[i] * inverse, i, cage_.size(), 1 / unit, [&](std::size_t row, Wide x) {
                 rows[row][lane] = static_cast<T>(x);
                 finite = finite && is_finite(rows[row][lane]);
             });

@@ -199,4 +199,26 @@ Simd<T>(min)(const Simd<T>& a, const Simd<T>& b) noexcept {
     return select<T>(a < b, a, b);
 }
 
+/// Lanes [first, first + lane_count<S>) of a row, in another scalar.
+template <Scalar S, Scalar T>
+Simd<S> load_lanes(const Lanes<T>& row, [[maybe_unused]] std::size_t first) noexcept {
+    if constexpr (std::is_same_v<S, T>) {
+        return Simd<S>::load(row);
+    } else {
+        Lanes<S> part;
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) part[lane] = S(row[first + lane]);
+        return Simd<S>::load(part);
+    }
+}
+template <Scalar S, Scalar T>
+void store_lanes(const Simd<S>& x, Lanes<T>& row, [[maybe_unused]] std::size_t first) noexcept {
+    if constexpr (std::is_same_v<S, T>) {
+        x.store(row);
+    } else {
+        Lanes<S> part;
+        x.store(part);
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) row[first + lane] = T(part[lane]);
+    }
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail

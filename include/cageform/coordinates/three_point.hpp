@@ -1,0 +1,291 @@
+// Three-point coordinates in the plane: a family of closed forms for convex polygons, Wachspress and
+// discrete harmonic among them.
+#pragma once
+
+#include <cageform/cage/polygon.hpp>
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/three_point_formula.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// f(r) = 1: Wachspress coordinates (A Rational Finite Element Basis, 1975).
+struct Wachspress {
+    static constexpr bool homogeneous = true;
+    template <class X>
+    X operator()(const X&) const noexcept {
+        return X(1);
+    }
+};
+
+/// f(r) = r²: discrete harmonic coordinates, the cotangent weights (Pinkall & Polthier 1993).
+struct DiscreteHarmonic {
+    static constexpr bool homogeneous = true;
+    template <class X>
+    X operator()(const X& rr) const noexcept {
+        return rr;
+    }
+};
+
+/// Whether f(μr) is a multiple of f(r) for every μ, so that the unit of length does not matter.
+template <class F>
+inline constexpr bool is_homogeneous = false;
+template <class F>
+    requires(bool(F::homogeneous))
+inline constexpr bool is_homogeneous<F> = true;
+
+/// Coordinates in a convex polygon by a function f of the distance r_i = |C_i − p|:
+///
+///   w_i = (c_{i+1} A_{i−1} − c_i B_i + c_{i−1} A_i) / (A_{i−1} A_i),  c_i = f(r_i),  λ_i = w_i / Σ w,
+///   A_i and B_i the signed areas of p C_i C_{i+1} and p C_{i−1} C_{i+1}
+///
+/// Floater, Hormann & Kós, A general construction of barycentric coordinates over convex polygons
+/// (Adv. Comput. Math. 24, 2006); Floater, Acta Numerica 24 (2015), sec. 6. f = 1 is Wachspress, f = r
+/// mean value (`MeanValueCoordinates`, which takes any polygon), f = r² discrete harmonic; the last
+/// and the first are one where all vertices lie on a circle. For f = 1 and f = r² nothing but
+/// products and a division an edge is computed. The formula in code: `weigh_three_points` in
+/// detail/three_point_formula.hpp.
+///
+///   F        f as a function of r², a template of its number: called with scalars, registers of
+///            them, and both with a gradient. `using std::sqrt; return sqrt(1 + rr);` finds the
+///            root of each. A number may be made of a constant, X(2), and `homogeneous` is a static
+///            member of F that says that f(μr) is a multiple of f(r)
+///   cage     one strictly convex loop, of either orientation. Vertices on the line of their
+///            neighbours are refused: Wachspress would give them no weight
+///   range    sum to 1; ≥ 0 in every cage if and only if f ≥ 0, f' ≥ 0, f'' ≥ 0 and f ≥ r f': for
+///            f = 1, r, √(1 + r²);
+///            not for r² and √r
+///   outside  not defined: there are poles on the lines of the edges
+///   limits   on vertices the unit row, on edges linear, whatever f; on_boundary
+///   accuracy a few roundings; beside a vertex whose outer angle is θ, some over θ
+///   units    unless F is homogeneous, r² is in the user's unit and has to be a number of T.
+///            Where Σ w is zero or no number, the point is unreached
+///   cost     O(#V) a point: a division a vertex and eight (sixteen) points, and f
+///   gradients  in double whatever the scalar; those of points on the boundary are of a place 1e-6
+///              diagonals inside. double: 1e-11 of one over the diagonal, nearer to the boundary than
+///              1e-8 diagonals 1e-19 over the distance, where long double is wider than double.
+///              Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity likewise
+///   faults   as `check` says, vertex_not_convex, interior_cells_not_supported
+template <Scalar T, class F>
+class ThreePointCoordinates {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = 2;
+    static constexpr bool has_extension = false;
+    static constexpr bool closed_form = true;
+
+    explicit ThreePointCoordinates(Polygon<T> cage, F f = {})
+        : cage_(std::move(cage))
+        , f_(std::move(f)) {
+        prepare();
+    }
+
+    template <PointRange R>
+        requires(range_dimension<R> == 2)
+    explicit ThreePointCoordinates(const R& vertices, F f = {})
+        : ThreePointCoordinates(Polygon<T>(vertices), std::move(f)) {}
+
+    /// Loops alone: interior_cells_not_supported where there are cells inside.
+    explicit ThreePointCoordinates(const CellComplex<T, 2>& cage, F f = {})
+        : f_(std::move(f)) {
+        report_.status = detail::guard_memory([&] {
+            cage_ = cage.boundary();
+            return cage.status();
+        });
+        if (report_.status != Status::ok) return;
+        prepare();
+        refuse_interior_cells(cage, report_);
+    }
+
+    const Polygon<T>& cage() const noexcept { return cage_; }
+    std::span<const Vec<T, 2>> handles() const noexcept { return cage_.vertices(); }
+    const CageReport& cage_report() const noexcept { return report_; }
+
+    /// As CageCoordinates says.
+    Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                        const Running& running = {}) const {
+        return evaluate_numbers<detail::Simd<T>>({points, weights, states}, running);
+    }
+    /// As GradientCoordinates says.
+    Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_numbers<detail::Dual<detail::Simd<double>, 2>>({points, gradients, states}, running);
+    }
+    Vec<T, 2> nearest_boundary(const Vec<T, 2>& p, std::span<T> row) const noexcept {
+        return nearest_boundary_weights(cage_, p, row);
+    }
+
+private:
+    using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
+
+    void prepare() {
+        report_ = check(cage_);
+        if (report_.status != Status::ok) return;
+        report_.status = detail::guard_memory([&] {
+            fill_tables();
+            return report_.status;
+        });
+    }
+    void fill_tables() {
+        const auto bounds = bounds_of(cage_.vertices());
+        tolerance_ = double(coincidence_tolerance(bounds));
+        if (cage_.loops().size() > 1)
+            return report_.add(CageFaultKind::vertex_not_convex, cage_.loops()[1].begin);
+        left_ = signed_area(cage_, cage_.loops()[0]) > 0;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            if (!is_convex(i)) report_.add(CageFaultKind::vertex_not_convex, i);
+        }
+        if (report_.status != Status::ok) return;
+        scale_ = double(unit_scale(bounds)); // products of lengths stay in range
+        frame_ = frame_about<T>(Vec<double, 2>{}, 1 / scale_);
+        gradient_frame_ = frame_about<double>(Vec<double, 2>{}, 1 / scale_);
+    }
+    /// Farther from the line of its neighbours than the tolerance, on the outer side.
+    bool is_convex(std::size_t i) const noexcept {
+        const std::size_t last = cage_.size() - 1;
+        const auto at = vec_cast<double>(cage_[i]);
+        const auto from = vec_cast<double>(cage_[i > 0 ? i - 1 : last]) - at;
+        const auto to = vec_cast<double>(cage_[i < last ? i + 1 : 0]) - at;
+        return (left_ ? 1 : -1) * cross(to, from) > tolerance_ * detail::length(to - from);
+    }
+
+    /// The cage seen from a place, in lengths of `unit`.
+    template <class S, class Number>
+    detail::ThreePointFrame<S> frame_about(const Vec<Number, 2>& origin, Number unit) const {
+        Buffer<Vec<Number, 2>> at;
+        at.reserve(cage_.size());
+        for (const auto& v : cage_.vertices()) at.push_back((1 / unit) * (vec_cast<Number>(v) - origin));
+        return {at, left_, static_cast<S>(is_homogeneous<F> ? Number(1) : unit)};
+    }
+
+    template <class N, class S>
+    detail::ThreePointSum<N> weigh(const detail::ThreePointFrame<S>& frame, S near,
+                                   const Vec<detail::ValueOf<N>, 2>& p, std::vector<N>& weights) const {
+        return detail::weigh_three_points<std::is_same_v<F, Wachspress>, N>(frame, f_, near, p, weights);
+    }
+
+    template <class N>
+    Evaluation evaluate_numbers(const detail::Batch<T>& batch, const Running& running) const {
+        using S = detail::ScalarOf<detail::ValueOf<N>>;
+        const std::size_t rows = detail::has_gradient<N> ? 2 * cage_.size() : cage_.size();
+        return detail::evaluate_blocks(
+            report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
+                std::vector<N> memory(cage_.size());
+                for (std::size_t b = begin; b < end; ++b) {
+                    for (std::size_t first = 0; first < lane_count<T>; first += lane_count<S>)
+                        evaluate_lanes(batch, b, first, memory);
+                }
+            });
+    }
+
+    /// The lanes of block `b` from `first` on, as many as N has. Where a point lies next to the line
+    /// of an edge the registers do not tell: these follow one by one.
+    template <class N>
+    void evaluate_lanes(const detail::Batch<T>& batch, std::size_t b, std::size_t first,
+                        std::vector<N>& memory) const {
+        using X = detail::ValueOf<N>;
+        using S = detail::ScalarOf<X>;
+        Lanes<T>* const rows = batch.rows.block(b);
+        Vec<X, 2> p;
+        for (std::size_t k = 0; k < 2; ++k)
+            p[k] = X(S(scale_)) * detail::load_lanes<S>(batch.points.block(b)[k], first);
+        const auto result = weigh<N>(frame<N>(), near<N>(), p, memory);
+        const N inverse = X(S(1)) / result.sum;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            detail::for_parts(memory[i] * inverse, i, cage_.size(), S(scale_),
+                              [&](std::size_t row, const X& x) { detail::store_lanes(x, rows[row], first); });
+        }
+        Lanes<S> sums, beside, outside;
+        detail::value_of(result.sum).store(sums);
+        result.beside.store(beside);
+        result.outside.store(outside);
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
+            const std::size_t i = b * lane_count<T> + first + lane;
+            if (i >= batch.points.points || batch.states[i] == PointState::not_finite) continue;
+            if (outside[lane] != S(0)) {
+                batch.states[i] = PointState::outside;
+            } else if (beside[lane] != S(0) || !is_finite(sums[lane]) || sums[lane] == S(0)) {
+                using One = std::conditional_t<detail::has_gradient<N>, detail::Dual<Wide, 2>, Wide>;
+                batch.states[i] = evaluate_point<One>(block_point<2>(batch.points, i), rows, first + lane);
+            } else {
+                batch.states[i] = PointState::inside;
+            }
+        }
+    }
+
+    template <class N>
+    const auto& frame() const noexcept {
+        if constexpr (detail::has_gradient<N>)
+            return gradient_frame_;
+        else
+            return frame_;
+    }
+    /// How far from the line of an edge registers suffice, in units of the frame: gradients of double
+    /// next to the boundary lose what the distance is smaller than one.
+    template <class N, class S = detail::ScalarOf<detail::ValueOf<N>>>
+    S near() const noexcept {
+        const double edge = scale_ * tolerance_;
+        return static_cast<S>(detail::has_gradient<N> && sizeof(T) == 8 ? std::fmax(edge, 1e-5) : edge);
+    }
+
+    /// One point, in a wider scalar; on the boundary the limit.
+    template <class N>
+    PointState evaluate_point(const Vec<T, 2>& p, Lanes<T>* rows, std::size_t lane) const {
+        Vec<T, 2> place;
+        const auto value = nearest_boundary_value(cage_, p, place);
+        const double distance = detail::length(scale_ * (vec_cast<double>(place) - vec_cast<double>(p)));
+        const bool on_boundary = distance <= scale_ * tolerance_;
+        if (!on_boundary && locate(cage_, p, T(0)) != PointState::inside) return PointState::outside;
+        if constexpr (!detail::has_gradient<N>) {
+            if (on_boundary) {
+                detail::store_boundary_value(value, cage_.size(), rows, lane);
+                return PointState::on_boundary;
+            }
+        }
+        const auto q = on_boundary ? step_inside(vec_cast<Wide>(p)) : vec_cast<Wide>(p);
+        const Wide unit = Wide(1) / Wide(scale_);
+        std::vector<N> memory(cage_.size());
+        const auto result = weigh<N>(frame_about<Wide>(q, unit), Wide(0), Vec<Wide, 2>{}, memory);
+        if (detail::value_of(result.sum) == 0) return PointState::unreached;
+        const N inverse = Wide(1) / result.sum;
+        bool finite = true;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            detail::for_parts(memory[i] * inverse, i, cage_.size(), Wide(scale_),
+                              [&](std::size_t row, Wide x) {
+                                  rows[row][lane] = static_cast<T>(x);
+                                  finite = finite && is_finite(rows[row][lane]);
+                              });
+        }
+        if (!finite) return PointState::unreached;
+        return on_boundary ? PointState::on_boundary : PointState::inside;
+    }
+
+    /// From a place on the boundary 1e-6 diagonals towards the middle of the vertices, at most half
+    /// of the way.
+    Vec<Wide, 2> step_inside(const Vec<Wide, 2>& p) const noexcept {
+        Vec<Wide, 2> way{};
+        for (const auto& v : cage_.vertices())
+            way = way + (Wide(scale_) / Wide(cage_.size())) * (vec_cast<Wide>(v) - p);
+        const double step = std::fmin(0.5, 0x1p-20 / detail::length(vec_cast<double>(way)));
+        return p + (Wide(step) / Wide(scale_)) * way;
+    }
+
+    Polygon<T> cage_;
+    CageReport report_;
+    F f_;
+    detail::ThreePointFrame<T> frame_;
+    detail::ThreePointFrame<double> gradient_frame_;
+    double tolerance_ = 0, scale_ = 1;
+    bool left_ = true;
+};
+
+template <Scalar T>
+using WachspressCoordinates = ThreePointCoordinates<T, Wachspress>;
+using WachspressCoordinates2f = WachspressCoordinates<float>;
+using WachspressCoordinates2d = WachspressCoordinates<double>;
+
+template <Scalar T>
+using DiscreteHarmonicCoordinates = ThreePointCoordinates<T, DiscreteHarmonic>;
+using DiscreteHarmonicCoordinates2f = DiscreteHarmonicCoordinates<float>;
+using DiscreteHarmonicCoordinates2d = DiscreteHarmonicCoordinates<double>;
+
+} // namespace cageform::inline CAGEFORM_ABI
