@@ -39,4 +39,42 @@ Gradients<T, D> gradients_of(const Coordinates& coordinates, const std::vector<V
     return result;
 }
 
+/// The largest difference to expected gradients (times the diagonal), relative to the largest or one.
+template <class T, std::size_t D>
+double error_of(const std::vector<Vec<T, D>>& row, const std::vector<Vec<double, D>>& expected, double size) {
+    double largest = 1, worst = 0;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+        for (std::size_t k = 0; k < D; ++k) {
+            largest = std::max(largest, std::fabs(expected[i][k]));
+            const double d = std::fabs(double(row[i][k]) * size - expected[i][k]);
+            worst = d <= worst ? worst : d; // keeps a NaN
+        }
+    }
+    return worst / largest;
+}
+
+/// How far Σ ∇w = 0 and Σ C ∇w = identity are missed, relative to the largest gradient and to the cage's diagonal.
+template <class T, std::size_t D>
+double law_error(std::span<const Vec<T, D>> handles, const Vec<T, D>& p, const std::vector<Vec<T, D>>& row) {
+    const double size = double(bounds_of(handles).diagonal());
+    double largest = 1, worst = 0;
+    Vec<double, D> sum{};
+    std::array<Vec<double, D>, D> jacobian{};
+    for (std::size_t i = 0; i < handles.size(); ++i) {
+        const auto c = vec_cast<double>(handles[i]) - vec_cast<double>(p);
+        const auto g = vec_cast<double>(row[i]);
+        for (std::size_t k = 0; k < D; ++k) {
+            largest = std::max(largest, std::fabs(g[k]) * std::max(size, std::sqrt(dot(c, c))));
+            jacobian[k] = jacobian[k] + c[k] * g;
+        }
+        sum = sum + g;
+    }
+    for (std::size_t k = 0; k < D; ++k) {
+        worst = std::max(worst, std::fabs(sum[k]) * size);
+        for (std::size_t l = 0; l < D; ++l)
+            worst = std::max(worst, std::fabs(jacobian[k][l] - (k == l ? 1 : 0)));
+    }
+    return worst / largest;
+}
+
 } // namespace cageform_tests

@@ -42,21 +42,21 @@ inline constexpr bool is_homogeneous<F> = true;
 /// (Adv. Comput. Math. 24, 2006); Floater, Acta Numerica 24 (2015), sec. 6. f = 1 is Wachspress, f = r
 /// mean value (`MeanValueCoordinates`, which takes any polygon), f = r² discrete harmonic; the last
 /// and the first are one where all vertices lie on a circle. For f = 1 and f = r² nothing but
-/// products and a division an edge is computed. The formula in code: `weigh_three_points` in
+/// products and a division an edge is computed. (f of arcs about p in place of distances reproduces
+/// p for linear f alone, which is mean value again.) The formula in code: `weigh_three_points` in
 /// detail/three_point_formula.hpp.
 ///
-///   F        f as a function of r², a template of its number: called with scalars, registers of
-///            them, and both with a gradient. `using std::sqrt; return sqrt(1 + rr);` finds the
-///            root of each. A number may be made of a constant, X(2), and `homogeneous` is a static
-///            member of F that says that f(μr) is a multiple of f(r)
+///   F        f as a function of r², a template of its number X: called with scalars, registers of
+///            them, and both with a gradient. For √(1 + r²): `using std::sqrt;
+///            return sqrt(X(1) + rr);`. F::homogeneous, which need not be there, says that f(μr)
+///            is a multiple of f(r)
 ///   cage     one strictly convex loop, of either orientation. Vertices on the line of their
 ///            neighbours are refused: Wachspress would give them no weight
-///   range    sum to 1; ≥ 0 in every cage if and only if f ≥ 0, f' ≥ 0, f'' ≥ 0 and f ≥ r f': for
-///            f = 1, r, √(1 + r²);
-///            not for r² and √r
+///   range    sum to 1; ≥ 0 in every cage if and only if f ≥ 0, f' ≥ 0, f'' ≥ 0 and f ≥ r f': so
+///            for 1, r and √(1 + r²), not for r² and √r
 ///   outside  not defined: there are poles on the lines of the edges
 ///   limits   on vertices the unit row, on edges linear, whatever f; on_boundary
-///   accuracy a few roundings; beside a vertex whose outer angle is θ, some over θ
+///   accuracy a few roundings; beside a vertex whose outer angle is θ, a few over θ
 ///   units    unless F is homogeneous, r² is in the user's unit and has to be a number of T.
 ///            Where Σ w is zero or no number, the point is unreached
 ///   cost     O(#V) a point: a division a vertex and eight (sixteen) points, and f
