@@ -444,6 +444,7 @@ int run_program(int argc, char** argv) {
     add_film("mp4", "a video", {".mp4"});
     line.add("--width", settings.width, "of these, in pixels").range(16, 8192).show_default();
     settings.outside.add_option(line);
+    settings.choice.in_plane = true;
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;

@@ -212,6 +212,8 @@ int run(const Settings& settings) {
         return *dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
     }
     if (settings.cage_path.ends_with(".obj")) {
+        if (settings.choice.takes_polygons())
+            return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");
         const auto file = load_mesh_cage(settings.cage_path);
         if (!file) return fail(to_string(file.error()));
         if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
@@ -257,7 +259,7 @@ int run_program(int argc, char** argv) {
         .one_of({"restore", "leave"})
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report");
-    settings.choice.with_sites = true;
+    settings.choice.in_plane = settings.choice.with_sites = true;
     settings.choice.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);

@@ -209,6 +209,7 @@ int run_program(int argc, char** argv) {
         .check(box_fault);
     line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
     given.view.add_options(line);
+    given.choice.in_plane = true;
     given.choice.add_options(line);
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;

@@ -140,7 +140,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
-    outside.with_sites = choice.with_sites = true;
+    outside.with_sites = choice.with_sites = choice.in_plane = true;
     outside.add_option(line);
     of_sites.add_options(line);
     line.add_flag(

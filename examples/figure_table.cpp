@@ -86,10 +86,8 @@ int run_program(int argc, char** argv) {
     for (std::size_t i = 0; i < words.size(); i += 4) {
         std::istringstream names(words[i + 3]);
         for (std::string name; std::getline(names, name, ',');) {
-            const auto& known = CoordinatesChoice::names();
-            std::string error = std::find(known.begin(), known.end(), name) == known.end()
-                                    ? "\"" + name + "\" is not one of barycentric, mean-value, harmonic"
-                                    : print_row(words[i], words[i + 1], words[i + 2], name);
+            std::string error = CoordinatesChoice::name_fault(name, CoordinatesChoice::names());
+            if (error.empty()) error = print_row(words[i], words[i + 1], words[i + 2], name);
             if (error.empty()) continue;
             std::cerr << "figure_table: " << error << '\n';
             return 1;

@@ -141,6 +141,15 @@ done
 "$programs/coordinate_field" --cage "$data/rectangle.csv" --y-up --values 1,2,4,2 --coordinates harmonic \
   -o out/field_rectangle.png --surface out/surface_rectangle.png --turn 35 -60 >>$report
 
+for type in wachspress mean-value discrete-harmonic; do
+  field "field_heptagon_$(echo $type | tr - _)" heptagon_cage 3 $type
+done
+# The root is negative in the thin cage of tests/coordinates/three_point.cpp.
+"$programs/contact_sheet" -o out/convex.svg --columns 3 --tile 480 --png --png-width 1800 \
+  "Wachspress, f = 1: nowhere negative" out/field_heptagon_wachspress.png \
+  "mean value, f = r (√r: to −0.015 in thin cages)" out/field_heptagon_mean_value.png \
+  "discrete harmonic, f = r²: to −0.16" out/field_heptagon_discrete_harmonic.png
+
 "$programs/contact_sheet" -o out/biped_signs.svg --columns 2 --png \
   "mean value: negative (blue) in the other leg" out/field_biped_1_mean_value.png \
   "harmonic: nowhere negative" out/field_biped_1_harmonic.png
@@ -190,6 +199,7 @@ Open, in out/:
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
+  convex.png                 three coordinate types that take convex cages, by a function of the distance
   biped_signs.png            what negative weights mean; field_*.png: more heat maps; surface_cat_8.png: one as a surface
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces

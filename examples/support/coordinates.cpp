@@ -10,8 +10,16 @@
 namespace cageform_examples {
 
 const std::vector<std::string>& CoordinatesChoice::names() {
-    static const std::vector<std::string> all{"barycentric", "mean-value", "harmonic"};
+    static const std::vector<std::string> all{"barycentric", "mean-value", "harmonic", "wachspress",
+                                              "discrete-harmonic"};
     return all;
+}
+
+std::string CoordinatesChoice::name_fault(const std::string& given, const std::vector<std::string>& known) {
+    if (std::find(known.begin(), known.end(), given) != known.end()) return {};
+    std::string why = "\"" + given + "\" is not one of ";
+    for (const std::string& each : known) why += (each == known.front() ? "" : ", ") + each;
+    return why;
 }
 
 void SiteChoice::add_options(CommandLine& line) {
@@ -32,20 +40,18 @@ std::string SiteChoice::fault(const CoordinatesChoice& choice) const {
 }
 
 void CoordinatesChoice::add_options(CommandLine& line) {
-    std::vector<std::string> known = names();
-    std::string help = "barycentric (of a triangle or tetrahedron), mean-value or harmonic";
+    std::vector<std::string> known{"barycentric", "mean-value", "harmonic"};
+    std::string help = "barycentric (of a triangle or tetrahedron), mean-value, harmonic";
+    if (in_plane) {
+        known = names();
+        help += "; of a convex polygon wachspress or discrete-harmonic";
+    }
     if (with_sites) {
         known.insert(known.end(), {"sibson", "sibson-c1"});
-        help = "barycentric (of a triangle or tetrahedron), mean-value, harmonic, or of points without a "
-               "cage sibson, or sibson-c1, which is smooth at the points too";
+        help += "; of points without a cage sibson, or sibson-c1, which is smooth at the points too";
     }
     line.add("--coordinates", name, help)
-        .check([known](const std::string& given) {
-            if (std::find(known.begin(), known.end(), given) != known.end()) return std::string();
-            std::string why = "\"" + given + "\" is not one of ";
-            for (const std::string& each : known) why += (each == known.front() ? "" : ", ") + each;
-            return why;
-        })
+        .check([known](const std::string& given) { return name_fault(given, known); })
         .show_default();
     if (with_sites) {
         line.add("--gradients", gradients,

@@ -23,17 +23,23 @@ namespace cageform_examples {
 /// What --coordinates, --resolution, --tolerance and --solver say. The same in all programs.
 struct CoordinatesChoice {
     std::string name = "mean-value";  // one of names(), or with with_sites sibson or sibson-c1
+    bool in_plane = false;            // whether the program takes polygons as cages
     bool with_sites = false;          // whether the program takes control points without a cage
     std::string gradients = "facets"; // of sibson-c1
     std::size_t resolution = 0;       // 0: 128 in the plane, 64 in space
     cageform::HarmonicOptions harmonic;
 
-    static const std::vector<std::string>& names();
+    static const std::vector<std::string>& names(); // of polygons
+    /// Why `given` is none of `known`; empty where it is one.
+    static std::string name_fault(const std::string& given, const std::vector<std::string>& known);
 
     void add_options(CommandLine& line);
 
     /// Whether the type takes sites instead of a cage.
     bool takes_sites() const { return name.starts_with("sibson"); }
+
+    /// Whether the type takes polygons alone.
+    bool takes_polygons() const { return name == "wachspress" || name == "discrete-harmonic"; }
 
     /// Of harmonic coordinates, in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;

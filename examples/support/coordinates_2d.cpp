@@ -3,6 +3,7 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/coordinates/three_point.hpp>
 
 namespace cageform_examples {
 
@@ -19,6 +20,9 @@ std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& 
                 cageform::HarmonicCoordinates<T, 2, Cage, Solvers>(cage, choice.harmonic_options(2)));
         }
         if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 2>(cage));
+        if (choice.name == "wachspress") return model_of(cageform::WachspressCoordinates<T>(cage));
+        if (choice.name == "discrete-harmonic")
+            return model_of(cageform::DiscreteHarmonicCoordinates<T>(cage));
         return model_of(cageform::BarycentricCoordinates<T, 2>(cage));
     });
 }

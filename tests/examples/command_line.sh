@@ -756,6 +756,20 @@ for sites in sites_3d.csv sites.obj; do
   works "weights of $sites" "$weights" --cage $sites --points point_3d.csv --coordinates sibson-c1 -o w.csv
   row_is "Farin's interpolant, $sites" inside "-0.006034235353040686 -0.027254366194391165 -0.006034235353040686 -0.027254366194391165 0.06649563380560883 0.025215764646959314 0.06649563380560883 0.025215764646959314 0.8831544061897274"
 done
+# Convex polygons by a function of the distance: exact values of tests/data/oracle/family2d_kite.json; vertices named.
+printf '0,0\n2,-1\n3,0\n2,1\n' >kite.csv
+printf '2,0.5\n5,0\n' >kite_points.csv
+works "weights by Wachspress" "$weights" --cage kite.csv --points kite_points.csv --coordinates wachspress --outside keep -o w.csv
+row_is "Wachspress coordinates" inside "0.125 0.0625 0.25 0.5625"
+works "discrete harmonic weights" "$weights" --cage kite.csv --points kite_points.csv --coordinates discrete-harmonic --outside keep -o w.csv
+row_is "discrete harmonic coordinates" inside "0.08333333333333333 0.125 0.16666666666666666 0.625"
+refuses 'not defined outside' "$weights" --cage kite.csv --points kite_points.csv --coordinates wachspress --outside extend -o out.csv
+printf '0,0\n2,-1\n1,0\n2,1\n' >arrow.csv
+refuses 'vertex not convex (2)' "$weights" --cage arrow.csv --points kite_points.csv --coordinates discrete-harmonic -o out.csv
+printf '0,0\n4,0\n4,4\n0,4\n\n# point 0.5\n2,2\n' >cell.csv
+refuses 'interior cells not supported (1)' "$weights" --cage cell.csv --points kite_points.csv --coordinates wachspress -o out.csv
+refuses 'takes a cage in the plane' "$weights" --cage sites.obj --points point_3d.csv --coordinates wachspress -o out.csv
+refuses '"wachspress" is not one of barycentric, mean-value, harmonic' "$mesh" character.obj --cage character_cage.obj --pose character_cage.obj --coordinates wachspress -o out.obj
 sed 's/^0.5,0.5$/0.3,0.4/' sites.csv >uneven.csv
 works "weights of uneven sites" "$weights" --cage uneven.csv --points point.csv --coordinates sibson-c1 -o w.csv
 for rule in gentle mirrored; do

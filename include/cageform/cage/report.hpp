@@ -72,7 +72,7 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::radius_not_positive, Status::radius_not_positive, "radius not positive"},
     {CageFaultKind::interior_cell_outside, Status::interior_cell_outside, "interior cell outside"},
     {CageFaultKind::interior_cells_touch, Status::interior_cells_touch, "interior cells touch"},
-    {CageFaultKind::vertex_not_convex, Status::cage_not_convex, "no convex corner at a vertex"},
+    {CageFaultKind::vertex_not_convex, Status::cage_not_convex, "vertex not convex"},
     {CageFaultKind::sites_in_a_plane, Status::sites_in_a_plane, "sites in a plane"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
