@@ -2,12 +2,14 @@
 #include "../support/cages.hpp"
 
 #include <cageform/core/detail/number.hpp>
+#include <cageform/core/detail/simd_log.hpp>
 
 #include <bit>
 #include <cmath>
 
 namespace simd_tests {
 
+using cageform::epsilon;
 using cageform::lane_count;
 using cageform::Lanes;
 using cageform::detail::Simd;
@@ -134,6 +136,33 @@ TEMPLATE_TEST_CASE("formulas find the same functions for registers and for scala
     number::angle(Simd<T>::load(sine), Simd<T>::load(cosine)).store(angles);
     for (std::size_t i = 0; i < lane_count<T>; ++i)
         CHECK(std::fabs(angles[i] - number::angle(sine[i], cosine[i])) <= 4 * cageform::epsilon<T>);
+}
+
+TEMPLATE_TEST_CASE("logarithms of registers", "[core][simd][property]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    using limits = std::numeric_limits<T>;
+    const auto seed = GENERATE(seeds(50));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    Lanes<T> numbers, logs;
+    for (T& x : numbers.v) {
+        // Of all sizes; and next to 1, and to where the mantissa is halved.
+        const double size = std::pow(2.0, random.uniform(limits::min_exponent, limits::max_exponent - 1));
+        x = T(random.below(2) == 0 ? size
+                                   : (1 + double(epsilon<T>) * random.uniform(-9, 9)) *
+                                         (random.below(2) == 0 ? 1.0 : std::sqrt(2.0)));
+    }
+    numbers[0] = limits::min();
+    numbers[1] = limits::max();
+    numbers[2] = 1;
+    log(Simd<T>::load(numbers)).store(logs);
+    CHECK(logs[2] == 0);
+    for (std::size_t i = 0; i < lane_count<T>; ++i) {
+        const long double expected = std::log(static_cast<long double>(numbers[i]));
+        CAPTURE(i, numbers[i], logs[i]);
+        CHECK(std::fabs(static_cast<long double>(logs[i]) - expected) <=
+              static_cast<long double>(epsilon<T>) * std::max(std::fabs(expected), 1e-3L));
+    }
 }
 
 TEMPLATE_TEST_CASE("a comparison that holds in one lane alone holds in any", "[core][simd]",
