@@ -155,7 +155,7 @@ TEST_CASE("Green weights in the plane are those of the oracle", "[coordinates][g
         for (std::size_t i = 0; i < file.points.size(); ++i) {
             CAPTURE(name, i, text(weights.rows[i]));
             CHECK(difference(weights.rows[i], expected_row(green, file.phi[i], file.psi[i])) <=
-                  1e-14); // measured: 1.2e-15
+                  1e-14); // measured: below 1e-15
             if (!file.json.contains("rows")) continue;
             const auto row = file.json["rows"][i];
             CHECK(to_string(weights.states[i]) == row["state"].get<std::string>());
