@@ -3,7 +3,8 @@
 //     height_map hills.svg -o hills.csv
 //     grid_field hills.csv -o field.png --surface surface.png
 //
-// The grid is a CSV file of a row a line; a cell that is empty, ".", or "nan" lies outside.
+// The grid is a CSV file of a row a line: numbers, or fractions as puzzle writes them; a cell that is empty, ".", or "nan"
+// lies outside.
 
 #include "csv.hpp"
 #include "field_plot.hpp"
@@ -30,14 +31,23 @@ struct Grid {
     std::size_t height() const { return values.size() / width; }
 };
 
+/// A number, or a fraction a/b; empty, or why it is neither.
+std::string parse_cell(std::string_view cell, double& value) {
+    const std::size_t bar = std::min(cell.find('/'), cell.size());
+    std::string why = detail::parse_number(cell.substr(0, bar), value);
+    double below = 1;
+    if (why.empty() && bar < cell.size()) why = detail::parse_number(cell.substr(bar + 1), below);
+    value /= below;
+    return why.empty() && std::isinf(value) ? detail::quoted(cell) + " is not finite" : why;
+}
+
 /// Reads a grid; an error has the line and the column.
 SvgResult<Grid> load_grid(const std::string& path) {
     Grid grid;
     const auto size = read_table(path, [&](std::string_view cell) -> std::string {
         double& value = grid.values.emplace_back(std::numeric_limits<double>::quiet_NaN());
         if (cell.empty() || cell == ".") return {};
-        const std::string why = detail::parse_number(cell, value);
-        return why.empty() && std::isinf(value) ? detail::quoted(cell) + " is not finite" : why;
+        return parse_cell(cell, value);
     });
     if (!size) return size.error();
     grid.width = size->columns;
@@ -93,7 +103,8 @@ int run_program(int argc, char** argv) {
     std::string path, out, zoom;
     FieldStyle style;
     SurfaceView view;
-    line.add("grid", path, "a CSV file of numbers; a cell that is empty, \".\" or nan lies outside")
+    line.add("grid", path,
+             "a CSV file of numbers and fractions; a cell that is empty, \".\" or nan lies outside")
         .required();
     line.add("-o,--output", out, "the PNG file to write").required().ends_with({".png"});
     style.add_options(line);

@@ -167,6 +167,13 @@ step "puzzles of numbers"
 "$programs/puzzle" "$data/puzzle.csv" --exact --neighbours 8 --walks 10000 --from 2 2 -o out/puzzle_8.svg >>out/puzzle.txt
 "$programs/contact_sheet" -o out/puzzle.svg --columns 2 --png "each the mean of four neighbours" out/puzzle_4.svg \
   "of eight" out/puzzle_8.svg
+# A hundred by a hundred cells: what is given on the border decides the rest.
+awk 'function cell(x, y, n) { if (y == 0) return int(1000 * sin(3.14159 * x / n)) "/1000"
+                              if (y == n) return int(-1000 * sin(6.28318 * x / n)) "/1000"
+                              return x == 0 || x == n ? 0 : "." }
+     BEGIN { for (y = 0; y < 100; y++) for (x = 0; x < 100; x++) printf "%s%s", cell(x, y, 99), x < 99 ? "," : "\n" }' >out/border.csv
+"$programs/puzzle" out/border.csv --csv out/means.csv >/dev/null
+"$programs/grid_field" out/means.csv -o out/means.png --surface out/means_surface.png >>$report
 
 step "how the solver converges"
 "$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png >>$report

@@ -90,7 +90,7 @@ Picture draw_field(std::span<const double> values, std::size_t width, const Fiel
 
 Picture with_colour_bar(const Picture& picture, double from, double to, const FieldStyle& style) {
     if (!style.colour_bar) return picture;
-    const double letter = std::max(1.0, double(style.size) / 450); // a seventh of a letter's height
+    const double letter = std::max(1.5, double(style.size) / 450); // a seventh of a letter's height
     Picture wide(picture.width() + std::size_t(56 * letter), picture.height());
     wide.place(picture, 0);
     const Axis bar{from, to, 0.96 * double(picture.height()), 0.04 * double(picture.height())};
@@ -394,7 +394,7 @@ Picture draw_surface(const FieldSurface& surface, const SurfaceView& view, const
         colours.push_back(style.colour(value));
     }
     const auto triangles = whole_triangles(surface.mesh, surface.values);
-    SpacePlot base{{vertices, triangles, colours}, {}, {}, std::max(1.0, double(style.size) / 450)};
+    SpacePlot base{{vertices, triangles, colours}, {}, {}, std::max(1.5, double(style.size) / 450)};
     add_level_lines(surface, box, style, thin, base);
     for (const PlaneLine& line : surface.boundary) {
         SpaceLine above{{}, 2.5 * thin, style.ink()}, below{{}, 1.5 * thin, {0.45f, 0.5f, 0.6f}};

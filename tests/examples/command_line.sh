@@ -49,15 +49,15 @@ colours="$programs/diffuse_colours"
 works "a height map" "$heights" "$data/hills.svg" -o hills.png -o hills.pgm -o hills.csv --lines lines.svg --size 96
 works "heights as a surface" "$heights" "$data/hills.svg" -o hills.png --3d hills_3d.png --size 48 --turn 20 --rise 45
 works "a grid" "$programs/grid_field" hills.csv -o grid.png --surface surface.png --size 60 --levels 5
-printf '1,2,.\n3,nan,\n' >holes.csv
+printf '1,2,.\n3/4,nan,\n' >holes.csv
 works "a grid with cells outside" "$programs/grid_field" holes.csv -o grid.png --surface surface.png --size 60 --signs root --zoom 0,0,2,2
 printf '1,2\n3,x\n' >word.csv
 printf '1,2\n3\n' >ragged.csv
-printf '1,inf\n' >endless.csv
+printf '1,2/0\n' >endless.csv
 printf '.,\n' >hollow.csv
 refuses 'word.csv:2: column 2: not a number' "$programs/grid_field" word.csv -o out.png
 refuses 'ragged.csv:2: 1 columns, and the first line has 2' "$programs/grid_field" ragged.csv -o out.png
-refuses 'endless.csv:1: column 2: "inf" is not finite' "$programs/grid_field" endless.csv -o out.png
+refuses 'endless.csv:1: column 2: "2/0" is not finite' "$programs/grid_field" endless.csv -o out.png
 refuses 'hollow.csv: has no values' "$programs/grid_field" hollow.csv -o out.png
 refuses 'nowhere.csv' "$programs/grid_field" nowhere.csv -o out.png
 refuses '--zoom' "$programs/grid_field" hills.csv -o out.png --zoom 1,2,3
