@@ -140,6 +140,8 @@ done
 # A field with values at the corners of a rectangle: the black line is what is given.
 "$programs/coordinate_field" --cage "$data/rectangle.csv" --y-up --values 1,2,4,2 --coordinates harmonic \
   -o out/field_rectangle.png --surface out/surface_rectangle.png --turn 35 -60 >>$report
+# Mean value coordinates are means over rays, harmonic ones over Brownian paths.
+"$programs/paths" --cage "$data/biped_cage.svg" --point 150,540 -o out/paths.svg --png >out/paths.txt
 
 for type in wachspress mean-value discrete-harmonic; do
   field "field_heptagon_$(echo $type | tr - _)" heptagon_cage 3 $type
@@ -207,7 +209,8 @@ Open, in out/:
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
   convex.png                 three coordinate types that take convex cages, by a function of the distance
-  biped_signs.png            what negative weights mean; field_*.png: more heat maps; surface_cat_8.png: one as a surface
+  biped_signs.png            what negative weights mean; paths.png: where they come from; field_*.png: more heat maps;
+                             surface_cat_8.png: one as a surface
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed

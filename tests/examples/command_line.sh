@@ -543,6 +543,16 @@ refuses '--values: 3 of them, and rectangle.csv has 4 vertices' "$field" --cage 
 refuses '--values: not a number: "x"' "$field" --cage rectangle.csv --values 1,2,x,4 -o out.png
 refuses '--vertex or --values says what to draw' "$field" --cage rectangle.csv -o out.png
 refuses 'excludes' "$field" --cage rectangle.csv --vertex 1 --values 1,2,3,4 -o out.png
+works "rays and Brownian paths" "$programs/paths" --cage "$data/biped_cage.svg" --point 150,540 --rays 1000 --paths 100 -o paths.svg --png
+[ -s paths.png ] && ok=yes || ok=no
+report $ok "the paths are drawn"
+refuses 'the point is not inside rectangle.csv' "$programs/paths" --cage rectangle.csv --point 7,1 -o out.svg
+refuses 'the point is not inside rectangle.csv' "$programs/paths" --cage rectangle.csv --point 4,1 -o out.svg
+refuses '--point: 3 columns' "$programs/paths" --cage rectangle.csv --point 7,1,2 -o out.svg
+refuses '--point: not a number' "$programs/paths" --cage rectangle.csv --point x,1 -o out.svg
+refuses 'without chains and points inside' "$programs/paths" --cage "$data/cat_cage_head.csv" --point 300,300 -o out.svg
+refuses 'cross' "$programs/paths" --cage bow_tie.svg --point 0,0 -o out.svg
+refuses 'nowhere.svg' "$programs/paths" --cage nowhere.svg --point 0,0 -o out.svg
 works "a part of a field by signs" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --zoom 100,100,300,200 --signs root --levels 0 --no-colour-bar
 refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom 1,2,0,5
 refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom here
@@ -920,7 +930,7 @@ done
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
-  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle; do
+  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
