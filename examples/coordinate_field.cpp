@@ -13,6 +13,8 @@
 #include "guard.hpp"
 #include "progress_bar.hpp"
 
+#include <cageform/grid/pyramid/rasterise.hpp>
+
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -27,7 +29,7 @@ int fail(const std::string& message) {
 }
 
 struct Arguments {
-    std::string cage, out, zoom;
+    std::string cage, out, zoom, classes;
     std::size_t vertex = 0;
     std::vector<double> values; // of the field, at every vertex: 1 at `vertex`, or any
     bool is_coordinate = true;
@@ -192,6 +194,46 @@ SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage,
     return draw_surface(surface, given.view, given.style);
 }
 
+/// The cells of the papers' grid: what the boundary passes, what is inside, what is outside.
+Picture draw_classes(const Arguments& given, const CageFile& cage) {
+    const auto polygon = cage.polygon<double>();
+    const std::size_t resolution = given.choice.harmonic_options(2).resolution;
+    const auto domain = cageform::grid::rasterise(
+        polygon, cageform::grid::lattice_about(cageform::bounds_of(polygon.vertices()), resolution));
+    const auto& [columns, rows] = domain.lattice.cells;
+    const double scale =
+        2 * double(given.style.size) / double(std::max(columns, rows)); // pixels a cell, twice
+    Picture fine(2 * std::size_t(std::ceil(double(columns) * scale / 2)),
+                 2 * std::size_t(std::ceil(double(rows) * scale / 2)));
+    const auto to_picture = [&](const Point2& p) {
+        const double y = (p.y - domain.lattice.origin[1]) / domain.lattice.spacing * scale;
+        return Point2{(p.x - domain.lattice.origin[0]) / domain.lattice.spacing * scale,
+                      given.y_up ? double(fine.height()) - y : y};
+    };
+    for (std::size_t y = 0; y < fine.height(); ++y) {
+        const double from_below = given.y_up ? double(fine.height() - 1 - y) : double(y);
+        const std::size_t row = std::min(std::size_t((from_below + 0.5) / scale), rows - 1);
+        for (std::size_t x = 0; x < fine.width(); ++x) {
+            const std::size_t column = std::min(std::size_t((double(x) + 0.5) / scale), columns - 1);
+            using Tag = cageform::grid::CellTag;
+            const Tag tag = domain.tags[row * columns + column];
+            fine.at(x, y) = tag == Tag::boundary   ? Colour{0.95f, 0.65f, 0.25f}
+                            : tag == Tag::interior ? Colour{0.68f, 0.82f, 0.95f}
+                                                   : Colour{0.97f, 0.97f, 0.95f};
+        }
+    }
+    constexpr Colour grey{0.8f, 0.8f, 0.8f};
+    const double right = double(fine.width()), bottom = double(fine.height());
+    for (std::size_t k = 0; k <= columns; ++k)
+        fine.line({double(k) * scale, 0}, {double(k) * scale, bottom}, 1, grey);
+    for (std::size_t k = 0; k <= rows; ++k)
+        fine.line({0, double(k) * scale}, {right, double(k) * scale}, 1, grey);
+    cage.for_each_edge([&](std::size_t i, std::size_t j) {
+        fine.line(to_picture(cage.vertices[i]), to_picture(cage.vertices[j]), 4, {0.1f, 0.1f, 0.1f});
+    });
+    return fine.halved();
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
                      "are positive, blue is negative, green is the "
@@ -207,6 +249,11 @@ int run_program(int argc, char** argv) {
     given.style.add_options(line);
     line.add("--zoom", given.zoom, "x,y,width,height: only this part of the plane, in the cage's units")
         .check(box_fault);
+    line.add("--classes", given.classes,
+             "a PNG file to draw the papers' grid to, with --resolution cells: orange are those that the "
+             "boundary "
+             "passes, blue those inside")
+        .ends_with({".png"});
     line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
     given.view.add_options(line);
     given.choice.in_plane = true;
@@ -245,6 +292,7 @@ int run_program(int argc, char** argv) {
     const auto map = draw_map(given, *cage, field, zoomed.value_or(wide));
     if (!map) return fail(to_string(map.error()));
     map->write_png(outputs.add(given.out));
+    if (!given.classes.empty()) draw_classes(given, *cage).write_png(outputs.add(given.classes));
     if (!given.view.path.empty()) {
         const auto surface = draw_as_surface(given, *cage, field, zoomed.value_or(around));
         if (!surface) return fail(to_string(surface.error()));

@@ -9,6 +9,7 @@
 // honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
 // Coordinates of points without a cage, sibson and sibson-c1, take the circles of an SVG or the lines of a CSV.
 
+#include "base64.hpp"
 #include "bind_report.hpp"
 #include "cage_file.hpp"
 #include "command_line.hpp"
@@ -120,12 +121,47 @@ void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks) {
     }
 }
 
+/// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the document.
+void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& view) {
+    auto root = document.xml.document_element();
+    auto filter = root.prepend_child("filter");
+    filter.append_attribute("id") = "white-at-rest";
+    for (const char* name : {"x", "y"}) filter.append_attribute(name) = "0";
+    for (const char* name : {"width", "height"}) filter.append_attribute(name) = "1";
+    const auto step = [&](const char* name,
+                          const std::vector<std::pair<const char*, std::string>>& attributes) {
+        auto element = filter.append_child(name);
+        for (const auto& [key, value] : attributes) element.append_attribute(key) = value.c_str();
+        return element;
+    };
+    const double radius = std::hypot(view.width, view.height) / 500;
+    step("feMorphology", {{"in", "SourceAlpha"},
+                          {"operator", "dilate"},
+                          {"radius", format_number(radius, 3)},
+                          {"result", "wide"}});
+    step("feFlood", {{"flood-color", "#888888"}});
+    step("feComposite", {{"in2", "wide"}, {"operator", "in"}, {"result", "rim"}});
+    step("feFlood", {{"flood-color", "#ffffff"}});
+    step("feComposite", {{"in2", "SourceAlpha"}, {"operator", "in"}, {"result", "white"}});
+    auto merge = step("feMerge", {});
+    for (const char* layer : {"rim", "white"})
+        merge.append_child("feMergeNode").append_attribute("in") = layer;
+
+    auto image = root.insert_child_after("image", filter);
+    image.append_attribute("x") = view.x;
+    image.append_attribute("y") = view.y;
+    image.append_attribute("width") = view.width;
+    image.append_attribute("height") = view.height;
+    image.append_attribute("filter") = "url(#white-at-rest)";
+    image.append_attribute("href") = ("data:image/svg+xml;base64," + base64(rest)).c_str();
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients and "
         "patterns follow by the affine map nearest to what moves their shape.");
     std::string figure_path, cage_path, pose_path, out_path;
-    bool png = false, show_cage = false, report = false, text_as_paths = false;
+    bool png = false, show_cage = false, show_rest = false, report = false, text_as_paths = false;
     int png_width = 900;
     CoordinatesChoice choice;
     OutsideChoice outside;
@@ -152,6 +188,7 @@ int run_program(int argc, char** argv) {
         .range(0.0, 1e100)
         .show_default();
     line.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
+    line.add_flag("--show-rest", show_rest, "draw the figure at rest under it, in white");
     line.add_flag("--report", report, "print the bind report and what became of the shapes");
     choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + site_formats + "\n" + site_weights_format);
@@ -169,6 +206,8 @@ int run_program(int argc, char** argv) {
         if (!count) return fail(to_string(count.error()));
         for (const std::string& text : warnings) std::cerr << "deform_svg: warning: " << text << '\n';
     }
+    const std::string rest = show_rest ? to_text(*document) : "";
+    const auto rest_view = view_box(*document);
     const auto& coordinates = control->coordinates;
     cageform::BindReport last;
     if (!coordinates->closed_form) {
@@ -216,6 +255,7 @@ int run_program(int argc, char** argv) {
         std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
                   << " segments miss the --flatness asked for\n";
     }
+    if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
     if (show_cage) draw_cage(*document, control->drawn);
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(out_path);

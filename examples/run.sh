@@ -11,7 +11,7 @@ sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev 
 
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 16 "$1"
+  printf '[%d/%d] %s\n' $count 17 "$1"
 }
 mkdir -p out
 step "configure"
@@ -88,6 +88,21 @@ deform aleph_harmonic aleph aleph_cage aleph_pose harmonic
 "$programs/contact_sheet" -o out/aleph.svg --columns 3 --png "at rest" out/aleph_rest.svg \
   "mean value" out/aleph_mean_value.svg "harmonic" out/aleph_harmonic.svg
 
+step "a convex and a concave cage"
+# Rows: at rest, mean value, harmonic; the figure at rest in white under the posed one.
+set --
+for type in rest mean-value harmonic; do
+  for figure in hexagon biped; do
+    name=out/${figure}_$(echo $type | tr - _).svg
+    [ $type = rest ] || "$programs/deform_svg" "$data/$figure.svg" --cage "$data/${figure}_cage.svg" --show-cage --show-rest \
+      --pose "$data/${figure}_pose.svg" --coordinates $type --resolution 160 -o "$name"
+    [ $type != rest ] || "$programs/deform_svg" "$data/$figure.svg" --cage "$data/${figure}_cage.svg" --show-cage \
+      --pose "$data/${figure}_cage.svg" -o "$name"
+    set -- "$@" "$(echo $type | sed 's/rest/at rest/; s/-/ /')" "$name"
+  done
+done
+"$programs/contact_sheet" -o out/two_cages.svg --columns 2 --png "$@"
+
 step "the fish, by points without a cage"
 deform fish_points fish fish_points fish_points sibson
 for pose in pose_tail pose_fins; do
@@ -137,6 +152,13 @@ for vertex in 1 2; do
   field field_biped_${vertex}_mean_value biped_cage $vertex mean-value
   field field_biped_${vertex}_harmonic biped_cage $vertex harmonic
 done
+# The papers' grid, coarse and fine.
+for cells in 32 64; do
+  "$programs/coordinate_field" --cage "$data/cat_cage.svg" --vertex 8 --coordinates harmonic --resolution $cells \
+    -o out/field_cat_$cells.png --classes out/classes_$cells.png >>$report
+done
+"$programs/contact_sheet" -o out/classes.svg --columns 2 --png "32 cells" out/classes_32.png "64 cells" out/classes_64.png
+
 # A field with values at the corners of a rectangle: the black line is what is given.
 "$programs/coordinate_field" --cage "$data/rectangle.csv" --y-up --values 1,2,4,2 --coordinates harmonic \
   -o out/field_rectangle.png --surface out/surface_rectangle.png --turn 35 -60 >>$report
@@ -202,6 +224,7 @@ Open, in out/:
   cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   aleph.png, man.png         other figures
+  two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates
   fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
                              their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
@@ -209,6 +232,7 @@ Open, in out/:
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
   convex.png                 three coordinate types that take convex cages, by a function of the distance
+  classes.png                the papers' grid: which cells a cage passes
   biped_signs.png            what negative weights mean; paths.png: where they come from; field_*.png: more heat maps;
                              surface_cat_8.png: one as a surface
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions

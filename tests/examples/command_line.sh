@@ -553,6 +553,12 @@ refuses '--point: not a number' "$programs/paths" --cage rectangle.csv --point x
 refuses 'without chains and points inside' "$programs/paths" --cage "$data/cat_cage_head.csv" --point 300,300 -o out.svg
 refuses 'cross' "$programs/paths" --cage bow_tie.svg --point 0,0 -o out.svg
 refuses 'nowhere.svg' "$programs/paths" --cage nowhere.svg --point 0,0 -o out.svg
+works "the papers' grid" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --resolution 40 --classes classes.png
+[ -s classes.png ] && ok=yes || ok=no
+report $ok "the cells are drawn"
+works "the figure at rest under the posed one" "$deform" "$data/biped.svg" --cage "$data/biped_cage.svg" --pose "$data/biped_pose.svg" -o biped.svg --show-rest --png
+grep -q '<image .*white-at-rest' biped.svg && ok=yes || ok=no
+report $ok "--show-rest draws the figure at rest"
 works "a part of a field by signs" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --zoom 100,100,300,200 --signs root --levels 0 --no-colour-bar
 refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom 1,2,0,5
 refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom here
