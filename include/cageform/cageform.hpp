@@ -16,6 +16,7 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>

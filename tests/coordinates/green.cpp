@@ -1,11 +1,8 @@
+#include "../support/green.hpp"
 #include "../catch.hpp"
 #include "../support/effort.hpp"
-#include "../support/gradients.hpp"
 #include "../support/oracle.hpp"
 
-#include <cageform/binding/bind.hpp>
-#include <cageform/clone/clone.hpp>
-#include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/green.hpp>
 
 namespace green_tests {
@@ -88,16 +85,6 @@ Polygon<T> random_cage(std::uint64_t seed) {
     return seed % 2 == 0 ? Polygon<T>(random_star<T>(seed)) : random_rings<T>(seed);
 }
 
-/// What Σ w κ misses of 1, and Σ w H of p over the size of both.
-template <class C, class T, std::size_t D>
-double missed(const C& green, const std::vector<T>& row, const Vec<T, D>& p) {
-    const auto moved = combine(row, green.handles());
-    long double sum = -1;
-    for (std::size_t i = 0; i < green.cage().size(); ++i) sum += static_cast<long double>(row[i]);
-    const double size = size_of(green.cage().vertices()) + distance(p, green.cage()[0]);
-    return std::max(double(std::fabs(sum)) / absolute_sum(row), distance(moved, p) / size);
-}
-
 /// Points all about: inside, outside, near and far, and within 1e-12 of edges and vertices.
 template <class T>
 Points2<T> points_about(const Polygon<T>& cage, std::uint64_t seed) {
@@ -119,25 +106,6 @@ Points2<T> points_about(const Polygon<T>& cage, std::uint64_t seed) {
                           T(double(place.position[1]) + away * std::sin(angle))});
     }
     return points;
-}
-
-/// Of the map that poses give at a place: J = Σ H' ∇wᵀ.
-template <class T, std::size_t D>
-Vec<Vec<long double, D>, D> jacobian(const std::vector<Vec<T, D>>& gradients,
-                                     const std::vector<Vec<T, D>>& posed) {
-    Vec<Vec<long double, D>, D> rows{};
-    for (std::size_t h = 0; h < posed.size(); ++h) {
-        for (std::size_t k = 0; k < D; ++k)
-            rows[k] = rows[k] + static_cast<long double>(posed[h][k]) * vec_cast<long double>(gradients[h]);
-    }
-    return rows;
-}
-
-template <class T, std::size_t D>
-std::vector<Vec<T, D>> posed_handles(const Binding<T, D>& binding, const std::vector<Vec<T, D>>& vertices) {
-    std::vector<Vec<T, D>> handles(binding.handle_count());
-    REQUIRE(pose_handles(binding, vertices, handles).status == Status::ok);
-    return handles;
 }
 
 } // namespace

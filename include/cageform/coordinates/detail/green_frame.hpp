@@ -28,4 +28,9 @@ struct GreenSum {
 template <class S>
 inline constexpr S least_square = std::numeric_limits<S>::min() * S(1e6);
 
+template <class S>
+void add(const Simd<S>& x, Lanes<S>& row) noexcept {
+    (Simd<S>::load(row) + x).store(row);
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail

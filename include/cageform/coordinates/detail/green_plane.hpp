@@ -67,12 +67,6 @@ struct EdgeIntegrals {
     }
 };
 
-/// Adds to row `to`.
-template <class S>
-void add(const Simd<S>& x, Lanes<S>& row) noexcept {
-    (Simd<S>::load(row) + x).store(row);
-}
-
 /// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 4, from ∫ over the
 /// edges, in the plane:
 ///
