@@ -180,7 +180,7 @@ refuses 'letters.svg: texts cannot become paths: rsvg-convert (librsvg2-bin) is 
   env PATH=no_programs "$deform" letters.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg
 refuses 'not defined outside' "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --coordinates harmonic --outside extend -o out.svg
 refuses 'simplex' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates barycentric -o out.svg
-refuses 'wachspress' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates wachspress -o out.svg
+refuses 'magic' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates magic -o out.svg
 refuses 'resolution' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 3 -o out.svg
 works "a coarse grid" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 32 -o out.svg
 grep -q 'warning: .*the grid is coarse for the corner at vertex 19 .*off by up to 0.0.* at --resolution 79$' log && ok=yes || ok=no
@@ -574,7 +574,7 @@ refuses 'cells inside' "$programs/convergence" --cage "$data/cat_cage_head.csv" 
 refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
 refuses 'cross' "$field" --cage bow_tie.svg --vertex 0 -o out.png
 works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic
-refuses 'not one of' "$table" "$cat" "$cage" "$pose" wachspress
+refuses 'not one of' "$table" "$cat" "$cage" "$pose" magic
 refuses 'arguments are FIGURE.svg' "$table" "$cat"
 works "a sheet" "$programs/contact_sheet" -o sheet.svg "at rest" "$cat" "a step" cat.svg
 works "a sheet of pictures" "$programs/contact_sheet" -o sheet.svg "a field" field.png "at rest" "$cat"
