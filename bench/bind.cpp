@@ -1,7 +1,7 @@
 // How long does a bind take, against points and handles, for each coordinate type?
 //
-// Beside mean value: the plain textbook loop (no boundary cases, no report), and the time it takes to merely
-// write as many weights, which no bind can beat. Beside harmonic coordinates in space: the bare solve
+// Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no boundary cases,
+// no report), and the time it takes to merely write as many weights, which no bind can beat. Beside harmonic coordinates in space: the bare solve
 // of their equations.
 #include "workloads.hpp"
 
@@ -111,6 +111,19 @@ void gradients_of_mean_value(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
     run_evaluate(state, cageform::MeanValueCoordinates<T, 2>(cage),
                  points_inside(cage, std::size_t(state.range(0))), Wanted::gradients);
+}
+
+/// Closed forms in a convex cage: into recycled memory.
+template <class Coordinates>
+void bind_convex(benchmark::State& state) {
+    const auto cage = egg(std::size_t(state.range(1)));
+    run_bind(state, Coordinates(cage), points_inside(cage, std::size_t(state.range(0))), true);
+}
+
+template <class Coordinates, Wanted wanted>
+void evaluate_convex(benchmark::State& state) {
+    const auto cage = egg(std::size_t(state.range(1)));
+    run_evaluate(state, Coordinates(cage), points_inside(cage, std::size_t(state.range(0))), wanted);
 }
 
 void plain_mean_value(benchmark::State& state) {
@@ -500,6 +513,19 @@ BENCHMARK_TEMPLATE(evaluate_mean_value, double)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(evaluate_mean_value, float)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, double)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, float)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(bind_convex, cageform::MeanValueCoordinates2d)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_convex, cageform::WachspressCoordinates2d)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_convex, cageform::DiscreteHarmonicCoordinates2d)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::MeanValueCoordinates2d, Wanted::weights)
+    ->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2d, Wanted::weights)
+    ->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2f, Wanted::weights)
+    ->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::DiscreteHarmonicCoordinates2d, Wanted::weights)
+    ->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2d, Wanted::gradients)
+    ->Apply(points_and_handles);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(make_sibson, 2)->Apply(sites_and_degree);
 BENCHMARK_TEMPLATE(make_sibson, 3)->Apply(sites_and_degree);

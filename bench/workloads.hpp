@@ -25,6 +25,16 @@ inline std::vector<Point> star(std::size_t m) {
     return vertices;
 }
 
+/// EGG(m): m vertices at angle t = 2πk/m on the ellipse with half axes 1 and 0.7; convex.
+inline std::vector<Point> egg(std::size_t m) {
+    std::vector<Point> vertices(m);
+    for (std::size_t k = 0; k < m; ++k) {
+        const double t = 2 * std::numbers::pi * double(k) / double(m);
+        vertices[k] = {std::cos(t), 0.7 * std::sin(t)};
+    }
+    return vertices;
+}
+
 /// BUMPY112: 112 vertices and 220 faces around the origin; concave. Vertices at the poles and on ten rings of
 /// eleven, at θ = πi/11 from the north pole and φ = 2πj/11, radius 1 + 0.35 cos 3θ + 0.25 sin θ cos 4φ.
 template <class T>

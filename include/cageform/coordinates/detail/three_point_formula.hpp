@@ -5,6 +5,7 @@
 #include <cageform/core/buffer.hpp>
 
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -15,9 +16,9 @@ template <class S>
 struct ThreePointFrame {
     struct Corner {
         Vec<S, 2> position;
-        Vec<S, 2> edge; ///< the edge that starts here, the inside to its left
-        S extent;       ///< |edge_x| + |edge_y|
-        S bend;         ///< the edge before × this one
+        Vec<S, 2> edge; ///< the edge that starts here times `scale`, the inside to its left
+        S scale;        ///< a power of two, so that the length is in [1/2, 1)
+        S bend;         ///< such an edge before × this one
     };
     Buffer<Corner> corners;
     S square = 1; ///< the square of the frame's unit of length, in the user's
@@ -30,12 +31,20 @@ struct ThreePointFrame {
         const Number sign = left ? 1 : -1;
         const std::size_t count = at.size();
         corners.reserve(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto before = at[i] - at[i > 0 ? i - 1 : count - 1];
+        const auto scaled = [&](std::size_t i, Number& scale) {
             const auto edge = at[i + 1 < count ? i + 1 : 0] - at[i];
-            corners.push_back({vec_cast<S>(at[i]), vec_cast<S>(sign * edge),
-                               static_cast<S>(std::fabs(edge[0]) + std::fabs(edge[1])),
+            int exponent = 0;
+            std::frexp(std::sqrt(dot(edge, edge)), &exponent);
+            scale = std::ldexp(Number(1), -exponent);
+            return (sign * scale) * edge;
+        };
+        Number scale = 1;
+        auto before = scaled(count - 1, scale);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto edge = scaled(i, scale);
+            corners.push_back({vec_cast<S>(at[i]), vec_cast<S>(edge), static_cast<S>(scale),
                                static_cast<S>(sign * cross(before, edge))});
+            before = edge;
         }
     }
 };
@@ -44,22 +53,21 @@ struct ThreePointFrame {
 template <class N>
 struct ThreePointSum {
     N sum;
-    ValueOf<N> beside;  ///< nearer to the line of an edge than `near`, on either side
-    ValueOf<N> outside; ///< farther than that beyond the line of an edge
+    ValueOf<N> beside;  ///< within twice `near` of the line of an edge, or beyond it
+    ValueOf<N> outside; ///< farther than `near` beyond the line of an edge
 };
 
-/// The vector from the point to a vertex, and c = f(|u|²).
+/// The vector u from the point to a vertex, and c = f(|u|²), `square` the square of the unit.
 template <class N>
 struct ThreePointSpoke {
-    Vec<ValueOf<N>, 2> u;
+    using X = ValueOf<N>;
+    Vec<X, 2> u;
     N c;
-};
 
-/// A_i, the cross product of the vector to a vertex and the edge that starts there, inverted; and
-/// (c_{i+1} − c_i) / A_i.
-template <class N>
-struct ThreePointEdge {
-    N inverse, rise;
+    template <class S, class F>
+    ThreePointSpoke(const Vec<S, 2>& vertex, const Vec<X, 2>& p, const F& f, const X& square) noexcept
+        : u{X(vertex[0]) - p[0], X(vertex[1]) - p[1]}
+        , c(f(with_gradient<N, 2>(square * (u[0] * u[0] + u[1] * u[1]), (X(S(-2)) * square) * u))) {}
 };
 
 /// Floater, Hormann & Kós, A general construction of barycentric coordinates over convex polygons
@@ -69,7 +77,9 @@ struct ThreePointEdge {
 ///   w_i = K_i c_i / (A_{i−1} A_i) + (c_{i+1} − c_i) / A_i − (c_i − c_{i−1}) / A_{i−1}
 ///
 /// K_i is a constant of the cage, so that next to the boundary nothing cancels. A_i is taken with
-/// the edge: with the next vertex in its place it would cancel.
+/// the edge: with the next vertex in its place it would cancel. Edges are scaled to a length of
+/// about 1, so that A_i is about the distance from the edge's line, which one minimum finds out;
+/// K_i / (A_{i−1} A_i) stays as it is.
 ///
 ///   is_constant  whether all differences of c are zero; they are then left out
 template <bool is_constant, class N, class S, class F>
@@ -79,42 +89,36 @@ CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFram
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), square(cage.square);
     const std::size_t count = cage.corners.size();
-    X beside = zero, outside = zero;
-    const auto spoke = [&](std::size_t i) -> ThreePointSpoke<N> {
-        const auto& at = cage.corners[i].position;
-        const Vec<X, 2> u{X(at[0]) - p[0], X(at[1]) - p[1]};
-        const X rr = square * (u[0] * u[0] + u[1] * u[1]);
-        return {u, f(with_gradient<N, 2>(rr, (X(S(-2)) * square) * u))};
+    X least(std::numeric_limits<S>::max());
+    const auto invert_area = [&](const auto& corner, const Vec<X, 2>& u) -> N {
+        const X ex(corner.edge[0]), ey(corner.edge[1]);
+        const N area = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
+        least = (min)(value_of(area), least);
+        return one / area;
     };
-    const auto edge = [&](std::size_t i, const auto& from, const auto& to) -> ThreePointEdge<N> {
-        const auto& corner = cage.corners[i];
-        const X ex(corner.edge[0]), ey(corner.edge[1]), limit(near * corner.extent);
-        const N area = with_gradient<N, 2>(from.u[0] * ey - from.u[1] * ex, {-ey, ex});
-        beside = select(value_of(area) <= limit, one, beside);
-        outside = select(value_of(area) < -limit, one, outside);
-        const N inverse = one / area;
-        if constexpr (is_constant)
-            return {inverse, N(zero)};
-        else
-            return {inverse, (to.c - from.c) * inverse};
-    };
-    const auto first = spoke(0);
-    auto from = first;
-    auto before = edge(count - 1, spoke(count - 1), first);
+    const auto& last = cage.corners[count - 1];
+    const ThreePointSpoke<N> before(last.position, p, f, square);
+    ThreePointSpoke<N> from(cage.corners[0].position, p, f, square);
+    N inverse_before = invert_area(last, before.u);
+    N rise_before = (from.c - before.c) * (X(last.scale) * inverse_before);
     for (std::size_t i = 0; i < count; ++i) {
-        const auto to = i + 1 < count ? spoke(i + 1) : first;
-        const auto here = edge(i, from, to);
-        const N product = (X(cage.corners[i].bend) * before.inverse) * here.inverse;
-        if constexpr (is_constant)
-            weights[i] = product * from.c;
-        else
-            weights[i] = product * from.c + (here.rise - before.rise);
+        const auto& corner = cage.corners[i];
+        const ThreePointSpoke<N> to(cage.corners[i + 1 < count ? i + 1 : 0].position, p, f, square);
+        const N inverse = invert_area(corner, from.u);
+        if constexpr (is_constant) {
+            weights[i] = (X(corner.bend) * inverse_before) * inverse;
+        } else {
+            const N rise = (to.c - from.c) * (X(corner.scale) * inverse);
+            weights[i] = (X(corner.bend) * inverse_before) * inverse * from.c + (rise - rise_before);
+            rise_before = rise;
+        }
+        inverse_before = inverse;
         from = to;
-        before = here;
     }
     const auto sums =
         compensated_sums<N, 1>(count, [&](std::size_t i, auto& total) { total[0] += weights[i]; });
-    return {sums[0], beside, outside};
+    const X limit(near);
+    return {sums[0], select(least <= limit, one, zero), select(least < -limit, one, zero)};
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
