@@ -354,7 +354,7 @@ void bind_harmonic(benchmark::State& state) {
     options.averaging.tolerance = 1e-5;
     using Solvers = std::conditional_t<Solver == cageform::HarmonicSolver::multigrid,
                                        cageform::HarmonicSolverChoice<cageform::Polygon<T>>,
-                                       cageform::WithAveragingPyramid<T>>;
+                                       cageform::WithAveragingPyramid<cageform::Polygon<T>>>;
     run_bind(state, cageform::HarmonicCoordinates<T, 2, cageform::Polygon<T>, Solvers>(cage, options),
              points_inside(cage, std::size_t(state.range(0))));
 }

@@ -13,9 +13,9 @@ std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& 
     return file.visit<T>([&](const auto& cage) -> std::unique_ptr<AnyCoordinates<T, 2>> {
         if (choice.name == "harmonic") {
             using Cage = std::remove_cvref_t<decltype(cage)>;
-            using Solvers =
-                std::conditional_t<std::is_same_v<Cage, cageform::Polygon<T>>,
-                                   cageform::WithAveragingPyramid<T>, cageform::HarmonicSolverChoice<Cage>>;
+            using Solvers = std::conditional_t<std::is_same_v<Cage, cageform::Polygon<T>>,
+                                               cageform::WithAveragingPyramid<Cage>,
+                                               cageform::HarmonicSolverChoice<Cage>>;
             return model_of(
                 cageform::HarmonicCoordinates<T, 2, Cage, Solvers>(cage, choice.harmonic_options(2)));
         }

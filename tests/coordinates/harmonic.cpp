@@ -20,7 +20,7 @@ using cageform::grid::Interpolation;
 namespace {
 
 template <class T>
-using Harmonic = cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid<T>>;
+using Harmonic = cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid<Polygon<T>>>;
 
 constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
 

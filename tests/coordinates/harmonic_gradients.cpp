@@ -137,7 +137,7 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     HarmonicOptions averaging;
     averaging.solver = cageform::HarmonicSolver::averaging_pyramid;
     using WithPyramid =
-        HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid<double>>;
+        HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid<Polygon<double>>>;
     CHECK(gradients_of<double, 2>(WithPyramid(cage, averaging), points).evaluation.status ==
           Status::solver_not_supported);
 }

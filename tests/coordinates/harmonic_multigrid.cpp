@@ -21,8 +21,8 @@ namespace {
 
 template <class T>
 using Harmonic = cageform::HarmonicCoordinates<T, 2>;
-using WithPyramid =
-    cageform::HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid<double>>;
+using WithPyramid = cageform::HarmonicCoordinates<double, 2, Polygon<double>,
+                                                  cageform::WithAveragingPyramid<Polygon<double>>>;
 
 template <class T>
 Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t seed) {

@@ -137,8 +137,9 @@ TEST_CASE("the library's solvers and one of one's own are models of the seam", "
     STATIC_REQUIRE(is_model<cageform::MultigridSolver<cageform::Box<float>>>);
     STATIC_REQUIRE(is_model<DirectSolver<Polygon<float>>>);
     STATIC_REQUIRE(is_model<DirectSolver<TriangleMesh<double>>>);
-    STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<float>>);
-    STATIC_REQUIRE(!cageform::DifferentiableSolver<cageform::PyramidSolver<float>>);
+    STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<Polygon<float>>>);
+    STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<TriangleMesh<float>>>);
+    STATIC_REQUIRE(!cageform::DifferentiableSolver<cageform::PyramidSolver<Polygon<float>>>);
     STATIC_REQUIRE(!cageform::CageSolver<cageform::grid::Multigrid<2>>);
     STATIC_REQUIRE(cageform::GradientCoordinates<Direct<Polygon<double>>>);
 }

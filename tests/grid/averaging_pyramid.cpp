@@ -481,7 +481,7 @@ TEMPLATE_TEST_CASE("from the linear guess on a line the first sweep changes noth
     (void)solve(together, {.tolerance = 0, .max_sweeps = 5, .first_guess = true});
     for (int n = 0; n < 5; ++n)
         CHECK(solve(apart, {.tolerance = 0, .max_sweeps = 1, .first_guess = true}).sweeps == 1);
-    CHECK(together.values == apart.values);
+    CHECK((together.values == apart.values));
 }
 
 TEST_CASE("what a coarser grid pushes is a good first guess", "[grid][averaging_pyramid]") {
@@ -521,7 +521,7 @@ TEST_CASE("what a coarser grid pushes is a good first guess", "[grid][averaging_
     CHECK(3 * with_guess.sweeps <= without.sweeps);
     // By hand it is what the pyramid does.
     CHECK(solve(pyramid, {}).sweeps == with_guess.sweeps);
-    CHECK(pyramid.values == guessed.values);
+    CHECK((pyramid.values == guessed.values));
 }
 
 TEMPLATE_TEST_CASE("cells beyond the grid are mirrored", "[grid][averaging_pyramid][property]", float,

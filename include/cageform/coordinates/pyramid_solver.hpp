@@ -1,5 +1,5 @@
-// Harmonic functions of a polygon by the papers' averaging sweeps, on cells: the baseline that
-// others are measured against.
+// Harmonic functions of a polygon, a mesh or a box by the papers' averaging sweeps, on cells: the
+// baseline that others are measured against.
 #pragma once
 
 #include <cageform/coordinates/harmonic.hpp>
@@ -7,36 +7,44 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver; groups are of HarmonicOptions::handles_at_once functions, one solved after the
-/// other.
+/// A CageSolver of a Polygon, TriangleMesh or Box; groups are of HarmonicOptions::handles_at_once
+/// functions, one solved after the other.
 ///
 ///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear
 ///             precision; sum to 1 as far as the solver got: its tolerance is on the change of a
 ///             sweep, not on the error
 ///   accuracy  cells on the boundary are a staircase, which leaves a residual Σwc − p of about half
-///             a cell; `bind` restores linear precision, the report says by how much
-///   cost      on each thread handles_at_once scalars and 3 words a cell, after `solve` #V scalars a
-///             cell
+///             a cell; `bind` restores linear precision, the report says by how much. The papers
+///             sweep to AveragingOptions::tolerance 1e-5 and look up Interpolation::nearest_cell,
+///             which is at most a cell's diagonal off
+///   cost      on each thread handles_at_once scalars a cell, and another scalar and a tag for each
+///             cell of the pyramid; after `solve` #V scalars a cell. With one handle at once in
+///             float that is 12 bytes a cell in space, as published
 ///   fails     as HarmonicCoordinates, but for grid_too_coarse. A point inside none of whose
 ///             surrounding cells has a value is unreached; there are no gradients
 ///             (solver_not_supported)
-template <Scalar T>
+template <class C>
 class PyramidSolver {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+
 public:
-    using Problem = CageProblem<Polygon<T>, HarmonicOptions>;
+    using Problem = CageProblem<C, HarmonicOptions>;
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<PyramidSolver>& made) {
+        using Grid = detail::EmbeddedCage<C>;
         const std::size_t resolution = problem.options.resolution;
-        if (resolution < 8 || resolution > 16384) return Status::resolution_not_supported;
+        if (resolution < Grid::least_resolution || resolution > Grid::most_resolution)
+            return Status::resolution_not_supported;
         if (!(problem.options.averaging.tolerance > 0)) return Status::tolerance_not_positive;
         const auto lattice = grid::lattice_about(bounds_of(problem.cage.vertices()), resolution);
-        const double bytes = double(lattice.size()) * bytes_of_cell(width(problem));
+        const double bytes = double(lattice.size()) * (bytes_of_cell(width(problem)) + sizeof(grid::CellTag));
         if (bytes > double(problem.options.memory_limit)) {
             report.bytes = std::size_t(std::min(bytes, double(std::numeric_limits<std::ptrdiff_t>::max())));
             return Status::out_of_memory;
         }
         made.emplace(problem);
-        const grid::GridDomain<T, 2>& domain = made->domain_;
+        const grid::GridDomain<T, D>& domain = made->domain_;
         report.crowded_cells = domain.crowded_cells;
         report.cells =
             std::size_t(std::count(domain.tags.begin(), domain.tags.end(), grid::CellTag::interior));
@@ -48,10 +56,10 @@ public:
         , domain_(grid::rasterise(problem.cage, grid::lattice_about(bounds_of(problem.cage.vertices()),
                                                                     problem.options.resolution))) {}
 
-    /// At most: a pyramid has four thirds of the cells of its finest level.
+    /// But for the pyramid's runs of cells: some bytes a row.
     SolverMemory memory() const noexcept {
         const std::size_t cells = domain_.tags.size();
-        return {cells + domain_.places.size() * (sizeof(std::size_t) + sizeof(BoundaryPoint<T>)),
+        return {cells + domain_.data.size() * sizeof(grid::CellData<T>),
                 std::size_t(double(cells) * bytes_of_cell(width()))};
     }
 
@@ -60,14 +68,14 @@ public:
 
     using Functions = std::vector<std::vector<T>>; ///< the cells of each
     struct Block {
-        grid::AveragingPyramid<T, 2> pyramid;
+        grid::AveragingPyramid<T, D> pyramid;
         Functions functions;
 
         operator const Functions&() const noexcept { return functions; }
     };
     std::size_t groups() const noexcept { return (problem_.cage.size() + width() - 1) / width(); }
     Block make_block() const {
-        return {grid::AveragingPyramid<T, 2>(domain_.lattice, domain_.tags, problem_.options.averaging), {}};
+        return {grid::AveragingPyramid<T, D>(domain_.lattice, domain_.tags, problem_.options.averaging), {}};
     }
 
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
@@ -75,11 +83,7 @@ public:
         block.functions.assign(count, std::vector<T>(domain_.tags.size(), T(0)));
         for (std::size_t n = 0; n < count; ++n) {
             std::vector<T>& field = block.functions[n];
-            for (std::size_t b = 0; b < domain_.places.size(); ++b) {
-                const auto& place = domain_.places[b];
-                if (place.i == first + n) field[domain_.boundary_cells[b]] = T(1) - place.s;
-                if (place.j == first + n) field[domain_.boundary_cells[b]] = place.s;
-            }
+            for (const auto& given : domain_.data_of(first + n)) field[given.cell] = given.value;
             const auto keep_going = [&] { return work.keep_going(double(n) / double(count)); };
             if (!keep_going()) return Status::cancelled;
             const auto outcome = block.pyramid.solve(std::span<T>(field), keep_going);
@@ -99,8 +103,8 @@ public:
     // -----------------------------------------------------------------------------------
 
     struct Sample {
-        grid::SampleStencil<T, 2> stencil;  ///< of a point inside
-        std::optional<BoundaryPoint<T>> on; ///< for a point on the boundary
+        grid::SampleStencil<T, D> stencil;  ///< of a point inside
+        std::optional<BoundaryValue<D>> on; ///< for a point on the boundary
     };
     struct Samples {
         std::size_t first = 0;
@@ -112,9 +116,10 @@ public:
             Sample& sample = samples.points[i - first];
             PointState& state = batch.states[i];
             if (state == PointState::not_finite) continue;
-            const auto p = block_point<2>(batch.points, i);
+            const auto p = block_point<D>(batch.points, i);
             state = locate(problem_.cage, p, problem_.tolerance);
-            if (state == PointState::on_boundary) sample.on = nearest_on_boundary(problem_.cage, p);
+            Vec<T, D> place;
+            if (state == PointState::on_boundary) sample.on = nearest_boundary_value(problem_.cage, p, place);
             if (state != PointState::inside) continue;
             sample.stencil =
                 grid::sample_stencil(domain_.lattice, std::span<const grid::CellTag>(domain_.tags), p,
@@ -132,9 +137,10 @@ public:
             auto* const row = rows.block(i / lane_count<T>) + first;
             for (std::size_t k = 0; k < functions.size(); ++k)
                 row[k][lane] = stencil.sample(std::span<const T>(functions[k]));
-            if (!on) continue;
-            if (on->i - first < functions.size()) row[on->i - first][lane] = T(1) - on->s;
-            if (on->j - first < functions.size()) row[on->j - first][lane] = on->s;
+            for (std::size_t k = 0; on && k < on->most; ++k) {
+                const std::size_t function = on->handle[k] - first;
+                if (function < functions.size()) row[function][lane] += T(on->weight[k]);
+            }
         }
     }
     void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
@@ -144,27 +150,28 @@ private:
         return std::clamp<std::size_t>(problem.options.handles_at_once, 1, problem.cage.size());
     }
     std::size_t width() const noexcept { return width(problem_); }
-    /// In a block.
+    /// In a block. A level of the pyramid has a quarter of the cells of the one below it, in space
+    /// an eighth.
     static double bytes_of_cell(std::size_t functions) noexcept {
-        constexpr double of_pyramid = sizeof(T) + sizeof(grid::CellTag) + 2 * sizeof(std::size_t);
-        return double(functions) * sizeof(T) + of_pyramid * 4 / 3;
+        constexpr double levels = D == 2 ? 4.0 / 3 : 8.0 / 7;
+        return double(functions * sizeof(T)) + levels * double(sizeof(T) + sizeof(grid::CellTag));
     }
 
     const Problem& problem_;
-    grid::GridDomain<T, 2> domain_;
+    grid::GridDomain<T, D> domain_;
 };
 
-/// Both solvers for a polygon, of which HarmonicOptions::solver names one:
-///     HarmonicCoordinates<T, 2, Polygon<T>, WithAveragingPyramid<T>>
-template <Scalar T>
+/// Both solvers for a kind of cage, of which HarmonicOptions::solver names one:
+///     HarmonicCoordinates<T, 2, Polygon<T>, WithAveragingPyramid<Polygon<T>>>
+///     HarmonicCoordinates<T, 3, TriangleMesh<T>, WithAveragingPyramid<TriangleMesh<T>>>
+template <class C>
 struct WithAveragingPyramid {
     using Options = HarmonicOptions;
 
     template <class Use>
     static Status choose(const Options& options, const Use& use) {
-        if (options.solver == HarmonicSolver::multigrid)
-            return use(std::type_identity<MultigridSolver<Polygon<T>>>{});
-        return use(std::type_identity<PyramidSolver<T>>{});
+        if (options.solver == HarmonicSolver::multigrid) return use(std::type_identity<MultigridSolver<C>>{});
+        return use(std::type_identity<PyramidSolver<C>>{});
     }
 };
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -47,13 +48,16 @@ struct AveragingOutcome {
 /// 2007), sec. 4 and 4.2. Where a side is odd the last coarse cell has one child along it; the
 /// paper's grids are 2^s a side. Sweeps are in place (Gauss-Seidel), in the order of the cells.
 ///
-/// Construction O(#cells); a solve O(#interior · sweeps). One function at a time, as published.
+/// Construction O(#cells); a solve O(#interior · sweeps). One function at a time, as published. A
+/// cell takes a tag and a scalar on each level, so float with the field itself about 10 bytes (the
+/// paper's: 12).
 template <Scalar T, std::size_t D>
 class AveragingPyramid {
 public:
     AveragingPyramid(const CellBox<D>& box, std::vector<CellTag> tags, const AveragingOptions& options = {})
         : options_(options) {
         CAGEFORM_ASSERT(tags.size() == box.size(), "one tag per cell");
+        CAGEFORM_ASSERT(box.size() <= std::numeric_limits<std::uint32_t>::max(), "cells have 32-bit numbers");
         levels_.push_back(Level(box, std::move(tags), options.stencil));
         for (;;) {
             const auto& cells = levels_.back().box.cells;
@@ -63,11 +67,12 @@ public:
         }
     }
 
-    std::size_t unknowns() const noexcept { return levels_[0].unknowns(); }
+    std::size_t unknowns() const noexcept { return levels_[0].unknowns; }
 
     /// Fills the interior cells of `values` (#cells), of which the boundary cells are read (with
-    /// first_guess interior ones too: finite) and the others ignored. `keep_going()` is asked now and then and cancels by returning false. Scratch
-    /// is kept inside, so one pyramid serves one thread.
+    /// first_guess interior ones too: finite) and the others ignored. `keep_going()` is asked now
+    /// and then and cancels by returning false. Scratch is kept inside, so one pyramid serves one
+    /// thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
@@ -91,14 +96,17 @@ public:
     }
 
 private:
+    struct Run {
+        std::uint32_t begin, end;
+    };
     struct Level {
         CellBox<D> box;
         std::vector<CellTag> tags;
         std::vector<T> values;
-        std::vector<std::size_t> parent;  // cell of the next coarser level
-        std::vector<std::size_t> regular; // interior cells all of whose neighbours count
-        std::vector<std::size_t> rim;     // the other interior cells
+        std::vector<Run> regular;       // interior cells all of whose neighbours count
+        std::vector<std::uint32_t> rim; // the other interior cells
         std::vector<std::ptrdiff_t> offsets;
+        std::size_t unknowns = 0;
 
         Level(const CellBox<D>& b, std::vector<CellTag> t, Stencil stencil)
             : box(b)
@@ -108,18 +116,40 @@ private:
                 for (std::size_t k = 0; k < D; ++k) offset += step[k] * std::ptrdiff_t(box.stride(k));
                 offsets.push_back(offset);
             });
-            for (std::size_t c = 0; c < tags.size(); ++c) {
+            for (std::size_t row = 0; row < tags.size(); row += box.cells[0]) find_unknowns(row);
+        }
+
+        bool counts(std::size_t c) const noexcept {
+            return tags[c] == CellTag::boundary || tags[c] == CellTag::interior;
+        }
+        void find_unknowns(std::size_t row) {
+            const std::size_t length = box.cells[0];
+            const auto index = box.index(row);
+            bool at_rim = false;
+            for (std::size_t k = 1; k < D; ++k)
+                at_rim = at_rim || index[k] == 0 || index[k] + 1 == box.cells[k];
+            for (std::size_t x = 0; x < length; ++x) {
+                const std::size_t c = row + x;
                 if (tags[c] != CellTag::interior) continue;
-                std::size_t counted = 0;
-                each_counted_neighbour(c, stencil, [&](std::size_t) { ++counted; });
-                (counted == offsets.size() ? regular : rim).push_back(c);
+                ++unknowns;
+                bool all = !at_rim && x != 0 && x + 1 != length;
+                for (std::size_t n = 0; all && n < offsets.size(); ++n)
+                    all = counts(std::size_t(std::ptrdiff_t(c) + offsets[n]));
+                if (!all) {
+                    rim.push_back(std::uint32_t(c));
+                } else if (regular.empty() || regular.back().end != c) {
+                    regular.push_back({std::uint32_t(c), std::uint32_t(c + 1)});
+                } else {
+                    ++regular.back().end;
+                }
             }
         }
 
-        std::size_t unknowns() const noexcept { return regular.size() + rim.size(); }
         template <class F>
         void for_each_unknown(const F& f) const {
-            for (const std::size_t c : regular) f(c);
+            for (const auto& [begin, end] : regular) {
+                for (std::size_t c = begin; c < end; ++c) f(c);
+            }
             for (const std::size_t c : rim) f(c);
         }
 
@@ -148,22 +178,25 @@ private:
                     next[k] += std::size_t(step[k]);
                 }
                 const std::size_t n = box.number(next);
-                if (tags[n] == CellTag::boundary || tags[n] == CellTag::interior) f(n);
+                if (counts(n)) f(n);
             });
         }
     };
 
+    /// The coarse cell that a cell is a child of.
+    static std::size_t parent(const Level& fine, const CellBox<D>& coarse, std::size_t cell) noexcept {
+        auto index = fine.box.index(cell);
+        for (std::size_t& i : index) i /= 2;
+        return coarse.number(index);
+    }
+
     /// A coarse cell is boundary if any child is, exterior if all are, else interior (sec. 4.2).
-    static Level coarsen(Level& fine, Stencil stencil) {
+    static Level coarsen(const Level& fine, Stencil stencil) {
         CellBox<D> box;
         for (std::size_t k = 0; k < D; ++k) box.cells[k] = (fine.box.cells[k] + 1) / 2;
         std::vector<CellTag> tags(box.size(), CellTag::exterior);
-        fine.parent.resize(fine.tags.size());
         for (std::size_t c = 0; c < fine.tags.size(); ++c) {
-            auto index = fine.box.index(c);
-            for (std::size_t& i : index) i /= 2;
-            fine.parent[c] = box.number(index);
-            CellTag& tag = tags[fine.parent[c]];
+            CellTag& tag = tags[parent(fine, box, c)];
             if (fine.tags[c] == CellTag::boundary ||
                 (fine.tags[c] == CellTag::interior && tag == CellTag::exterior)) {
                 tag = fine.tags[c];
@@ -178,8 +211,9 @@ private:
         std::vector<T> children(coarse.tags.size(), T(0));
         for (std::size_t c = 0; c < fine.tags.size(); ++c) {
             if (fine.tags[c] != CellTag::boundary) continue;
-            coarse.values[fine.parent[c]] += fine.values[c];
-            children[fine.parent[c]] += T(1);
+            const std::size_t p = parent(fine, coarse.box, c);
+            coarse.values[p] += fine.values[c];
+            children[p] += T(1);
         }
         for (std::size_t c = 0; c < children.size(); ++c) {
             if (children[c] > T(0)) coarse.values[c] /= children[c];
@@ -188,13 +222,18 @@ private:
 
     /// An interior cell begins with the value of its parent.
     static void push(const Level& coarse, Level& fine) {
-        fine.for_each_unknown([&](std::size_t c) { fine.values[c] = coarse.values[fine.parent[c]]; });
+        for (const auto& [begin, end] : fine.regular) {
+            const std::size_t x = begin % fine.box.cells[0], first = parent(fine, coarse.box, begin) - x / 2;
+            for (std::size_t c = begin; c < end; ++c)
+                fine.values[c] = coarse.values[first + (x + c - begin) / 2];
+        }
+        for (const std::size_t c : fine.rim) fine.values[c] = coarse.values[parent(fine, coarse.box, c)];
     }
 
     template <class KeepGoing>
     AveragingOutcome relax(Level& level, const KeepGoing& keep_going) const {
         AveragingOutcome outcome;
-        const std::size_t count = level.unknowns();
+        const std::size_t count = level.unknowns;
         outcome.converged = count == 0;
         const std::size_t ask_every = std::max<std::size_t>(1, 1000000 / std::max<std::size_t>(count, 1));
         while (!outcome.converged && outcome.sweeps < options_.max_sweeps) {
@@ -208,6 +247,22 @@ private:
         }
         return outcome;
     }
+
+    /// The sum of a regular cell's neighbours, but for the one before it.
+    static T others(const Level& level, const T* cell) noexcept {
+        const auto all = level.offsets.size();
+        if constexpr (D == 1) return cell[1];
+        const auto row = std::ptrdiff_t(level.box.cells[0]);
+        if (D == 2 && all == 4) return cell[1] + cell[-row] + cell[row];
+        if constexpr (D == 3) {
+            const auto layer = std::ptrdiff_t(level.box.stride(2));
+            if (all == 6) return cell[1] + cell[-row] + cell[row] + cell[-layer] + cell[layer];
+        }
+        T sum = 0;
+        for (const std::ptrdiff_t offset : level.offsets) sum += offset == -1 ? T(0) : cell[offset];
+        return sum;
+    }
+
     /// Makes every unknown the mean of its neighbours; by how much that changes them in all.
     double sweep(Level& level) const {
         double change = 0;
@@ -216,18 +271,10 @@ private:
             change += std::fabs(double(mean - u[c]));
             u[c] = mean;
         };
-        const std::size_t neighbours = level.offsets.size();
-        const T share = T(1) / static_cast<T>(neighbours);
-        for (const std::size_t c : level.regular) {
-            T sum = 0;
-            if constexpr (D == 2) {
-                const std::size_t row = level.box.cells[0];
-                sum = u[c - 1] + u[c + 1] + u[c - row] + u[c + row];
-                if (neighbours == 8) sum += u[c - row - 1] + u[c - row + 1] + u[c + row - 1] + u[c + row + 1];
-            } else {
-                for (const std::ptrdiff_t offset : level.offsets) sum += u[std::ptrdiff_t(c) + offset];
-            }
-            set(c, sum * share);
+        const T share = T(1) / static_cast<T>(level.offsets.size());
+        for (const auto& [begin, end] : level.regular) {
+            // What the sweep has just set comes last: nothing else waits for it.
+            for (std::size_t c = begin; c < end; ++c) set(c, (others(level, u + c) + u[c - 1]) * share);
         }
         for (const std::size_t c : level.rim) {
             T sum = 0;
