@@ -5,7 +5,7 @@
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace harmonic_box_tests {
@@ -127,6 +127,18 @@ TEST_CASE("boxes without volume or with corners that are no numbers are named", 
     CHECK(evaluate_all(Harmonic<double>(box, averaging), Points3<double>{{0.5, 0.5, 0.5}}).status() ==
           Status::solver_not_supported);
     CHECK(Harmonic<double>(box, averaging).solve().status == Status::solver_not_supported);
+    // Coordinates with both solvers take either.
+    using Both =
+        cageform::HarmonicCoordinates<double, 3, Box<double>, cageform::WithAveragingPyramid<Box<double>>>;
+    averaging.resolution = 20;
+    const auto by_pyramid = evaluate_all(Both(box, averaging), Points3<double>{{0.5, 0.5, 0.5}}).evaluation;
+    CHECK(by_pyramid.status == Status::ok);
+    CHECK(by_pyramid.solver.sweeps > 8);
+    const auto by_multigrid =
+        evaluate_all(Both(box, {.resolution = 20}), Points3<double>{{0.5, 0.5, 0.5}}).evaluation;
+    CHECK(by_multigrid.status == Status::ok);
+    CHECK(by_multigrid.solver.cycles > 0);
+    CHECK(by_multigrid.solver.sweeps == 0);
     CHECK(evaluate_all(Harmonic<double>(box, {.resolution = 2000}), Points3<double>{{0.5, 0.5, 0.5}})
               .status() == Status::resolution_not_supported);
     const Box<double> fine({0, 0, 0}, {1, 1, 1}, {40, 2, 2}); // more divisions than cells

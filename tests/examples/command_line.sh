@@ -340,6 +340,9 @@ for type in mean-value harmonic; do
   cmp -s character.obj rest.obj && ok=yes || ok=no
   report $ok "at rest, $type, the file is the same"
 done
+works "the papers' solver in space" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates harmonic --solver averaging-pyramid -o posed_pyramid.obj
+cmp -s posed_pyramid.obj posed_harmonic.obj && ok=no || ok=yes
+report $ok "is another than ours"
 works "a weight painted on the character" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o posed.obj --picture painted.png --weight 30
 cmp -s posed.png painted.png && ok=no || ok=yes
 report $ok "the paint is seen"
