@@ -17,7 +17,7 @@
 //
 // The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
 // weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
-// ones of chains and points; --labels names them. Points are read, bound and written in batches, so a file may have any
+// ones of chains and points, of green then the edges (or faces); --labels names them. Points are read, bound and written in batches, so a file may have any
 // length.
 
 #include "atomic_file.hpp"
@@ -246,7 +246,9 @@ int run_program(int argc, char** argv) {
     line.set_footer(cage_formats + std::string("\n") + obj_format + "\n" + site_formats +
                     "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
                     "of chains and points, or to those given instead of a cage, as they come in the\n"
-                    "file; nan where a point has no weights.\n"
+                    "file; of green then to the edges, in the order of the vertices they begin at (or to\n"
+                    "the faces): to normals of their length (the root of their area). nan where a point\n"
+                    "has no weights.\n"
                     "\n" +
                     labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
@@ -259,7 +261,7 @@ int run_program(int argc, char** argv) {
         .one_of({"restore", "leave"})
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report");
-    settings.choice.in_plane = settings.choice.with_sites = true;
+    settings.choice.in_plane = settings.choice.with_sites = settings.choice.with_normals = true;
     settings.choice.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);

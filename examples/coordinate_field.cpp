@@ -92,19 +92,22 @@ public:
     }
 
     /// The values at points, not a number outside. Of the weights only one column is kept, so points are bound in parts.
-    SvgResult<std::vector<double>> at(std::span<const Point2> points, const std::string& cage_path) const {
+    SvgResult<std::vector<double>>
+    at(std::span<const Point2> points, const std::string& cage_path,
+       cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
         constexpr std::size_t most = 16384;
         std::vector<double> values(points.size());
         for (std::size_t first = 0; first < points.size(); first += most) {
             const auto part = points.subspan(first, std::min(most, points.size() - first));
-            const auto [binding, bound] =
-                coordinates_->bind(part, {.linear_precision = cageform::LinearPrecision::leave});
+            const auto [binding, bound] = coordinates_->bind(
+                part, {.outside = outside, .linear_precision = cageform::LinearPrecision::leave});
             if (bound.status != cageform::Status::ok) return SvgError{describe_faults(cage_path, bound)};
             for (std::size_t i = 0; i < part.size(); ++i) {
                 for (const auto& [vertex, value] : terms_)
                     values[first + i] += value * binding.weight(i, vertex);
             }
             for (const auto* list : {&bound.outside, &bound.unreached}) {
+                if (list == &bound.outside && outside == cageform::OutsidePoints::nearest_boundary) continue;
                 for (const std::size_t i : *list)
                     values[first + i] = std::numeric_limits<double>::quiet_NaN();
             }
@@ -117,20 +120,33 @@ private:
     std::unique_ptr<AnyCoordinates<double, 2>> coordinates_;
 };
 
-/// The boundary's edges within a box, with the values on them.
-std::vector<PlaneLine> boundary_of(const Arguments& given, const CageFile& cage, const PlaneBox& box) {
+/// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not interpolate
+/// piece by piece their limits from inside.
+SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
+                                              const CoordinateField& field, const PlaneBox& box) {
     std::vector<PlaneLine> lines;
+    const std::size_t pieces = given.choice.takes_normals() ? 32 : 1;
     cage.for_each_edge([&](std::size_t i, std::size_t j) {
         const Point2 &a = cage.vertices[i], &b = cage.vertices[j];
         const auto part = clip_segment(a, b, box);
         if (!part) return;
-        PlaneLine line;
-        for (const double t : *part) {
-            line.points.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
-            line.values.push_back(given.on_edge(i, j, t));
+        for (std::size_t n = 0; n < pieces; ++n) {
+            PlaneLine& line = lines.emplace_back();
+            for (const std::size_t end : {n, n + 1}) {
+                const double s = double(end) / double(pieces), t = (1 - s) * (*part)[0] + s * (*part)[1];
+                line.points.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+                line.values.push_back(given.on_edge(i, j, t));
+            }
         }
-        lines.push_back(std::move(line));
     });
+    if (pieces == 1) return lines;
+    std::vector<Point2> points;
+    for (const PlaneLine& line : lines) points.insert(points.end(), line.points.begin(), line.points.end());
+    const auto values = field.at(points, given.cage, cageform::OutsidePoints::nearest_boundary);
+    if (!values) return values.error();
+    for (std::size_t n = 0; n < lines.size(); ++n)
+        lines[n].values.assign(values->begin() + std::ptrdiff_t(2 * n),
+                               values->begin() + std::ptrdiff_t(2 * n + 2));
     return lines;
 }
 
@@ -157,8 +173,10 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
     std::cout << given.name() << ": " << least << " to " << largest << '\n';
 
     Picture fine = draw_field(*values, width, given.style);
-    for (const PlaneLine& line : boundary_of(given, cage, box)) {
-        constexpr int pieces = 64;
+    const auto boundary = boundary_of(given, cage, field, box);
+    if (!boundary) return boundary.error();
+    for (const PlaneLine& line : *boundary) {
+        const int pieces = given.choice.takes_normals() ? 2 : 64;
         const auto at = [&](double t) {
             const Point2 &a = line.points[0], &b = line.points[1];
             return to_picture({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
@@ -172,7 +190,14 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
     if (given.is_coordinate) {
         const Point2 at = to_picture(cage.vertices[given.vertex]);
         fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
-        fine.line(at, at, 24, boundary_hue(1));
+        double value = 1;
+        if (given.choice.takes_normals()) {
+            const auto limit = field.at(std::span(&cage.vertices[given.vertex], 1), given.cage,
+                                        cageform::OutsidePoints::nearest_boundary);
+            if (!limit) return limit.error();
+            value = limit->front();
+        }
+        fine.line(at, at, 24, boundary_hue(given.style.share(value)));
     }
     return with_colour_bar(fine.halved(), std::min(least, given.style.zero),
                            std::max(largest, given.style.one), given.style);
@@ -189,7 +214,9 @@ SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage,
     auto values = field.at(surface.mesh.places, given.cage);
     if (!values) return values.error();
     surface.values = std::move(*values);
-    surface.boundary = boundary_of(given, cage, box);
+    auto boundary = boundary_of(given, cage, field, box);
+    if (!boundary) return boundary.error();
+    surface.boundary = std::move(*boundary);
     surface.y_up = given.y_up;
     return draw_surface(surface, given.view, given.style);
 }
@@ -256,7 +283,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".png"});
     line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
     given.view.add_options(line);
-    given.choice.in_plane = true;
+    given.choice.in_plane = given.choice.with_normals = true;
     given.choice.add_options(line);
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
@@ -273,6 +300,8 @@ int run_program(int argc, char** argv) {
     given.values[given.vertex] = 1;
     given.style.set_range(0, 1);
     if (of_values.is_given()) {
+        if (given.choice.takes_normals())
+            return fail("--values: " + given.choice.name + " coordinates do not interpolate at the vertices");
         auto parsed = parse_values(values, *cage);
         if (!parsed) return fail(to_string(parsed.error()));
         given.values = std::move(*parsed);

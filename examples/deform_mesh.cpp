@@ -117,10 +117,14 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) std::cerr << "deform_mesh: warning: " << outside.warning << '\n';
+    std::string warning;
+    const auto handles = pose_of_handles(bound.binding, pose.vertices, pose.name, warning);
+    if (!handles) return fail(to_string(handles.error()));
+    if (!warning.empty()) std::cerr << "deform_mesh: warning: " << warning << '\n';
     std::vector<Point3> moved(figure.vertices.size());
-    const auto status =
-        weights.empty() ? cageform::clone(bound.binding, pose.vertices, moved)
-                        : cageform::clone_rational(bound.binding, pose.vertices, std::span(weights), moved);
+    const auto status = weights.empty()
+                            ? cageform::clone(bound.binding, *handles, moved)
+                            : cageform::clone_rational(bound.binding, *handles, std::span(weights), moved);
     if (status != cageform::Status::ok)
         return fail((weights.empty() ? pose.name : given.of_sites.weights) + ": " +
                     cageform::to_string(status));
@@ -173,7 +177,7 @@ int run_program(int argc, char** argv) {
         .required();
     line.add("--pose", given.pose, "the same mesh with its vertices moved, or the points").required();
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
-    given.outside.with_sites = given.choice.with_sites = true;
+    given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;
     given.outside.add_option(line);
     given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")

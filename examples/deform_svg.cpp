@@ -176,7 +176,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
-    outside.with_sites = choice.with_sites = choice.in_plane = true;
+    outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
     outside.add_option(line);
     of_sites.add_options(line);
     line.add_flag(
@@ -222,7 +222,7 @@ int run_program(int argc, char** argv) {
     }
     cageform::BindOptions bind_options;
     bind_options.outside = outside.policy(*coordinates);
-    std::string failure, warning;
+    std::string failure, warning, pose_warning;
     const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
         const auto [binding, bound] = coordinates->bind(in, bind_options);
         if (bound.status != cageform::Status::ok) {
@@ -233,10 +233,15 @@ int run_program(int argc, char** argv) {
         failure = std::move(verdict.fault);
         if (!failure.empty()) return false;
         if (warning.empty()) warning = std::move(verdict.warning); // of all points, not of those between them
+        const auto pose = pose_of_handles(binding, control->pose, pose_path, pose_warning);
+        if (!pose) {
+            failure = to_string(pose.error());
+            return false;
+        }
         const auto& weights = control->weights;
         const auto status = weights.empty()
-                                ? cageform::clone(binding, control->pose, moved)
-                                : cageform::clone_rational(binding, control->pose, std::span(weights), moved);
+                                ? cageform::clone(binding, *pose, moved)
+                                : cageform::clone_rational(binding, *pose, std::span(weights), moved);
         if (status != cageform::Status::ok)
             failure = (weights.empty() ? pose_path : of_sites.weights) + ": " + cageform::to_string(status);
         if (last.points == 0) last = bound;
@@ -244,7 +249,9 @@ int run_program(int argc, char** argv) {
     };
     const auto deformed = deform(*document, deformer, options);
     if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
-    if (!warning.empty()) std::cerr << "deform_svg: warning: " << warning << '\n';
+    for (const std::string& each : {warning, pose_warning}) {
+        if (!each.empty()) std::cerr << "deform_svg: warning: " << each << '\n';
+    }
     print_warnings("deform_svg", deformed->warnings);
     if (deformed->cut_off > 0) {
         std::cerr << "deform_svg: warning: " << deformed->cut_off

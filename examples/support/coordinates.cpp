@@ -46,6 +46,10 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         known = names();
         help += "; of a convex polygon wachspress or discrete-harmonic";
     }
+    if (with_normals) {
+        known.emplace_back("green");
+        help += "; green, which keeps angles and leaves the cage's boundary";
+    }
     if (with_sites) {
         known.insert(known.end(), {"sibson", "sibson-c1"});
         help += "; of points without a cage sibson, or sibson-c1, which is smooth at the points too";

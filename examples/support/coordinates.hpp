@@ -9,6 +9,7 @@
 #include "site_file.hpp"
 
 #include <cageform/binding/bind_figure.hpp>
+#include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
 
 #include <functional>
@@ -22,9 +23,11 @@ namespace cageform_examples {
 
 /// What --coordinates, --resolution, --tolerance and --solver say. The same in all programs.
 struct CoordinatesChoice {
-    std::string name = "mean-value";  // one of names(), or with with_sites sibson or sibson-c1
+    /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
+    std::string name = "mean-value";
     bool in_plane = false;            // whether the program takes polygons as cages
     bool with_sites = false;          // whether the program takes control points without a cage
+    bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1
     std::size_t resolution = 0;       // 0: 128 in the plane, 64 in space
     cageform::HarmonicOptions harmonic;
@@ -37,6 +40,9 @@ struct CoordinatesChoice {
 
     /// Whether the type takes sites instead of a cage.
     bool takes_sites() const { return name.starts_with("sibson"); }
+
+    /// Whether edges or faces are handles too. Values at vertices are then not those on the cage.
+    bool takes_normals() const { return name == "green"; }
 
     /// Whether the type takes polygons alone.
     bool takes_polygons() const { return name == "wachspress" || name == "discrete-harmonic"; }
@@ -114,6 +120,26 @@ std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& 
 template <class T, std::size_t D>
 std::unique_ptr<AnyCoordinates<T, D>> make_coordinates(const CoordinatesChoice& choice,
                                                        const SiteFile<D>& sites);
+
+/// The pose of all handles, from one of the vertices.
+///
+///   pose, name   of the vertices, and their file
+///   warning      out: of edges or faces that have no area in the pose; empty where there are none
+template <cageform::Scalar T, std::size_t D, class P>
+SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, const std::vector<P>& pose,
+                                          const std::string& name, std::string& warning) {
+    std::vector<P> handles(binding.handle_count());
+    const auto report = cageform::pose_handles(binding, pose, handles);
+    if (report.status != cageform::Status::ok)
+        return SvgError{name + ": " + cageform::to_string(report.status)};
+    if (report.collapsed_faces > 0) {
+        const bool one = report.collapsed_faces == 1;
+        warning = name + ": " + std::to_string(report.collapsed_faces) + (D == 2 ? " edge" : " face") +
+                  (one ? " has" : "s have") + (D == 2 ? " no length" : " no area") + ", the first is " +
+                  std::to_string(report.first_collapsed - pose.size()) + ": what they turn is unknown";
+    }
+    return handles;
+}
 
 /// What --outside says. The same in all programs that move a figure.
 struct OutsideChoice {

@@ -1,6 +1,7 @@
 #include "coordinates_model.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
 #include <cageform/coordinates/three_point.hpp>
@@ -20,6 +21,7 @@ std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& 
                 cageform::HarmonicCoordinates<T, 2, Cage, Solvers>(cage, choice.harmonic_options(2)));
         }
         if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 2>(cage));
+        if (choice.name == "green") return model_of(cageform::GreenCoordinates<T, 2>(cage));
         if (choice.name == "wachspress") return model_of(cageform::WachspressCoordinates<T>(cage));
         if (choice.name == "discrete-harmonic")
             return model_of(cageform::DiscreteHarmonicCoordinates<T>(cage));

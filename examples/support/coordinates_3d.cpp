@@ -1,6 +1,7 @@
 #include "coordinates_model.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
 
@@ -19,6 +20,7 @@ std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& 
     const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
     if (choice.name == "harmonic") return model_of(Harmonic<T>(cage, choice.harmonic_options(3)));
     if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 3>(cage));
+    if (choice.name == "green") return model_of(cageform::GreenCoordinates<T, 3>(cage));
     return model_of(cageform::BarycentricCoordinates<T, 3>(cage.vertices()));
 }
 template std::unique_ptr<AnyCoordinates<float, 3>> make_coordinates(const CoordinatesChoice&, const ObjFile&);

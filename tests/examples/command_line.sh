@@ -330,7 +330,7 @@ report $ok "the character's cage has 112 vertices"
 refuses 'cannot make the folder' "$programs/make_character" square.csv
 refuses 'folder' "$programs/make_character"
 for name in character character_cage character_pose; do cp folder/character/$name.obj .; done
-for type in mean-value harmonic; do
+for type in mean-value harmonic green; do
   works "deform the character, $type" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates $type -o posed_$type.obj --report --picture posed.png
   grep -q '^  outside: 0$' log && ok=yes || ok=no
   report $ok "the character lies in its cage"
@@ -789,6 +789,39 @@ printf '0,0\n2,-1\n1,0\n2,1\n' >arrow.csv
 refuses 'vertex not convex (2)' "$weights" --cage arrow.csv --points kite_points.csv --coordinates discrete-harmonic -o out.csv
 printf '0,0\n4,0\n4,4\n0,4\n\n# point 0.5\n2,2\n' >cell.csv
 refuses 'interior cells not supported (1)' "$weights" --cage cell.csv --points kite_points.csv --coordinates wachspress -o out.csv
+# Green coordinates: vertices, then edges or faces (tests/data/oracle/green2d_unit_square.json, green3d_tetrahedron.json).
+printf '0,0\n1,0\n1,1\n0,1\n' >green.csv
+printf '0.25,0.75\n2,0.25\n' >green_points.csv
+works "weights by Green" "$weights" --cage green.csv --points green_points.csv --coordinates green -o w.csv
+row_is "Green coordinates" inside "0.210041913056813301 0.158265960489395451 0.210041913056813301 0.421650213396977937 0.0844784677307639 0.0844784677307639 0.2027863412769719 0.2027863412769719"
+[ "$(sed -n 3p w.csv | cut -d, -f1)" = outside ] && ! grep -q nan w.csv && ok=yes || ok=no
+report $ok "Green coordinates go on outside"
+printf 'v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' >green.obj
+echo 0.25,0.5,0.25 >green_point.csv
+works "weights by Green in space" "$weights" --cage green.obj --points green_point.csv --coordinates green -o w.csv
+row_is "Green coordinates in space" inside "0.3913023332146537 0.15655371735261814 0.17218713831014207 0.27995681112258614 0.17984160580831229 0.11040741074782118 0.17556978173465604 0.16646440674593613"
+refuses 'interior cells not supported (1)' "$weights" --cage cell.csv --points kite_points.csv --coordinates green -o out.csv
+works "a Green field" "$field" --cage "$data/biped_cage.svg" --vertex 2 --coordinates green --size 64 -o field_green.png
+refuses '--values: green coordinates do not interpolate' "$field" --cage green.csv --values 1,2,3,4 --coordinates green -o out.png
+works "a cat by Green" "$deform" "$cat" --cage "$cage" --pose "$data/cat_pose_stretch.svg" --coordinates green -o cat_green.svg
+works "a cat by Green at rest" "$deform" "$cat" --cage "$cage" --pose "$cage" --coordinates green --flatness 0.01 -o rest_green.svg
+works "a cat by mean value at rest" "$deform" "$cat" --cage "$cage" --pose "$cage" --flatness 0.01 -o rest_mean.svg
+cmp -s rest_green.svg rest_mean.svg && ! cmp -s rest_green.svg cat_green.svg && ok=yes || ok=no
+report $ok "at rest every type leaves the cat as it is"
+# Turned by a right angle and twice as large; then an edge and a face without size.
+printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 8 8"><path d="M0.25 0.25L0.75 0.5L0.25 0.75Z"/></svg>' >green.svg
+printf '5,1\n5,3\n3,3\n3,1\n' >green_pose.csv
+works "a similarity by Green" "$deform" green.svg --cage green.csv --pose green_pose.csv --coordinates green -o turned.svg
+grep -q 'M4.5 1.5 L4 2.5 L3.5 1.5 Z' turned.svg && ok=yes || { ok=no; cat turned.svg >>log; }
+report $ok "Green coordinates take a similarity along"
+printf '0,0\n1,0\n1,0\n0,1\n' >green_pose.csv
+works "an edge without length" "$deform" green.svg --cage green.csv --pose green_pose.csv --coordinates green -o turned.svg
+grep -q 'warning: green_pose.csv: 1 edge has no length, the first is 1:' log && ok=yes || ok=no
+report $ok "it is told of"
+sed 's/^v 0 3 0/v 1 0 0/' green.obj >green_pose.obj
+works "faces without area" "$mesh" green.obj --cage green.obj --pose green_pose.obj --coordinates green -o turned.obj
+grep -q 'warning: green_pose.obj: 1 face has no area, the first is 0:' log && ok=yes || ok=no
+report $ok "they are told of"
 refuses 'takes a cage in the plane' "$weights" --cage sites.obj --points point_3d.csv --coordinates wachspress -o out.csv
 refuses '"wachspress" is not one of barycentric, mean-value, harmonic' "$mesh" character.obj --cage character_cage.obj --pose character_cage.obj --coordinates wachspress -o out.obj
 sed 's/^0.5,0.5$/0.3,0.4/' sites.csv >uneven.csv
