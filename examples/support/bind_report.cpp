@@ -23,6 +23,7 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::interior_cell_outside:
     case Kind::interior_cells_not_supported:
     case Kind::vertex_not_convex:
+    case Kind::bone_axes_dependent:
     case Kind::collinear_vertex:
     case Kind::vertex_unused:
     case Kind::loop_turns_otherwise:

@@ -1,7 +1,9 @@
 // Handles that are vectors, through everything that takes a binding: bound, packed, shipped, rebound, played.
+#include "../support/oracle.hpp"
 #include "../support/packed.hpp"
 #include "../support/vector_handles.hpp"
 
+#include <cageform/binding/bind_bones.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/pose_handles.hpp>
@@ -11,12 +13,14 @@ namespace handle_kinds_tests {
 
 using namespace cageform_tests;
 using cageform::bind;
+using cageform::bind_bones;
 using cageform::Binding;
 using cageform::BlendedCoordinates;
 using cageform::epsilon;
 using cageform::open_blob;
 using cageform::pack;
 using cageform::pose_handles;
+using cageform::Transform;
 
 namespace {
 
@@ -312,6 +316,188 @@ TEMPLATE_TEST_CASE("linear blend skinning is a clone by bones", "[handle_kinds][
     CHECK(pose_handles(binding, origins, handles).status == Status::handles_not_faces);
     const auto faces = bind(TestType::coordinates(), TestType::points(9)).binding;
     CHECK(cageform::pose_bones(faces, std::span<const Bone>(still), handles) == Status::handles_not_bones);
+}
+
+TEST_CASE("a point skinned by two bones is that of exact arithmetic", "[handle_kinds][bones][oracle]") {
+    const auto json = read_json("bone_handles");
+    const auto number = [](const nlohmann::json& text) {
+        const auto fraction = text.get<std::string>();
+        const std::size_t slash = fraction.find('/');
+        return std::stod(fraction) / (slash == std::string::npos ? 1 : std::stod(fraction.substr(slash + 1)));
+    };
+    const auto place = [&](const nlohmann::json& pair) {
+        return Vec<double, 2>{number(pair[0]), number(pair[1])};
+    };
+    std::vector<Transform<double, 2>> bones(2), moves(2);
+    std::vector<double> shares;
+    for (std::size_t b = 0; b < 2; ++b) {
+        const auto& rest = json["handles_rest"];
+        bones[b] = {{place(rest[3 * b + 1]), place(rest[3 * b + 2])}, place(rest[3 * b])};
+        const auto& move = json["transforms"][b];
+        const auto x = place(move["matrix"][0]), y = place(move["matrix"][1]);
+        moves[b] = {{Vec<double, 2>{x[0], y[0]}, Vec<double, 2>{x[1], y[1]}}, place(move["translation"])};
+        shares.push_back(number(json["bone_weights"][b]));
+    }
+    const std::vector<Vec<double, 2>> points{place(json["point"])};
+    const auto [binding, report, unused] =
+        bind_bones(points, std::span<const Transform<double, 2>>(bones), std::span<const double>(shares));
+    REQUIRE(report.status == Status::ok);
+    REQUIRE(binding.handle_count() == 6);
+    CHECK(unused.empty());
+    std::vector<Vec<double, 2>> handles(6);
+    REQUIRE(pose_bones(binding, std::span<const Transform<double, 2>>(moves), handles) == Status::ok);
+    for (std::size_t h = 0; h < 6; ++h) {
+        CAPTURE(h);
+        CHECK(std::fabs(binding.weight(0, h) - number(json["weights"][h])) <= 1e-15);
+        CHECK(binding.rest_handle(h) == place(json["handles_rest"][h]));
+        CHECK(distance(handles[h], place(json["handles_posed"][h])) <= 1e-15);
+    }
+    CHECK(distance(cloned(binding, handles)[0], place(json["clone"])) <= 1e-15);
+}
+
+/// Frames of random axes, and shares of them for some points: none negative, some zero, the last bone's all.
+template <class T, std::size_t D>
+struct RandomSkin {
+    std::vector<Transform<T, D>> bones;
+    std::vector<Vec<T, D>> points;
+    std::vector<double> shares;
+
+    explicit RandomSkin(std::uint64_t seed)
+        : bones(4)
+        , points(random_points<T, D>(40, 3, seed))
+        , shares(points.size() * bones.size(), 0.0) {
+        Random random(seed + 1);
+        for (auto& bone : bones) {
+            for (std::size_t r = 0; r < D; ++r) {
+                bone.translation[r] = T(random.uniform(-3, 3));
+                for (std::size_t k = 0; k < D; ++k)
+                    bone.columns[k][r] = T(random.uniform(-0.3, 0.3) + (r == k ? 2 : 0));
+            }
+        }
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto row = random_shares(2, random);
+            const std::size_t first = random.below(2);
+            shares[4 * i + first] = row[0];
+            shares[4 * i + first + 1] = row[1];
+        }
+    }
+    auto bind(const std::vector<double>& weights, const cageform::BindOptions& options = {},
+              const cageform::Running& running = {}) const {
+        return bind_bones(points, std::span<const Transform<T, D>>(bones), std::span<const double>(weights),
+                          options, running);
+    }
+};
+
+TEMPLATE_TEST_CASE("bones bound by given weights are linear blend skinning", "[handle_kinds][bones]", Double2,
+                   Float3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto seed = GENERATE(seeds(8));
+    CAPTURE(seed);
+    const RandomSkin<T, D> skin(std::uint64_t(seed) + 10);
+    const auto& points = skin.points;
+    Random random{std::uint64_t(seed)};
+    std::vector<AffineMap<D>> maps;
+    std::vector<Transform<T, D>> own(4), common(4);
+    for (std::size_t b = 0; b < 4; ++b) {
+        maps.push_back(random_affine<D>(random, 2));
+        for (std::size_t r = 0; r < D; ++r) {
+            own[b].translation[r] = T(maps[b].shift[r]);
+            common[b].translation[r] = T(maps[0].shift[r]);
+            for (std::size_t k = 0; k < D; ++k) {
+                own[b].columns[k][r] = T(maps[b].rows[r][k]);
+                common[b].columns[k][r] = T(maps[0].rows[r][k]);
+            }
+        }
+    }
+    auto uneven = skin.shares; // the same but for their sums, which are restored
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double factor = random.uniform(0.5, 1.5);
+        for (std::size_t b = 0; b < 4; ++b) uneven[4 * i + b] *= factor;
+    }
+    const double rounding = 512 * double(epsilon<T>);
+    for (const auto& shares : {skin.shares, uneven}) {
+        const auto [binding, report, unused] = skin.bind(shares);
+        REQUIRE(report.status == Status::ok);
+        CHECK(unused == std::vector<std::uint32_t>{3});
+        CHECK(report.partition_error.value <= 8 * double(epsilon<T>));
+        CHECK((report.weight_change.value > 0.1) == (shares != skin.shares));
+        std::vector<Vec<T, D>> handles(binding.handle_count());
+        const auto pose = [&](const std::vector<Transform<T, D>>& moves) {
+            REQUIRE(pose_bones(binding, std::span<const Transform<T, D>>(moves), handles) == Status::ok);
+            return handles;
+        };
+        const auto packed = pack(binding, {.format = WeightFormat::int16}).binding;
+        const auto skinned = cloned(binding, pose(own)), moved = cloned_view(packed.view(), pose(common));
+        std::vector<Vec<T, D>> frames; // when posed, a pose of the handles too
+        for (std::size_t b = 0; b < 4; ++b) {
+            frames.push_back(maps[b](skin.bones[b].translation));
+            for (const auto& axis : skin.bones[b].columns) frames.push_back(own[b].turn(axis));
+        }
+        const auto by_frames = cloned(binding, frames);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto p = cageform::vec_cast<double>(points[i]);
+            Vec<double, D> expected{};
+            for (std::size_t b = 0; b < 4; ++b) expected = expected + skin.shares[4 * i + b] * maps[b](p);
+            CAPTURE(i);
+            CHECK(distance(skinned[i], expected) <= rounding);
+            CHECK(distance(by_frames[i], expected) <= rounding);
+            CHECK(distance(moved[i], maps[0](p)) <= rounding);
+            for (std::size_t h = 0; h < binding.handle_count(); ++h) { // zeros stay zeros
+                if (skin.shares[4 * i + h / (D + 1)] == 0) CHECK(binding.weight(i, h) == T(0));
+            }
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("bones that cannot be bound are refused by number", "[handle_kinds][bones][status]",
+                   Double2, Float3) {
+    using T = typename TestType::T;
+    using Kind = cageform::CageFaultKind;
+    constexpr std::size_t D = TestType::D;
+    const RandomSkin<T, D> sound(1);
+    auto shares = sound.shares;
+    shares[4 * 5 + 3] = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t b = 0; b < 4; ++b) shares[4 * 7 + b] = 0;
+    auto holed = sound;
+    holed.points[9][1] = std::numeric_limits<T>::infinity();
+    const auto bound = holed.bind(shares);
+    CHECK(bound.report.status == Status::ok);
+    CHECK(bound.report.unreached == std::vector<std::size_t>{5, 7});
+    CHECK(bound.report.not_finite == std::vector<std::size_t>{9});
+    CHECK(bound.binding.point_count() == sound.points.size());
+
+    const auto left = sound.bind(std::vector<double>(sound.shares.size(), 0.5),
+                                 {.linear_precision = cageform::LinearPrecision::leave});
+    CHECK(std::fabs(left.report.partition_error.value - 1) <= 8 * double(epsilon<T>));
+
+    shares.pop_back();
+    CHECK(sound.bind(shares).report.status == Status::bone_weights_do_not_match);
+    auto none = sound;
+    none.bones.clear();
+    CHECK(none.bind({}).report.status == Status::bone_weights_do_not_match);
+
+    const auto refused = [&](const RandomSkin<T, D>& skin, Kind kind, std::size_t number) {
+        const auto [binding, report, unused] = skin.bind(sound.shares);
+        CHECK(report.status == status_of(kind));
+        REQUIRE(report.cage.faults.size() == 1);
+        CHECK(report.cage.faults[0].kind == kind);
+        CHECK(report.cage.faults[0].a == number);
+        CHECK(binding.point_count() == 0);
+        CHECK(unused.empty());
+    };
+    auto flat = sound;
+    flat.bones[2].columns[D - 1] = T(0.3) * flat.bones[2].columns[0];
+    refused(flat, Kind::bone_axes_dependent, 2);
+    flat.bones[2].columns[D - 1] = {};
+    refused(flat, Kind::bone_axes_dependent, 2);
+    auto lost = sound;
+    lost.bones[1].columns[0][1] = std::numeric_limits<T>::quiet_NaN();
+    refused(lost, Kind::vertex_not_finite, D + 2);
+
+    cageform::Running running;
+    running.progress = [](double) { return false; };
+    CHECK(sound.bind(sound.shares, {}, running).report.status == Status::cancelled);
 }
 
 TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone; collapsed faces are counted",

@@ -417,6 +417,10 @@ TEMPLATE_TEST_CASE("three-point coordinates refuse what is not strictly convex, 
     CHECK(faults_of(Wachspress<T>(straight).cage_report(), Kind::vertex_not_convex) ==
           std::vector<std::size_t>{1});
 
+    const Corners nearly{{0, 0}, {1, -epsilon<T>}, {2, 0}, {2, 2}, {0, 2}}; // convex by a rounding
+    CHECK(faults_of(Wachspress<T>(nearly).cage_report(), Kind::vertex_not_convex) ==
+          std::vector<std::size_t>{1});
+
     const Corners two{{0, 0}, {9, 0}, {9, 9}, {0, 9}, {3, 3}, {5, 3}, {4, 4}};
     const Wachspress<T> loops(Polygon<T>(two, std::vector<std::size_t>{4, 3}));
     CHECK(loops.cage_report().status == Status::cage_not_convex);

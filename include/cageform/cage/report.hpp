@@ -28,8 +28,9 @@ enum class CageFaultKind : std::uint8_t {
     radius_not_positive,   ///< of the interior cell at handle `a`
     interior_cell_outside, ///< the interior cell at handle `a`
     interior_cells_touch, ///< the cells or facets at handles `a` and `b`, elsewhere than in a vertex they share
-    vertex_not_convex, ///< vertex `a` is no convex corner, or the first of a second loop; not for this type
-    sites_in_a_plane,  ///< all sites of a point set lie in a plane, or in the plane on a line
+    vertex_not_convex,   ///< vertex `a` is no convex corner, or the first of a second loop; not for this type
+    sites_in_a_plane,    ///< all sites of a point set lie in a plane, or in the plane on a line
+    bone_axes_dependent, ///< the axes of bone `a` lie in a plane, or in the plane on a line
     interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
     gap_closed, ///< warning: only one face has the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,      ///< warning: vertex `a` lies on the straight line between its neighbours
@@ -74,6 +75,7 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::interior_cells_touch, Status::interior_cells_touch, "interior cells touch"},
     {CageFaultKind::vertex_not_convex, Status::cage_not_convex, "vertex not convex"},
     {CageFaultKind::sites_in_a_plane, Status::sites_in_a_plane, "sites in a plane"},
+    {CageFaultKind::bone_axes_dependent, Status::bone_axes_dependent, "axes of a bone in a plane"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
     {CageFaultKind::gap_closed, Status::ok, "open edge, closed (warning)"},

@@ -23,20 +23,6 @@ struct PoseReport {
     std::size_t first_collapsed = none; ///< the handle of the first of them
 };
 
-/// x ↦ A x + b.
-template <Scalar T, std::size_t D>
-struct Transform {
-    std::array<Vec<T, D>, D> columns; ///< of A
-    Vec<T, D> translation;            ///< b
-
-    /// A v.
-    Vec<T, D> turn(const Vec<T, D>& v) const noexcept {
-        Vec<T, D> sum = v[0] * columns[0];
-        for (std::size_t k = 1; k < D; ++k) sum = sum + v[k] * columns[k];
-        return sum;
-    }
-};
-
 /// A binding or its view, packed or not.
 template <class B>
 concept HasHandles = requires(const B& binding) {

@@ -14,6 +14,20 @@ enum class HandleKind : std::uint8_t {
     vector, ///< H' = A H
 };
 
+/// x ↦ A x + b: a move, or a frame of axes A and origin b.
+template <Scalar T, std::size_t D>
+struct Transform {
+    std::array<Vec<T, D>, D> columns; ///< of A
+    Vec<T, D> translation;            ///< b
+
+    /// A v.
+    Vec<T, D> turn(const Vec<T, D>& v) const noexcept {
+        Vec<T, D> sum = v[0] * columns[0];
+        for (std::size_t k = 1; k < D; ++k) sum = sum + v[k] * columns[k];
+        return sum;
+    }
+};
+
 /// The corners of a face, by the numbers of their handles.
 template <std::size_t D>
 using HandleFace = std::array<std::uint32_t, D>;

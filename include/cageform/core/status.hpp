@@ -68,6 +68,8 @@ namespace cageform::inline CAGEFORM_ABI {
     /* binding/: bind, pack, rebind, skins */                                                     \
     X(too_many_handles, "more handles than can be counted or kept")                               \
     X(handles_not_points, "some handles are vectors, and only points will do")                    \
+    X(bone_axes_dependent, "the axes of a bone do not span the space")                            \
+    X(bone_weights_do_not_match, "no bones, or not one weight of each for every point")           \
     X(too_few_weights, "linear precision takes more weights a point")                             \
     X(too_few_influences, "a skin needs at least one influence a point")                          \
     X(order_not_a_permutation, "the order leaves a point out or names one twice")                 \

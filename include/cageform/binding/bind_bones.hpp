@@ -1,0 +1,175 @@
+// Linear blend skinning as a binding: bones as handles.
+#pragma once
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D>
+struct BindBonesResult {
+    Binding<T, D> binding; ///< empty unless the report's status is ok
+    BindReport report;
+    std::vector<std::uint32_t> unused; ///< bones whose weights are all zero, in ascending order
+};
+
+namespace detail {
+
+/// Bones as handles: their places at rest, and how a point lies in each.
+template <Scalar T, std::size_t D>
+class BoneHandles {
+public:
+    /// The frames of bones. Faults, by bone or handle, go into the report.
+    BoneHandles(std::span<const Transform<T, D>> bones, CageReport& report) {
+        for (const auto& bone : bones) {
+            add(bone.translation, HandleKind::point, report);
+            for (const auto& axis : bone.columns) add(axis, HandleKind::vector, report);
+        }
+        for (std::size_t b = 0; b < bones.size() && report.status == Status::ok; ++b)
+            invert(bones[b], b, report);
+    }
+
+    HandleView<T, D> view() const noexcept { return {rest_.data(), rest_.size(), kinds_.data(), nullptr}; }
+
+    /// The weights of a point for a bone with the share `share`: share and share · A⁻¹ (p − o), in
+    /// the bone's D + 1 rows.
+    template <class Set>
+    void weigh(std::size_t bone, double share, const Vec<T, D>& p, const Set& set) const {
+        const std::size_t first = bone * (D + 1);
+        const auto away = vec_cast<double>(p) - vec_cast<double>(rest_[first]);
+        set(first, static_cast<T>(share));
+        for (std::size_t k = 0; k < D; ++k)
+            set(first + 1 + k, static_cast<T>(share * dot(inverse_[bone * D + k], away)));
+    }
+
+private:
+    void add(const Vec<T, D>& handle, HandleKind kind, CageReport& report) {
+        if (!is_finite(handle)) report.add(CageFaultKind::vertex_not_finite, rest_.size());
+        rest_.push_back(handle);
+        kinds_.push_back(kind);
+    }
+    /// The rows of A⁻¹ are the gradients of barycentric coordinates of the ends of the axes.
+    void invert(const Transform<T, D>& bone, std::size_t b, CageReport& report) {
+        std::array<Vec<double, D>, D + 1> corners{};
+        double size = 0;
+        for (const auto& axis : bone.columns) size = std::fmax(size, length(vec_cast<double>(axis)));
+        for (std::size_t k = 0; k < D && size > 0; ++k)
+            corners[k] = (1 / size) * vec_cast<double>(bone.columns[k]);
+        const auto rows = simplex_gradients<D>(corners);
+        bool spans = !rows.empty();
+        for (std::size_t k = 0; k < D && spans; ++k) { // one over the sine to the other axes
+            spans = 64 * double(epsilon<T>) * length(rows[k]) * length(corners[k]) < 1;
+            inverse_.push_back((1 / size) * rows[k]);
+        }
+        if (!spans) report.add(CageFaultKind::bone_axes_dependent, b);
+    }
+
+    std::vector<Vec<T, D>> rest_;
+    std::vector<HandleKind> kinds_;
+    std::vector<Vec<double, D>> inverse_; ///< D rows a bone
+};
+
+/// Fills the weights of point `i` of a batch: its shares of bones, divided by their sum where that
+/// is to be restored. `missed` gets the largest change of a share.
+template <Scalar T, std::size_t D, Scalar W>
+void weigh_bones(const BoneHandles<T, D>& handles, std::span<const W> weights, bool restore,
+                 const Batch<T>& batch, std::size_t i, Extreme& missed) {
+    const std::size_t bones = handles.view().count / (D + 1);
+    const auto row = weights.subspan(i * bones, bones);
+    double sum = 0, largest = 0;
+    for (const W w : row) {
+        sum += double(w);
+        largest = std::fmax(largest, std::fabs(double(w)));
+    }
+    const double factor = restore ? 1 / sum : 1;
+    const bool weighs = is_finite(sum) && is_finite(factor) && (!restore || sum > 0);
+    batch.states[i] = weighs ? PointState::inside : PointState::unreached;
+    if (!weighs) return;
+    const auto p = block_point<D>(batch.points, i);
+    for (std::size_t b = 0; b < bones; ++b)
+        handles.weigh(b, factor * double(row[b]), p, [&](std::size_t h, T w) { batch.rows(i, h) = w; });
+    missed.raise({std::fabs(factor - 1) * largest, i});
+}
+
+} // namespace detail
+
+/// Binds points to bones by given weights: `clone` is then linear blend skinning,
+///
+///     p' = Σ_b ω_b (A_b p + t_b)
+///
+/// with D + 1 handles a bone, side by side: its origin o, a point, and its axes, vectors. Their
+/// weights are ω_b and ω_b times the coordinates of p − o along the axes. So poses common to all
+/// bones are exact, packed too, and blobs, shaders and normals work as they are.
+///
+///   points   any PointRange of the bones' dimension
+///   bones    frames at rest: columns are axes, of any length but not all in a plane. Their pose is
+///            that of the handles: the frames when posed, or what `pose_bones` makes of the bones'
+///            moves. Where the binding is to be packed, axes as long as the figure is large lose the
+///            least, since formats round all weights alike
+///   weights  #points · #bones: a point's weights lie side by side
+///   options  `restore` divides the weights of a point by their sum, and mends rounding;
+///            BindReport::weight_change has the largest change
+///   returns  the binding, its report, and the bones that move nothing. Points whose weights are not
+///            numbers, or sum to nothing or less, are unreached. Of the report's measures
+///            least_weight and amplification take axes' weights for weights
+///   cost     O(#bones) a point; (#handles + D) scalars of memory a point
+///   fails    bone_weights_do_not_match, vertex_not_finite (by handle), bone_axes_dependent (by bone),
+///            cancelled, out_of_memory
+template <PointRange R, Scalar T, std::size_t D, Scalar W>
+    requires(range_dimension<R> == D && (D == 2 || D == 3))
+BindBonesResult<T, D> bind_bones(const R& points, std::span<const Transform<T, D>> bones,
+                                 std::span<const W> weights, const BindOptions& options = {},
+                                 const Running& running = {}) {
+    BindBonesResult<T, D> result;
+    result.report.points = std::size(points);
+    if (bones.empty() || weights.size() / bones.size() != std::size(points) ||
+        weights.size() % bones.size() != 0) {
+        result.report.status = Status::bone_weights_do_not_match;
+        return result;
+    }
+    Extreme missed;
+    const Status status = detail::guard_memory([&] {
+        CageReport faults;
+        const detail::BoneHandles<T, D> handles(bones, faults);
+        const bool restore = options.linear_precision == LinearPrecision::restore;
+        const auto evaluate = [&](const detail::Batch<T>& batch, const Running& part) -> Evaluation {
+            std::vector<Extreme> found(batch.points.blocks());
+            const Status done =
+                detail::for_each_block(found.size(), part, [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t i = begin * lane_count<T>;
+                         i < std::min(end * lane_count<T>, batch.points.points); ++i) {
+                        if (batch.states[i] != PointState::not_finite)
+                            detail::weigh_bones<T, D, W>(handles, weights, restore, batch, i,
+                                                         found[i / lane_count<T>]);
+                    }
+                });
+            for (const Extreme& each : found) missed.raise(each);
+            return {done, {}};
+        };
+        // Points lie nowhere but inside. Zero weights stay zero: a bone keeps to its points.
+        const detail::BindInput<T, D> input{faults,
+                                            [&] { return handles.view(); },
+                                            false,
+                                            false,
+                                            true,
+                                            evaluate,
+                                            [](const Vec<T, D>& p, std::span<T>) { return p; },
+                                            detail::read_points<T>(points)};
+        auto bound = detail::bind_points(input, options, Binding<T, D>{}, running);
+        result.binding = std::move(bound.binding);
+        result.report = std::move(bound.report);
+        for (std::size_t b = 0; b < bones.size() && result.report.status == Status::ok; ++b) {
+            bool moves = false;
+            for (std::size_t i = b; i < weights.size() && !moves; i += bones.size())
+                moves = weights[i] != W(0);
+            if (!moves) result.unused.push_back(static_cast<std::uint32_t>(b));
+        }
+        return result.report.status;
+    });
+    if (status == Status::out_of_memory) result.report.status = status;
+    if (status != Status::ok) return {{}, std::move(result.report), {}};
+    result.report.weight_change.raise(missed);
+    return result;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
