@@ -9,13 +9,12 @@
 #include "atomic_file.hpp"
 #include "command_line.hpp"
 #include "csv.hpp"
+#include "exact_puzzle.hpp"
 #include "guard.hpp"
 #include "plot.hpp"
 #include "svg_xml.hpp"
 
 #include <cageform/grid/puzzle.hpp>
-
-#include <gmpxx.h>
 
 #include <iostream>
 #include <random>
@@ -27,51 +26,6 @@ using namespace cageform_examples;
 int fail(const std::string& message) {
     std::cerr << "puzzle: " << message << '\n';
     return 1;
-}
-
-struct Puzzle {
-    std::string name;
-    std::size_t rows = 0, columns = 0;
-    std::vector<std::uint8_t> given;
-    std::vector<mpq_class> values; // row by row; of cells that are not given nothing
-    int neighbours = 4;
-
-    std::string place(std::size_t cell) const {
-        return name + ":" + std::to_string(cell / columns + 1) + ": column " +
-               std::to_string(cell % columns + 1);
-    }
-    /// f(neighbour) for each of a cell.
-    template <class F>
-    void for_each_neighbour(std::size_t cell, const F& f) const {
-        const std::size_t row = cell / columns, column = cell % columns;
-        for (std::size_t r = row == 0 ? 0 : row - 1; r <= std::min(row + 1, rows - 1); ++r) {
-            for (std::size_t c = column == 0 ? 0 : column - 1; c <= std::min(column + 1, columns - 1); ++c) {
-                const bool beside = r == row || c == column;
-                if ((r != row || c != column) && (beside || neighbours == 8)) f(r * columns + c);
-            }
-        }
-    }
-};
-
-/// A whole number, or a/b; false where the text is neither, or b is 0.
-bool parse_fraction(std::string_view text, mpq_class& value) {
-    const std::size_t bar = std::min(text.find('/'), text.size());
-    const auto is_whole = [](std::string_view digits) {
-        if (!digits.empty() && (digits.front() == '-' || digits.front() == '+')) digits.remove_prefix(1);
-        return !digits.empty() && digits.size() < 1000 &&
-               std::all_of(digits.begin(), digits.end(), detail::is_digit);
-    };
-    const std::string_view above = text.substr(0, bar),
-                           below = bar < text.size() ? text.substr(bar + 1) : "1";
-    if (!is_whole(above) || !is_whole(below)) return false;
-    const auto number = [](std::string_view digits) {
-        if (digits.front() == '+') digits.remove_prefix(1);
-        return mpz_class(std::string(digits), 10);
-    };
-    if (number(below) == 0) return false;
-    value = mpq_class(number(above), number(below));
-    value.canonicalize();
-    return true;
 }
 
 SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
@@ -100,69 +54,6 @@ std::string solve(const Puzzle& puzzle, std::vector<double>& solution) {
     const bool at_cell = solved.solver.culprit < cells.size();
     return (at_cell ? puzzle.place(solved.solver.culprit) : puzzle.name) + ": " + to_string(solved.status);
 }
-
-/// In fractions, by elimination without pivots in the order of the narrower side: each row of the matrix as far as the
-/// band goes. O(#unknown · band²) operations.
-class Elimination {
-public:
-    static constexpr std::size_t most_unknowns = 1000;
-
-    static std::string solve(Puzzle& puzzle) {
-        std::vector<std::size_t> order; // of the unknown cells
-        const bool by_columns = puzzle.rows < puzzle.columns;
-        const std::size_t inner = by_columns ? puzzle.rows : puzzle.columns;
-        for (std::size_t n = 0; n < puzzle.values.size(); ++n) {
-            const std::size_t cell = by_columns ? n % inner * puzzle.columns + n / inner : n;
-            if (puzzle.given[cell] == 0) order.push_back(cell);
-        }
-        if (order.size() > most_unknowns) {
-            return puzzle.name + ": " + std::to_string(order.size()) +
-                   " unknown cells are too many for --exact, which takes " + std::to_string(most_unknowns);
-        }
-        Elimination system(puzzle, order, inner + 2);
-        system.eliminate();
-        for (std::size_t i = 0; i < order.size(); ++i) puzzle.values[order[i]] = system.right_[i];
-        return {};
-    }
-
-private:
-    Elimination(const Puzzle& puzzle, const std::vector<std::size_t>& order, std::size_t band)
-        : band_(band)
-        , rows_(order.size(), std::vector<mpq_class>(band))
-        , right_(order.size()) {
-        std::vector<std::size_t> number(puzzle.values.size());
-        for (std::size_t i = 0; i < order.size(); ++i) number[order[i]] = i;
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            puzzle.for_each_neighbour(order[i], [&](std::size_t other) {
-                rows_[i][0] += 1;
-                if (puzzle.given[other] != 0) right_[i] += puzzle.values[other];
-                if (puzzle.given[other] == 0 && number[other] > i) rows_[i][number[other] - i] -= 1;
-            });
-        }
-    }
-    /// The matrix is symmetric: what stands right of the diagonal is all of it.
-    void eliminate() {
-        const std::size_t n = rows_.size();
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t k = 1; k < band_ && i + k < n; ++k) {
-                if (rows_[i][k] == 0) continue;
-                const mpq_class factor = rows_[i][k] / rows_[i][0];
-                for (std::size_t l = k; l < band_; ++l) {
-                    if (rows_[i][l] != 0) rows_[i + k][l - k] -= factor * rows_[i][l];
-                }
-                right_[i + k] -= factor * right_[i];
-            }
-        }
-        for (std::size_t i = n; i-- > 0;) {
-            for (std::size_t k = 1; k < band_ && i + k < n; ++k) right_[i] -= rows_[i][k] * right_[i + k];
-            right_[i] /= rows_[i][0];
-        }
-    }
-
-    std::size_t band_;
-    std::vector<std::vector<mpq_class>> rows_; // [i][k]: of unknowns i and i + k
-    std::vector<mpq_class> right_;
-};
 
 /// The mean of what walks find and its standard error.
 std::array<double, 2> walk(const Puzzle& puzzle, std::size_t from, std::size_t count, std::uint64_t seed) {
@@ -288,7 +179,7 @@ int run_program(int argc, char** argv) {
     }
     std::vector<double> solution;
     std::string why = solve(*puzzle, solution);
-    if (why.empty() && exact) why = Elimination::solve(*puzzle);
+    if (why.empty() && exact) why = ExactSolver(*puzzle).solve();
     if (!why.empty()) return fail(why);
 
     std::vector<std::string> words;

@@ -10,7 +10,7 @@ set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
 packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev libtinyobjloader-dev
-  libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
+  libstb-dev libgmp-dev libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
 case $preset in
   asan | native)
     packages="$packages clang-19 libclang-rt-19-dev"
@@ -21,7 +21,7 @@ case $preset in
     packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
     [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial libcgal-dev
-      libgmp-dev libmpfr-dev"
+      libmpfr-dev"
     CAGEFORM_WARNINGS_AS_ERRORS=ON sh examples/run.sh --build-only
     ;;
 esac
