@@ -1,13 +1,16 @@
 // Handles that are vectors, through everything that takes a binding: bound, packed, shipped, rebound, played.
+#include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 #include "../support/packed.hpp"
 #include "../support/vector_handles.hpp"
 
 #include <cageform/binding/bind_bones.hpp>
+#include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/blended.hpp>
+#include <cageform/coordinates/green_3d.hpp>
 
 namespace handle_kinds_tests {
 
@@ -17,6 +20,7 @@ using cageform::bind_bones;
 using cageform::Binding;
 using cageform::BlendedCoordinates;
 using cageform::epsilon;
+using cageform::GreenCoordinates;
 using cageform::open_blob;
 using cageform::pack;
 using cageform::pose_handles;
@@ -42,9 +46,9 @@ struct Case {
 
     static auto coordinates() {
         if constexpr (D == 2)
-            return PlaneGreen<T>(l_shape<T>());
+            return GreenCoordinates<T, 2>(l_shape<T>());
         else
-            return MeanValueWithNormals<T>(sphere(1).template mesh<T>());
+            return GreenCoordinates<T, 3>(sphere(1).template mesh<T>());
     }
     static std::vector<Vec<T, D>> vertices(const cageform::HandleView<T, D>& handles) {
         std::vector<Vec<T, D>> result;
@@ -124,24 +128,6 @@ void check_poses(const cageform::PackedBindingView<T, D>& view, const std::vecto
 
 } // namespace
 
-TEST_CASE("the Green coordinates of these tests are those of the literature", "[handle_kinds]") {
-    // By quadrature of the defining integrals to 45 digits.
-    const PlaneGreen<double> green(
-        cageform::Polygon<double>(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
-    std::vector<double> row(8);
-    REQUIRE(cageform::weights_at(green, Vec<double, 2>{0.25, 0.75}, row) == PointState::inside);
-    const double expected[] = {0.210041913056813, 0.158265960489395, 0.210041913056813, 0.421650213396978,
-                               0.029319567692601, 0.029319567692601, 0.147627441238809, 0.147627441238809};
-    for (std::size_t h = 0; h < 8; ++h) {
-        CAPTURE(h);
-        CHECK(std::fabs(row[h] - expected[h]) < 2e-15);
-    }
-    const auto binding = bind(green, Points2<double>{{0.25, 0.75}}).binding;
-    const auto handles = posed(binding, Points2<double>{{0, 0}, {1.5, 0.25}, {1, 1.5}, {-0.25, 1}});
-    CHECK(distance(cloned(binding, handles)[0], Vec<double, 2>{0.164566490122349, 0.894587446650756}) <
-          2e-15);
-}
-
 TEMPLATE_TEST_CASE("a type with normals is bound as it is, by adding a file", "[handle_kinds][bind]", Double2,
                    Float3) {
     using T = typename TestType::T;
@@ -168,7 +154,7 @@ TEMPLATE_TEST_CASE("a type with normals is bound as it is, by adding a file", "[
 
 TEST_CASE("weights that miss linear precision are restored with vectors among the handles",
           "[handle_kinds][bind]") {
-    const PlaneGreen<double> green(l_shape<double>());
+    const GreenCoordinates<double, 2> green(l_shape<double>());
     const auto handles = cageform::handle_view(green);
     const cageform::detail::LinearRestorer<double, 2> restorer(handles);
     const auto points = Double2::points(2, 8);
@@ -217,6 +203,36 @@ TEMPLATE_TEST_CASE("bindings by normals are packed in every format, exact at res
     }
 }
 
+TEMPLATE_TEST_CASE("vectors bound by normals turn with similarity poses, packed too",
+                   "[handle_kinds][bind_vectors]", Double2, Float3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto points = TestType::points(11);
+    const auto coordinates = TestType::coordinates();
+    const auto [bindings, report] = cageform::bind_jacobians(coordinates, points);
+    REQUIRE(report.status == Status::ok);
+    const auto vertices = TestType::vertices(cageform::handle_view(coordinates));
+    const double rounding = 64 * double(epsilon<T>) * size_of(vertices);
+    for (std::size_t axis = 0; axis < D; ++axis) {
+        const auto packed = pack(bindings[axis], {.format = WeightFormat::int16, .largest = 8}).binding;
+        Vec<T, D> still{};
+        still[axis] = 1;
+        CHECK(cloned(bindings[axis], posed(bindings[axis], vertices)) == std::vector(points.size(), still));
+        for (std::uint64_t seed = 0; seed < 4; ++seed) {
+            const auto map = random_similarity<D>(seed);
+            const auto handles = posed(bindings[axis], map(std::span<const Vec<T, D>>(vertices)));
+            Vec<double, D> turned{};
+            for (std::size_t k = 0; k < D; ++k) turned[k] = map.rows[k][axis];
+            const auto dense = cloned(bindings[axis], handles), few = cloned_view(packed.view(), handles);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                CAPTURE(axis, seed, i);
+                CHECK(distance(dense[i], turned) <= 4 * rounding);
+                CHECK(distance(few[i], turned) <= 4 * rounding);
+            }
+        }
+    }
+}
+
 TEMPLATE_TEST_CASE("a binding by normals is rebound with its kinds of handles", "[handle_kinds][rebind]",
                    Double2, Float3) {
     using T = typename TestType::T;
@@ -232,14 +248,14 @@ TEMPLATE_TEST_CASE("a binding by normals is rebound with its kinds of handles", 
 }
 
 TEST_CASE("a skin has points for joints, and refuses vectors", "[handle_kinds][skin_weights][status]") {
-    const auto bound = bind(PlaneGreen<double>(l_shape<double>()), Double2::points(7));
+    const auto bound = bind(GreenCoordinates<double, 2>(l_shape<double>()), Double2::points(7));
     const auto made = cageform::skin_weights(bound.binding);
     CHECK(made.report.status == Status::handles_not_points);
     CHECK(made.skin.joints.empty());
 }
 
 TEST_CASE("several cages with normals: handles of a cage stand together", "[handle_kinds][blended]") {
-    using Green = PlaneGreen<double>;
+    using Green = GreenCoordinates<double, 2>;
     const BlendedCoordinates<Green> coordinates({Green(l_shape<double>()), Green(diamond<double>())});
     const auto points = Double2::points(8);
     const auto [binding, report] = bind(coordinates, points);
