@@ -152,6 +152,7 @@ for vertex in 1 2; do
   field field_biped_${vertex}_mean_value biped_cage $vertex mean-value
   field field_biped_${vertex}_harmonic biped_cage $vertex harmonic
 done
+"$programs/boundary_formula" --cage "$data/cat_cage.svg" --vertex 8 --at 937.5,237.5 >>$report
 # The papers' grid, coarse and fine.
 for cells in 32 64; do
   "$programs/coordinate_field" --cage "$data/cat_cage.svg" --vertex 8 --coordinates harmonic --resolution $cells \

@@ -556,6 +556,18 @@ refuses '--point: not a number' "$programs/paths" --cage rectangle.csv --point x
 refuses 'without chains and points inside' "$programs/paths" --cage "$data/cat_cage_head.csv" --point 300,300 -o out.svg
 refuses 'cross' "$programs/paths" --cage bow_tie.svg --point 0,0 -o out.svg
 refuses 'nowhere.svg' "$programs/paths" --cage nowhere.svg --point 0,0 -o out.svg
+printf '0,0\n0,4\n4,4\n4,0\n' >square_4.csv
+formula="$programs/boundary_formula"
+works "a function on the boundary" "$formula" --cage square_4.csv --vertex 0 --at 1,0
+for words in 'h_0(x, 0) = (4 - x)/4, 0 <= x <= 4' 'x = 0, y = 4 t, 0 <= t <= 1:  h_0 = 1 - t' 'on all other edges it is 0' 'h_0(1, 0) = 0.75'; do
+  grep -qF "$words" log && ok=yes || ok=no
+  report $ok "the formula says: $words"
+done
+works "a function of a chain" "$formula" --cage "$data/cat_cage_spine.csv" --vertex 26
+refuses 'is not on the boundary, which is 1 away' "$formula" --cage square_4.csv --vertex 0 --at 1,1
+refuses 'there is no vertex 4: square_4.csv has 4' "$formula" --cage square_4.csv --vertex 4
+refuses '--at: 1 column' "$formula" --cage square_4.csv --vertex 0 --at 1
+refuses 'nowhere.csv' "$formula" --cage nowhere.csv --vertex 0
 works "the papers' grid" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --resolution 40 --classes classes.png
 [ -s classes.png ] && ok=yes || ok=no
 report $ok "the cells are drawn"
@@ -972,7 +984,7 @@ done
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
-  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths; do
+  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
