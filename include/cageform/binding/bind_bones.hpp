@@ -69,27 +69,32 @@ private:
     std::vector<Vec<double, D>> inverse_; ///< D rows a bone
 };
 
-/// Fills the weights of point `i` of a batch: its shares of bones, divided by their sum where that
-/// is to be restored. `missed` gets the largest change of a share.
+/// Bones with their shares of points.
 template <Scalar T, std::size_t D, Scalar W>
-void weigh_bones(const BoneHandles<T, D>& handles, std::span<const W> weights, bool restore,
-                 const Batch<T>& batch, std::size_t i, Extreme& missed) {
-    const std::size_t bones = handles.view().count / (D + 1);
-    const auto row = weights.subspan(i * bones, bones);
-    double sum = 0, largest = 0;
-    for (const W w : row) {
-        sum += double(w);
-        largest = std::fmax(largest, std::fabs(double(w)));
+struct BoneShares {
+    const BoneHandles<T, D>& handles;
+    std::span<const W> shares; ///< a point's lie side by side
+    bool restore;              ///< divides those of a point by their sum
+
+    /// Fills the weights of point `i` of a batch, and its state. The largest change of a share.
+    Extreme weigh(const Batch<T>& batch, std::size_t i) const {
+        const std::size_t bones = handles.view().count / (D + 1);
+        const auto row = shares.subspan(i * bones, bones);
+        double sum = 0, largest = 0;
+        for (const W share : row) {
+            sum += double(share);
+            largest = std::fmax(largest, std::fabs(double(share)));
+        }
+        const double factor = restore ? 1 / sum : 1;
+        const bool weighs = is_finite(sum) && is_finite(factor) && (!restore || sum > 0);
+        batch.states[i] = weighs ? PointState::inside : PointState::unreached;
+        if (!weighs) return {};
+        const auto p = block_point<D>(batch.points, i);
+        for (std::size_t b = 0; b < bones; ++b)
+            handles.weigh(b, factor * double(row[b]), p, [&](std::size_t h, T w) { batch.rows(i, h) = w; });
+        return {std::fabs(factor - 1) * largest, i};
     }
-    const double factor = restore ? 1 / sum : 1;
-    const bool weighs = is_finite(sum) && is_finite(factor) && (!restore || sum > 0);
-    batch.states[i] = weighs ? PointState::inside : PointState::unreached;
-    if (!weighs) return;
-    const auto p = block_point<D>(batch.points, i);
-    for (std::size_t b = 0; b < bones; ++b)
-        handles.weigh(b, factor * double(row[b]), p, [&](std::size_t h, T w) { batch.rows(i, h) = w; });
-    missed.raise({std::fabs(factor - 1) * largest, i});
-}
+};
 
 } // namespace detail
 
@@ -131,7 +136,8 @@ BindBonesResult<T, D> bind_bones(const R& points, std::span<const Transform<T, D
     const Status status = detail::guard_memory([&] {
         CageReport faults;
         const detail::BoneHandles<T, D> handles(bones, faults);
-        const bool restore = options.linear_precision == LinearPrecision::restore;
+        const detail::BoneShares<T, D, W> shares{handles, weights,
+                                                 options.linear_precision == LinearPrecision::restore};
         const auto evaluate = [&](const detail::Batch<T>& batch, const Running& part) -> Evaluation {
             std::vector<Extreme> found(batch.points.blocks());
             const Status done =
@@ -139,8 +145,7 @@ BindBonesResult<T, D> bind_bones(const R& points, std::span<const Transform<T, D
                     for (std::size_t i = begin * lane_count<T>;
                          i < std::min(end * lane_count<T>, batch.points.points); ++i) {
                         if (batch.states[i] != PointState::not_finite)
-                            detail::weigh_bones<T, D, W>(handles, weights, restore, batch, i,
-                                                         found[i / lane_count<T>]);
+                            found[i / lane_count<T>].raise(shares.weigh(batch, i));
                     }
                 });
             for (const Extreme& each : found) missed.raise(each);
