@@ -114,16 +114,18 @@ struct Run {
     std::string name;
     std::vector<Frame> frames;
     bool steady = false;
+    double off = 0; ///< the last frame, from the solution, at most
 
     std::string caption(std::size_t n) const {
         const std::size_t sweeps = frames[n].sweeps;
         const std::string count = std::to_string(sweeps) + (sweeps == 1 ? " sweep" : " sweeps");
-        return n + 1 < frames.size() ? count : count + (steady ? ": steady" : ": not steady yet");
+        if (n + 1 < frames.size()) return count;
+        return count + (steady ? ": steady, " : ": not steady yet, ") + text_of("%.2g", off) + " off";
     }
 };
 
 Run relax(const std::string& name, const Line& line, std::vector<double> values, double tolerance) {
-    Run run{name, {{0, values}}, false};
+    Run run{name, {{0, values}}, false, 0};
     std::size_t next = 1;
     while (!run.steady && run.frames.back().sweeps < most_sweeps) {
         const std::size_t before = run.frames.back().sweeps;
@@ -135,6 +137,9 @@ Run relax(const std::string& name, const Line& line, std::vector<double> values,
         const bool is_two = std::to_string(next).front() == '2'; // 1, 2, 5, 10 …
         next = is_two ? next / 2 * 5 : 2 * next;
     }
+    const auto solution = solution_of(line);
+    for (std::size_t c = 0; c < solution.size(); ++c)
+        run.off = std::max(run.off, std::fabs(values[c] - solution[c]));
     return run;
 }
 
@@ -277,7 +282,8 @@ int run_program(int argc, char** argv) {
     words.add("--play", film, "an SVG file to write that plays").ends_with({".svg"});
     words
         .add("--guess", guess,
-             "the good guess: the solution on cells twice as long, the nearest value, or linear")
+             "the good guess: the solution on cells twice as long, the nearest value, or "
+             "linear pieces")
         .one_of({"coarse", "nearest", "linear"})
         .show_default();
     words
@@ -285,18 +291,20 @@ int run_program(int argc, char** argv) {
              "steady: cells change less in the mean, as a part of the largest value")
         .range(1e-12, 0.1)
         .show_default("1e-06");
+    words.set_footer("Sweeps are in place, from the first cell to the last. The dashed line is the solution, "
+                     "which sweeps\n"
+                     "that change little may still be far off: how far is in the last caption.\n");
     if (const auto code = words.parse(argc, argv)) return *code;
 
     const auto line = load_line(path);
     if (!line) return fail(to_string(line.error()));
     double scale = std::max(std::fabs(line->low()), std::fabs(line->high()));
     if (scale == 0) scale = 1;
-    const auto solution = solution_of(*line);
     std::vector<double> good;
     if (guess == "coarse") {
         good = coarse_guess(*line, tolerance * scale);
     } else if (guess == "linear") {
-        good = solution;
+        good = solution_of(*line);
     } else {
         for (std::size_t c = 0; c < line->values.size(); ++c) {
             std::size_t off = 0; // to the nearest given cell, the one before where two are
@@ -311,13 +319,8 @@ int run_program(int argc, char** argv) {
                                                      : "from the nearest value";
     const std::vector<Run> runs{relax("from zero", *line, line->values, tolerance * scale),
                                 relax(words_of, *line, good, tolerance * scale)};
-    for (const Run& run : runs) {
-        double off = 0;
-        for (std::size_t c = 0; c < solution.size(); ++c)
-            off = std::max(off, std::fabs(run.frames.back().values[c] - solution[c]));
-        std::cout << run.name << ": " << run.caption(run.frames.size() - 1) << ", " << text_of("%.2g", off)
-                  << " off at most\n";
-    }
+    for (const Run& run : runs)
+        std::cout << run.name << ": " << run.caption(run.frames.size() - 1) << " at most\n";
     OutputFiles outputs;
     AtomicFile& file = outputs.add(sheet);
     write_sheet(file, *line, runs);

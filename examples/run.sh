@@ -201,6 +201,7 @@ awk 'function cell(x, y, n) { if (y == 0) return int(1000 * sin(3.14159 * x / n)
 "$programs/grid_field" out/means.csv -o out/means.png --surface out/means_surface.png >>$report
 
 step "how the solver converges"
+"$programs/relaxation" "$data/line.csv" -o out/relaxation.svg --png --play out/relaxation_plays.svg >>$report
 "$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png >>$report
 
 # Every grid point of the biped's cage, as numbers.
@@ -237,6 +238,7 @@ Open, in out/:
   biped_signs.png            what negative weights mean; paths.png: where they come from; field_*.png: more heat maps;
                              surface_cat_8.png: one as a surface
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
+  relaxation.png             sweeps on a line; relaxation_plays.svg: the same in a browser
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
 END

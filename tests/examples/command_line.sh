@@ -84,6 +84,37 @@ refuses "\"high\" is no height from 0 to 1" "$heights" word.svg -o out.png
 refuses "does not end with" "$heights" "$data/hills.svg" -o out.txt
 refuses "--levels" "$heights" "$data/hills.svg" -o out.png --levels 0
 
+# ---- relaxation ----
+relaxation="$programs/relaxation"
+works "sweeps on a line" "$relaxation" "$data/line.csv" -o sheet.svg --png --play film.svg
+[ "$(grep -c 'sweeps\?: steady' log)" = 2 ] && ok=yes || ok=no
+report $ok "both runs come to rest"
+[ "$(grep -c '<animate ' film.svg)" -gt 5 ] && [ -s sheet.png ] && ok=yes || ok=no
+report $ok "there are frames, and a picture"
+printf '0\n.\n.\n.\n1\n' >column.csv
+works "from linear pieces" "$relaxation" column.csv --guess linear -o sheet.svg
+grep -q 'linear pieces: 1 sweep: steady, 0 off' log && ok=yes || ok=no
+report $ok "the linear guess is at rest"
+echo '.,.,2,.' >one.csv
+works "one given value, open ends" "$relaxation" one.csv --guess nearest -o sheet.svg
+grep -q 'nearest value: 1 sweep: steady, 0 off' log && ok=yes || ok=no
+report $ok "a single value is everywhere"
+refuses_line() { # MESSAGE TABLE
+  printf '%b' "$2" >line.csv
+  refuses "$1" "$relaxation" line.csv -o out.svg --play out.plays.svg
+}
+refuses_line 'line.csv:1: column 2: ' '1,x,.\n'
+refuses_line 'line.csv:1: column 1: ' 'nan,.\n'
+refuses_line 'line.csv: holds 2 rows of 2 cells' '1,.\n.,2\n'
+refuses_line 'line.csv: no cell has a value' '.,.,.\n'
+refuses_line 'line.csv: every cell has a value' '1,2\n'
+refuses_line 'line.csv: holds no table' ''
+awk 'BEGIN { for (n = 0; n < 1001; n++) print n == 0 ? "1" : "." }' >line.csv
+refuses 'line.csv: holds 1001 cells; 1000 are the most' "$relaxation" line.csv -o out.svg
+refuses 'missing.csv' "$relaxation" missing.csv -o out.svg
+refuses '--guess' "$relaxation" column.csv --guess good -o out.svg
+refuses 'does not end with' "$relaxation" column.csv -o out.png
+
 # ---- puzzle ----
 puzzle="$programs/puzzle"
 works "a puzzle in fractions" "$puzzle" "$data/puzzle.csv" --exact --csv fractions.csv -o puzzle.svg
@@ -984,7 +1015,7 @@ done
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
-  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula; do
+  export_gltf animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
