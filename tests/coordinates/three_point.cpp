@@ -292,6 +292,26 @@ TEMPLATE_TEST_CASE("three-point weights are those of other types where they are 
     compare(Wachspress<T>(ring), Harmonic<T>(ring), in_ring, sizeof(T) == 8 ? 1e-13 : 5e-5);
 }
 
+TEST_CASE("discrete harmonic weights of thousands of vertices are right in float",
+          "[coordinates][three_point]") {
+    // The difference of two squares is mostly rounding along edges as short as these: 4e-5 by it.
+    Points2<float> cage(2000), points(100);
+    for (std::size_t i = 0; i < cage.size(); ++i) {
+        const double angle = 2 * std::numbers::pi * double(i) / double(cage.size());
+        cage[i] = {float(std::cos(angle)), float(0.8 * std::sin(angle))};
+    }
+    Random random(9);
+    for (auto& p : points) p = {float(random.uniform(-0.6, 0.6)), float(random.uniform(-0.5, 0.5))};
+    const auto weights = evaluate_all(Harmonic<float>(cage), points);
+    const auto expected = evaluate_all(Harmonic<double>(cage), points);
+    REQUIRE(weights.status() == Status::ok);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CAPTURE(i);
+        CHECK(difference(weights.rows[i], expected.rows[i]) <= 1e-6);
+        CHECK(std::fabs(double(sum_of(weights.rows[i]) - 1)) <= 12 * double(epsilon<float>));
+    }
+}
+
 TEST_CASE("three-point weights of a turned, moved and scaled cage are the same",
           "[coordinates][three_point][property]") {
     const auto seed = GENERATE(seeds(effort(30, 8)));

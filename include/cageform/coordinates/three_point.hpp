@@ -56,7 +56,9 @@ inline constexpr bool is_homogeneous<F> = true;
 ///            for 1, r and √(1 + r²), not for r² and √r
 ///   outside  not defined: there are poles on the lines of the edges
 ///   limits   on vertices the unit row, on edges linear, whatever f; on_boundary
-///   accuracy a few roundings; beside a vertex whose outer angle is θ, a few over θ
+///   accuracy a few roundings; beside a vertex whose outer angle is θ, a few over θ.
+///            For other f than 1 and r² differences f(r_{i+1}) − f(r_i) are rounded as f is: a few
+///            over the length of the shortest edge, in diagonals
 ///   units    unless F is homogeneous, r² is in the user's unit and has to be a number of T.
 ///            Where Σ w is zero or no number, the point is unreached
 ///   cost     O(#V) a point: a division a vertex and eight (sixteen) points, and f
@@ -160,7 +162,10 @@ private:
     template <class N, class S>
     detail::ThreePointSum<N> weigh(const detail::ThreePointFrame<S>& frame, S near,
                                    const Vec<detail::ValueOf<N>, 2>& p, std::vector<N>& weights) const {
-        return detail::weigh_three_points<std::is_same_v<F, Wachspress>, N>(frame, f_, near, p, weights);
+        constexpr auto rises = std::is_same_v<F, Wachspress>         ? detail::ThreePointRises::none
+                               : std::is_same_v<F, DiscreteHarmonic> ? detail::ThreePointRises::of_squares
+                                                                     : detail::ThreePointRises::of_any;
+        return detail::weigh_three_points<rises, N>(frame, f_, near, p, weights);
     }
 
     template <class N>

@@ -5,6 +5,7 @@
 #include <cageform/core/buffer.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 #include <vector>
@@ -22,13 +23,14 @@ struct ThreePointFrame {
     };
     Buffer<Corner> corners;
     S square = 1; ///< the square of the frame's unit of length, in the user's
+    S sign = 1;   ///< −1 where edges are turned
 
     ThreePointFrame() = default;
     /// `at` in the user's order, counter-clockwise or (not `left`) clockwise.
     template <class Number>
     ThreePointFrame(const Buffer<Vec<Number, 2>>& at, bool left, S unit)
-        : square(unit * unit) {
-        const Number sign = left ? 1 : -1;
+        : square(unit * unit)
+        , sign(left ? S(1) : S(-1)) {
         const std::size_t count = at.size();
         corners.reserve(count);
         const auto scaled = [&](std::size_t i, Number& scale) {
@@ -36,14 +38,14 @@ struct ThreePointFrame {
             int exponent = 0;
             std::frexp(std::sqrt(dot(edge, edge)), &exponent);
             scale = std::ldexp(Number(1), -exponent);
-            return (sign * scale) * edge;
+            return (Number(sign) * scale) * edge;
         };
         Number scale = 1;
         auto before = scaled(count - 1, scale);
         for (std::size_t i = 0; i < count; ++i) {
             const auto edge = scaled(i, scale);
             corners.push_back({vec_cast<S>(at[i]), vec_cast<S>(edge), static_cast<S>(scale),
-                               static_cast<S>(sign * cross(before, edge))});
+                               static_cast<S>(Number(sign) * cross(before, edge))});
             before = edge;
         }
     }
@@ -70,6 +72,25 @@ struct ThreePointSpoke {
         , c(f(with_gradient<N, 2>(square * (u[0] * u[0] + u[1] * u[1]), (X(S(-2)) * square) * u))) {}
 };
 
+/// What is known of the differences of c along edges.
+enum class ThreePointRises : std::uint8_t { none, of_squares, of_any };
+
+/// (c_{i+1} − c_i) times the scale of the edge. Of squares it is e·(u_i + u_{i+1}), where no large
+/// numbers cancel: along short edges the difference of squares is mostly rounding.
+template <ThreePointRises rises, class N, class S>
+N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>::Corner& corner,
+              const ThreePointSpoke<N>& from, const ThreePointSpoke<N>& to) noexcept {
+    using X = ValueOf<N>;
+    if constexpr (rises == ThreePointRises::of_squares) {
+        const X factor(cage.sign * cage.square);
+        const Vec<X, 2> edge{factor * X(corner.edge[0]), factor * X(corner.edge[1])};
+        return with_gradient<N, 2>(edge[0] * (from.u[0] + to.u[0]) + edge[1] * (from.u[1] + to.u[1]),
+                                   X(S(-2)) * edge);
+    } else {
+        return X(corner.scale) * (to.c - from.c);
+    }
+}
+
 /// Floater, Hormann & Kós, A general construction of barycentric coordinates over convex polygons
 /// (Adv. Comput. Math. 24, 2006), before normalising; twice areas in place of areas, which halves
 /// all weights:
@@ -81,8 +102,8 @@ struct ThreePointSpoke {
 /// about 1, so that A_i is about the distance from the edge's line, which one minimum finds out;
 /// K_i / (A_{i−1} A_i) stays as it is.
 ///
-///   is_constant  whether all differences of c are zero; they are then left out
-template <bool is_constant, class N, class S, class F>
+///   rises  none where f is constant: differences of c are left out; of_squares where it is r²
+template <ThreePointRises rises, class N, class S, class F>
 CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFrame<S>& cage, const F& f,
                                                             S near, const Vec<ValueOf<N>, 2>& p,
                                                             std::vector<N>& weights) noexcept {
@@ -100,15 +121,15 @@ CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFram
     const ThreePointSpoke<N> before(last.position, p, f, square);
     ThreePointSpoke<N> from(cage.corners[0].position, p, f, square);
     N inverse_before = invert_area(last, before.u);
-    N rise_before = (from.c - before.c) * (X(last.scale) * inverse_before);
+    N rise_before = scaled_rise<rises>(cage, last, before, from) * inverse_before;
     for (std::size_t i = 0; i < count; ++i) {
         const auto& corner = cage.corners[i];
         const ThreePointSpoke<N> to(cage.corners[i + 1 < count ? i + 1 : 0].position, p, f, square);
         const N inverse = invert_area(corner, from.u);
-        if constexpr (is_constant) {
+        if constexpr (rises == ThreePointRises::none) {
             weights[i] = (X(corner.bend) * inverse_before) * inverse;
         } else {
-            const N rise = (to.c - from.c) * (X(corner.scale) * inverse);
+            const N rise = scaled_rise<rises>(cage, corner, from, to) * inverse;
             weights[i] = (X(corner.bend) * inverse_before) * inverse * from.c + (rise - rise_before);
             rise_before = rise;
         }
