@@ -1,6 +1,7 @@
 // What tests of Green coordinates share in the plane and in space.
 #pragma once
 
+#include "../catch.hpp"
 #include "gradients.hpp"
 
 #include <cageform/binding/bind.hpp>
