@@ -1,8 +1,8 @@
 // How long does a bind take, against points and handles, for each coordinate type?
 //
 // Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no boundary cases,
-// no report), and the time it takes to merely write as many weights, which no bind can beat. Beside harmonic coordinates in space: the bare solve
-// of their equations.
+// no report), as beside Green coordinates, and the time it takes to merely write as many weights, which no bind can
+// beat. Beside harmonic coordinates in space: the bare solve of their equations.
 #include "workloads.hpp"
 
 #include <cageform/binding/bind_figure.hpp>
@@ -17,6 +17,7 @@
 #endif
 
 #include <ctime>
+#include <numbers>
 
 namespace {
 
@@ -207,6 +208,110 @@ void plain_mean_value_mesh(benchmark::State& state) {
         benchmark::ClobberMemory();
     }
     finish(state, points.size(), m);
+}
+
+/// In the plane, into recycled memory.
+template <class T>
+void bind_green(benchmark::State& state) {
+    const auto cage = star(std::size_t(state.range(1)));
+    run_bind(state, cageform::GreenCoordinates<T, 2>(cage), points_inside(cage, std::size_t(state.range(0))),
+             true);
+}
+
+template <class T, Wanted wanted>
+void evaluate_green(benchmark::State& state) {
+    const auto cage = star(std::size_t(state.range(1)));
+    run_evaluate(state, cageform::GreenCoordinates<T, 2>(cage),
+                 points_inside(cage, std::size_t(state.range(0))), wanted);
+}
+
+/// The closed form, one point and one edge after the other: an angle and a logarithm each.
+void plain_green(benchmark::State& state) {
+    const auto cage = star(std::size_t(state.range(1)));
+    const auto points = points_inside(cage, std::size_t(state.range(0)));
+    const std::size_t m = cage.size();
+    std::vector<double> weights(points.size() * 2 * m);
+    for (auto _ : state) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            double* const w = &weights[i * 2 * m];
+            for (std::size_t k = 0; k < m; ++k) w[k] = 0;
+            for (std::size_t k = 0; k < m; ++k) {
+                const std::size_t n = k + 1 < m ? k + 1 : 0;
+                const double ax = cage[k][0] - points[i][0], ay = cage[k][1] - points[i][1];
+                const double bx = cage[n][0] - points[i][0], by = cage[n][1] - points[i][1];
+                const double length = std::hypot(bx - ax, by - ay), tx = (bx - ax) / length,
+                             ty = (by - ay) / length, size = 2 * std::numbers::pi * length;
+                const double s1 = ax * tx + ay * ty, s2 = bx * tx + by * ty, d = ax * ty - ay * tx;
+                const double theta = std::atan2(ax * by - ay * bx, ax * bx + ay * by);
+                const double la = 0.5 * std::log(ax * ax + ay * ay), lb = 0.5 * std::log(bx * bx + by * by);
+                w[k] += (s2 * theta - d * (lb - la)) / size;
+                w[n] += (d * (lb - la) - s1 * theta) / size;
+                w[m + k] = -(s2 * lb - s1 * la - length + d * theta) / size;
+            }
+        }
+        benchmark::ClobberMemory();
+    }
+    finish(state, points.size(), 2 * m);
+}
+
+template <class T>
+void bind_green_mesh(benchmark::State& state) {
+    run_bind(state, cageform::GreenCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112(), true);
+}
+
+template <class T, Wanted wanted>
+void evaluate_green_mesh(benchmark::State& state) {
+    run_evaluate(state, cageform::GreenCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112(), wanted);
+}
+
+/// The closed form by solid angles (van Oosterom & Strackee 1983), one point and one face after the other: an angle and
+/// three logarithms each.
+void plain_green_mesh(benchmark::State& state) {
+    const auto cage = bumpy112<double>();
+    const auto points = points_inside_bumpy112();
+    const std::size_t m = cage.size(), handles = m + cage.faces().size();
+    std::vector<double> weights(points.size() * handles);
+    for (auto _ : state) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            double* w = &weights[i * handles];
+            for (std::size_t k = 0; k < m; ++k) w[k] = 0;
+            std::size_t f = m;
+            for (const auto& face : cage.faces()) {
+                cageform::Vec<double, 3> u[3], across[3];
+                double r[3], lines[3], rho[3];
+                for (std::size_t k = 0; k < 3; ++k) {
+                    u[k] = cage[face[k]] - points[i];
+                    r[k] = std::sqrt(dot(u[k], u[k]));
+                }
+                auto normal = cross(u[1] - u[0], u[2] - u[0]);
+                const double twice = std::sqrt(dot(normal, normal));
+                normal = (1 / twice) * normal;
+                const double height = dot(normal, u[0]);
+                const double angle = 2 * std::atan2(dot(u[0], cross(u[1], u[2])),
+                                                    r[0] * r[1] * r[2] + dot(u[0], u[1]) * r[2] +
+                                                        dot(u[1], u[2]) * r[0] + dot(u[2], u[0]) * r[1]);
+                double potential = -height * angle;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+                    const auto edge = u[b] - u[a];
+                    const double length = std::sqrt(dot(edge, edge));
+                    lines[k] = std::log((r[a] + r[b] + length) / (r[a] + r[b] - length));
+                    across[k] = (1 / length) * cross(edge, normal);
+                    rho[k] = dot(across[k], u[a]);
+                    potential += rho[k] * lines[k];
+                }
+                for (std::size_t k = 0; k < 3; ++k) {
+                    double sum = 0;
+                    for (std::size_t l = 0; l < 3; ++l) sum += dot(across[k], across[l]) * lines[l];
+                    const double altitude = dot(across[k], u[(k + 1) % 3] - u[k]);
+                    w[face[k]] += (rho[k] * angle + height * sum) / (4 * std::numbers::pi * altitude);
+                }
+                w[f++] = potential / (4 * std::numbers::pi * std::sqrt(twice / 2));
+            }
+        }
+        benchmark::ClobberMemory();
+    }
+    finish(state, points.size(), handles);
 }
 
 /// Sites or points anywhere in the cube [-1, 1]^D times `size`; the points after those of other seeds' streams.
@@ -559,6 +664,21 @@ BENCHMARK_TEMPLATE(evaluate_convex, cageform::DiscreteHarmonicCoordinates2d, Wan
 BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2d, Wanted::gradients)
     ->Apply(points_and_handles);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_green, double)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_green, float)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_green, double, Wanted::weights)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_green, float, Wanted::weights)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_green, double, Wanted::gradients)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(plain_green)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
+BENCHMARK(plain_green)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_green_mesh, double)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_green_mesh, float)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_green_mesh, double, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_green_mesh, float, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_green_mesh, double, Wanted::gradients)->Unit(benchmark::kMillisecond);
+BENCHMARK(plain_green_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(make_sibson, 2)->Apply(sites_and_degree);
 BENCHMARK_TEMPLATE(make_sibson, 3)->Apply(sites_and_degree);
 BENCHMARK_TEMPLATE(bind_sibson, double, 2)->Apply(points_sites_degree);

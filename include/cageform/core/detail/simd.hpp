@@ -221,4 +221,18 @@ void store_lanes(const Simd<S>& x, Lanes<T>& row, [[maybe_unused]] std::size_t f
     }
 }
 
+/// Σ x^k/(2k + 1) over `terms` of them, an even number: the series of atan and artanh. In two halves
+/// side by side, which take half as long one after the other.
+template <int terms, Scalar T>
+Simd<T> odd_series(const Simd<T>& x) noexcept {
+    static_assert(terms % 2 == 0);
+    const Simd<T> xx = x * x;
+    Simd<T> even(T(1) / T(2 * terms - 3)), odd(T(1) / T(2 * terms - 1));
+    for (int k = terms - 4; k >= 0; k -= 2) {
+        even = even * xx + Simd<T>(T(1) / T(2 * k + 1));
+        odd = odd * xx + Simd<T>(T(1) / T(2 * k + 3));
+    }
+    return odd * x + even;
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -16,11 +16,9 @@ Simd<T> angle(const Simd<T>& y, const Simd<T>& x) noexcept {
     const auto steep = Simd<T>(tangent_of_eighth) * large < small;
     const Simd<T> z = select<T>(steep, small - large, small) / select<T>(steep, small + large, large);
     // The series of atan: at |z| ≤ tan(π/8) each term is a sixth of the one before.
-    constexpr int terms = sizeof(T) == 8 ? 20 : 9;
+    constexpr int terms = sizeof(T) == 8 ? 20 : 10;
     const Simd<T> zz = zero - z * z;
-    Simd<T> sum(T(1) / T(2 * terms - 1));
-    for (int k = terms - 2; k >= 0; --k) sum = sum * zz + Simd<T>(T(1) / T(2 * k + 1));
-    Simd<T> a = z * sum;
+    Simd<T> a = z * odd_series<terms>(zz);
     a = select<T>(steep, a + Simd<T>(pi / 4), a);
     a = select<T>(size < y, Simd<T>(pi / 2) - a, a);
     return select<T>(x < zero, Simd<T>(pi) - a, a);

@@ -19,8 +19,7 @@ struct BitsOf<double> {
     using type = std::int64_t;
 };
 
-/// Natural logarithms of finite numbers that are positive and normal: to two roundings of the
-/// largest of the logarithm and one.
+/// Natural logarithms of finite numbers that are positive and normal: to four roundings.
 template <Scalar T>
 Simd<T> log(const Simd<T>& a) noexcept {
     using Int = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
@@ -44,13 +43,11 @@ Simd<T> log(const Simd<T>& a) noexcept {
     exponent = select<T>(above, exponent + one, exponent);
     // The series of 2 artanh(z): at |z| ≤ 3 − √8 each term is a thirtieth of the one before.
     const Simd<T> z = (m - one) / (m + one), zz = z * z;
-    constexpr int terms = sizeof(T) == 8 ? 11 : 5;
-    Simd<T> sum(T(1) / T(2 * terms - 1));
-    for (int k = terms - 2; k >= 0; --k) sum = sum * zz + Simd<T>(T(1) / T(2 * k + 1));
+    constexpr int terms = sizeof(T) == 8 ? 12 : 6;
     // ln 2 in two parts, of which the first times the exponent is exact.
     constexpr T high = T(sizeof(T) == 8 ? 0x1.62e42fefa38p-1 : 0x1.62ep-1);
     constexpr T low = T(sizeof(T) == 8 ? 0x1.ef35793c7673p-45 : 0x1.0bfbe8p-15);
-    return exponent * Simd<T>(high) + (exponent * Simd<T>(low) + Simd<T>(T(2)) * (z * sum));
+    return exponent * Simd<T>(high) + (exponent * Simd<T>(low) + Simd<T>(T(2)) * (z * odd_series<terms>(zz)));
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
