@@ -613,6 +613,26 @@ void bind_harmonic_figure(benchmark::State& state) {
     state.counters["bind/solve"] = double(binding) / double(solving);
 }
 
+/// Where the papers say that harmonic coordinates win, for many points: a bind of 10² to 10⁶ points in BUMPY112 into
+/// recycled memory. The second argument is the harmonic grid's cells; 0: mean value.
+void crossing_of_types(benchmark::State& state) {
+    const auto cage = bumpy112<float>();
+    const auto points = points_inside(bumpy112<double>(), std::size_t(state.range(0)), 2);
+    if (state.range(1) == 0) {
+        run_bind(state, cageform::MeanValueCoordinates<float, 3>(cage), points, true);
+    } else {
+        cageform::HarmonicOptions options;
+        options.resolution = std::size_t(state.range(1));
+        run_bind(state, cageform::HarmonicCoordinates<float, 3>(cage, options), points, true);
+    }
+}
+
+void points_and_cells(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"points", "cells"})->Unit(benchmark::kMillisecond);
+    for (const int cells : {0, 64, 128}) {
+        for (int points = 100; points <= 1'000'000; points *= 10) benchmark->Args({points, cells});
+    }
+}
 void points_and_handles(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"});
     for (const int points : {152, 10000, 1000000}) benchmark->Args({points, 25});
@@ -714,4 +734,5 @@ BENCHMARK(bind_harmonic_cube)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_harmonic_mesh)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_papers_mesh)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK(crossing_of_types)->Apply(points_and_cells);
 BENCHMARK(bind_harmonic_figure)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
