@@ -233,6 +233,9 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value or harmonic alone");
+    if (given.choice.name == "harmonic" &&
+        given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
+        return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
     for (const WeightFormat known :
          {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
         if (format == name_of(known)) given.format = known;

@@ -411,6 +411,7 @@ refuses '--pose' "$bind" character.obj --cage character_cage.obj --clip folder/c
 refuses 'the pose character.obj has 8066 vertices, the cage character_cage.obj has 112' "$bind" character.obj --cage character_cage.obj --pose character.obj -o out.figure
 refuses 'no normals' "$bind" points.obj --cage character_cage.obj -o out.figure
 refuses 'points.obj: holds no faces (lines "f a b c"); a cage is a closed mesh' "$bind" character.obj --cage points.obj -o out.figure
+refuses 'normals are bound by the multigrid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
 refuses 'normals are bound by mean-value or harmonic alone' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
 # Vertices outside are treated as in all programs.

@@ -43,7 +43,7 @@ struct SolverReport {
     // Of the averaging pyramid (grid/pyramid/averaging_pyramid.hpp).
     std::size_t sweeps = 0;         ///< on the finest grid, over all functions
     double largest_mean_change = 0; ///< of the last sweep, over all functions
-    std::size_t crowded_cells = 0;  ///< cells that hold edges without a common vertex
+    std::size_t crowded_cells = 0;  ///< cells that hold edges or faces without a common vertex
 
     // Of what is refused.
     std::size_t unseen_handle = none; ///< grid_too_coarse: the first handle whose data meets no link
