@@ -304,16 +304,16 @@ void flood(grid::GridDomain<T, D>& domain, std::size_t seed, grid::CellTag tag) 
 namespace grid {
 
 /// Tags every cell that a facet (an edge, a triangle, a side of a box) touches as boundary, and the
-/// connected rest as interior or exterior, each part by one inside test. The data of a boundary cell
-/// is in the plane that of the nearest edge, in space the mean over the faces that touch it, each at
-/// its place nearest to the cell's centre.
+/// connected rest as interior or exterior, each part by one inside test. The data of a boundary
+/// cell is in the plane that of the nearest edge, in space the mean over the faces that touch it,
+/// each at its place nearest to the cell's centre.
 ///
 /// Watertight: a facet marks all cells it touches, those met in a corner included, so no path from
 /// cell to neighbouring cell, diagonals included, gets from the interior to the exterior. Whether a
 /// triangle touches a cell is decided by separating axes, all thirteen. Cost O(#cells + #parts ·
-/// #facets + cells in the facets' boxes). Joshi et al. 2007, sec. 4, steps 1 and 2, which flood only
-/// the exterior, from a corner; deciding every part by itself serves holes and several outer loops
-/// or shells too.
+/// #facets + cells in the facets' boxes). Joshi et al. 2007, sec. 4, steps 1 and 2, which flood
+/// only the exterior, from a corner; deciding every part by itself serves holes and several outer
+/// loops or shells too.
 template <class C>
 GridDomain<typename C::scalar, C::dimension>
 rasterise(const C& cage, const Lattice<typename C::scalar, C::dimension>& lattice) {
