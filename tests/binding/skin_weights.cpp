@@ -14,6 +14,8 @@
 
 #include <Eigen/LU>
 
+#include <functional>
+#include <map>
 #include <set>
 
 namespace skin_weights_tests {
@@ -372,6 +374,70 @@ TEMPLATE_TEST_CASE("integers sum exactly and still fall", "[binding][skin_weight
     const SkinWeights halves{2, {0, 1}, {0.5F, 0.5F}};
     CHECK(cageform::to_normalised<TestType>(halves) ==
           std::vector<TestType>{TestType(most / 2 + 1), TestType(most / 2)});
+}
+
+TEMPLATE_TEST_CASE("skins of given weights keep the largest, which sum to one",
+                   "[binding][skin_weights][bones]", float, double) {
+    using W = TestType;
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 300);
+    const std::size_t bones = 1 + random.below(9), count = 50, most = 1 + random.below(5);
+    std::vector<W> shares;
+    for (std::size_t i = 0; i < count; ++i) {
+        for (const double share : random_shares(bones, random))
+            shares.push_back(random.below(3) == 0 ? W(0) : W(share));
+    }
+    const double threshold = seed % 2 == 0 ? 0 : 0.1;
+    const auto [skin, report] = cageform::skin_weights(std::span<const W>(shares), bones,
+                                                       {.influences = most, .threshold = threshold});
+    REQUIRE(report.status == Status::ok);
+    REQUIRE(skin.point_count() == count);
+    for (std::size_t i = 0; i < count; ++i) {
+        std::multimap<double, std::size_t, std::greater<>> sorted;
+        for (std::size_t b = 0; b < bones; ++b) {
+            if (const double share = double(shares[i * bones + b]); share > 0) sorted.emplace(share, b);
+        }
+        const bool none = std::count(report.without_weights.begin(), report.without_weights.end(), i) == 1;
+        CHECK(none == sorted.empty());
+        double sum = 0, kept = 0, error = 0;
+        std::size_t used = 0;
+        for (const auto& [share, bone] : sorted) {
+            if (used < most && (used == 0 || share >= threshold)) {
+                kept += share;
+                ++used;
+            }
+        }
+        std::set<std::size_t> joints;
+        for (std::size_t k = 0; k < most; ++k) {
+            const auto w = double(skin.weights[i * most + k]);
+            const std::size_t joint = skin.joints[i * most + k];
+            CAPTURE(i, k, w, joint);
+            CHECK((w > 0) == (k < used));
+            if (k >= used) continue;
+            CHECK(joints.insert(joint).second);
+            CHECK(std::fabs(w - double(shares[i * bones + joint]) / kept) <= 1e-6);
+            if (k > 0) CHECK(skin.weights[i * most + k] <= skin.weights[i * most + k - 1]);
+            sum += w;
+            error += std::fabs(w - double(shares[i * bones + joint]));
+        }
+        for (const auto& [share, bone] : sorted) error += joints.count(bone) == 0 ? share : 0;
+        if (none) continue;
+        CHECK(std::fabs(sum - 1) <= 0x1p-24);
+        CHECK(std::fabs(double(report.weight_errors[i]) - error) <= 1e-6);
+    }
+    shares[0] = std::numeric_limits<W>::quiet_NaN();
+    CHECK(cageform::skin_weights(std::span<const W>(shares), bones).report.without_weights[0] == 0);
+    const auto refused = [&](std::size_t of, const cageform::SkinWeightsOptions& options) {
+        const auto result = cageform::skin_weights(std::span<const W>(shares), of, options);
+        CHECK(result.skin.point_count() == 0);
+        return result.report.status;
+    };
+    CHECK(refused(0, {}) == Status::bone_weights_do_not_match);
+    CHECK(refused(shares.size() + 1, {}) == Status::bone_weights_do_not_match);
+    CHECK(refused(bones, {.influences = 0}) == Status::too_few_influences);
+    CHECK(refused(bones, {.influences = 65536}) == Status::too_many_handles);
+    CHECK(refused(bones, {.threshold = std::numeric_limits<double>::infinity()}) == Status::value_not_finite);
 }
 
 TEST_CASE("a skin of what cannot be one is refused", "[binding][skin_weights]") {

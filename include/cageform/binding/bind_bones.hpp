@@ -104,7 +104,8 @@ struct BoneShares {
 ///
 /// with D + 1 handles a bone, side by side: its origin o, a point, and its axes, vectors. Their
 /// weights are ω_b and ω_b times the coordinates of p − o along the axes. So poses common to all
-/// bones are exact, packed too, and blobs, shaders and normals work as they are.
+/// bones are exact, packed too, and blobs, shaders and normals work as they are. (A skin for engines
+/// and glTF of the same weights: `skin_weights`.)
 ///
 ///   points   any PointRange of the bones' dimension
 ///   bones    frames at rest: columns are axes, of any length but not all in a plane. Their pose is

@@ -54,6 +54,90 @@ struct SkinWeightsResult {
 
 namespace detail {
 
+/// What the making of a skin finds out about a point.
+struct SkinnedPoint {
+    enum class Kind : std::uint8_t { reproduced, not_reproduced, without_weights };
+    Kind kind = Kind::without_weights;
+    double error = 0, partition = 0, reproduction = 0, added = 0;
+    std::size_t used = 0;
+};
+
+inline void gather_skin(const std::vector<SkinnedPoint>& points, SkinWeightsReport& report) {
+    report.weight_errors.resize(points.size());
+    std::size_t used = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const SkinnedPoint& point = points[i];
+        if (point.kind == SkinnedPoint::Kind::without_weights) {
+            report.without_weights.push_back(i);
+            continue;
+        }
+        if (point.kind == SkinnedPoint::Kind::not_reproduced) report.not_reproduced.push_back(i);
+        report.weight_errors[i] = static_cast<float>(point.error);
+        report.weight_error.raise({point.error, i});
+        report.partition_error.raise({point.partition, i});
+        report.reproduction_error.raise({point.reproduction, i});
+        report.weight_added.raise({point.added, i});
+        report.mean_weight_error += point.error;
+        used += point.used;
+    }
+    const std::size_t bound = points.size() - report.without_weights.size();
+    if (bound == 0) return;
+    report.mean_weight_error /= double(bound);
+    report.mean_influences = double(used) / double(bound);
+}
+
+/// The largest of a point's falling weights makes up for all roundings; where the second was as
+/// large it may now be the lesser by one.
+inline void make_up_for_rounding(std::span<std::uint16_t> joints, std::span<float> weights) noexcept {
+    double others = 0;
+    for (std::size_t k = 1; k < weights.size(); ++k) others += double(weights[k]);
+    weights[0] = static_cast<float>(1 - others);
+    for (std::size_t k = 0; k + 1 < weights.size() && weights[k] < weights[k + 1]; ++k) {
+        std::swap(weights[k], weights[k + 1]);
+        std::swap(joints[k], joints[k + 1]);
+    }
+}
+
+/// The largest shares of a point, each over the sum of them; none where there is no positive one, or
+/// one that is no number. `order` is for work, an entry a bone.
+template <Scalar W>
+SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span<std::uint16_t> order,
+                          std::span<std::uint16_t> joints, std::span<float> weights) {
+    SkinnedPoint result;
+    double sum = 0;
+    for (std::size_t b = 0; b < shares.size(); ++b) {
+        if (!is_finite(shares[b])) return result;
+        order[b] = static_cast<std::uint16_t>(b);
+    }
+    const std::size_t most = std::min(joints.size(), shares.size());
+    std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(most), order.end(),
+                      [&](std::uint16_t a, std::uint16_t b) {
+                          return shares[a] != shares[b] ? shares[a] > shares[b] : a < b;
+                      });
+    const auto keeps = [&](std::size_t k) {
+        return shares[order[k]] > W(0) && (k == 0 || double(shares[order[k]]) >= threshold);
+    };
+    for (; result.used < most && keeps(result.used); ++result.used) sum += double(shares[order[result.used]]);
+    if (result.used == 0 || !is_finite(sum)) return {};
+    result.kind = SkinnedPoint::Kind::reproduced;
+    for (std::size_t k = 0; k < result.used; ++k) {
+        joints[k] = order[k];
+        weights[k] = static_cast<float>(double(shares[order[k]]) / sum);
+    }
+    make_up_for_rounding(joints.first(result.used), weights.first(result.used));
+    for (const W share : shares) result.error += std::fabs(double(share));
+    result.partition = -1;
+    for (std::size_t k = 0; k < result.used; ++k) {
+        const double w = weights[k], w0 = double(shares[joints[k]]);
+        result.partition += w;
+        result.error += std::fabs(w - w0) - std::fabs(w0);
+        result.added = std::max(result.added, w - w0);
+    }
+    result.partition = std::fabs(result.partition);
+    result.error = std::max(result.error, 0.0);
+    return result;
+}
+
 /// The state of one making of a skin; as Binder, what a point finds out is kept apart and put
 /// together in the end.
 template <Scalar T, std::size_t D>
@@ -83,18 +167,11 @@ public:
             }
         });
         if (status != Status::ok) return status;
-        gather(report);
+        gather_skin(points_, report);
         return Status::ok;
     }
 
 private:
-    enum class Kind : std::uint8_t { reproduced, not_reproduced, without_weights };
-    struct PointResult {
-        Kind kind = Kind::without_weights;
-        double error = 0, partition = 0, reproduction = 0, added = 0;
-        std::size_t used = 0;
-    };
-
     /// A place of the binding, and what its weights reproduce instead of it.
     struct Place {
         Vec<double, D> p, offset{}; ///< of what is reproduced, in units of the size
@@ -117,15 +194,15 @@ private:
         return place;
     }
 
-    PointResult make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
-                     std::span<float> weights) const {
+    SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
+                      std::span<float> weights) const {
         const Place place = place_of(i);
         if (!place.is_bound) return {};
         solver.load(binding_.handle_view(), AffineFrame<double, D>{place.p + size_ * place.offset, size_},
                     [&](std::size_t h) { return double(binding_.weights(i, h)); });
-        PointResult result;
-        result.kind =
-            solver.reduce(joints.size(), options_.threshold) ? Kind::reproduced : Kind::not_reproduced;
+        SkinnedPoint result;
+        result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
+                                                                       : SkinnedPoint::Kind::not_reproduced;
         for (const std::size_t h : solver.support()) {
             constexpr double rounding = 0x1p-26; // of 1, to single precision
             if (!(solver.weight(h) > rounding)) break;
@@ -133,29 +210,21 @@ private:
             weights[result.used++] = static_cast<float>(solver.weight(h));
         }
         if (result.used == 0) { // numbers too large to compute with
-            result.kind = Kind::not_reproduced;
+            result.kind = SkinnedPoint::Kind::not_reproduced;
             result.used = 1;
             for (std::size_t h = 1; h < binding_.handle_count(); ++h) {
                 if (binding_.weights(i, h) > binding_.weights(i, joints[0]))
                     joints[0] = static_cast<std::uint16_t>(h);
             }
         }
-        // The largest makes up for all roundings; where the second was as large it may now be the
-        // lesser by one.
-        double others = 0;
-        for (std::size_t k = 1; k < result.used; ++k) others += double(weights[k]);
-        weights[0] = static_cast<float>(1 - others);
-        for (std::size_t k = 0; k + 1 < result.used && weights[k] < weights[k + 1]; ++k) {
-            std::swap(weights[k], weights[k + 1]);
-            std::swap(joints[k], joints[k + 1]);
-        }
+        make_up_for_rounding(joints.first(result.used), weights.first(result.used));
         measure(i, place, joints, weights, result);
         return result;
     }
 
     /// Compares the weights that are stored with the binding's.
     void measure(std::size_t i, const Place& place, std::span<const std::uint16_t> joints,
-                 std::span<const float> weights, PointResult& result) const {
+                 std::span<const float> weights, SkinnedPoint& result) const {
         Vec<double, D> missed = -1.0 * place.offset;
         result.error = place.whole;
         result.partition = -1;
@@ -176,36 +245,12 @@ private:
         return (1 / size_) * (vec_cast<double>(binding_.rest_handles[handle]) - p);
     }
 
-    void gather(SkinWeightsReport& report) const {
-        report.weight_errors.resize(count_);
-        std::size_t used = 0;
-        for (std::size_t i = 0; i < count_; ++i) {
-            const PointResult& point = points_[i];
-            if (point.kind == Kind::without_weights) {
-                report.without_weights.push_back(i);
-                continue;
-            }
-            if (point.kind == Kind::not_reproduced) report.not_reproduced.push_back(i);
-            report.weight_errors[i] = static_cast<float>(point.error);
-            report.weight_error.raise({point.error, i});
-            report.partition_error.raise({point.partition, i});
-            report.reproduction_error.raise({point.reproduction, i});
-            report.weight_added.raise({point.added, i});
-            report.mean_weight_error += point.error;
-            used += point.used;
-        }
-        const std::size_t bound = count_ - report.without_weights.size();
-        if (bound == 0) return;
-        report.mean_weight_error /= double(bound);
-        report.mean_influences = double(used) / double(bound);
-    }
-
     const BindingView<T, D>& binding_;
     const SkinWeightsOptions& options_;
     const Running& running_;
     std::size_t count_;
     double size_ = 1;
-    std::vector<PointResult> points_;
+    std::vector<SkinnedPoint> points_;
 };
 
 } // namespace detail
@@ -246,6 +291,46 @@ template <Scalar T, std::size_t D>
 SkinWeightsResult skin_weights(const Binding<T, D>& binding, const SkinWeightsOptions& options = {},
                                const Running& running = {}) {
     return skin_weights(binding.view(), options, running);
+}
+
+/// The skin of bones by weights that are given, as `bind_bones` takes them: of each point the K
+/// largest that are positive and no less than the threshold, divided by their sum. Joints are bones;
+/// in a skin of theirs they turn too.
+///
+///   shares   #points · #bones: a point's lie side by side
+///   returns  the skin and its report, w0 the shares; points with shares that are no numbers, or none
+///            positive, have no weights. Nothing is said of places
+///   fails    bone_weights_do_not_match, too_few_influences, too_many_handles, value_not_finite (the
+///            threshold), cancelled, out_of_memory
+template <Scalar W>
+SkinWeightsResult skin_weights(std::span<const W> shares, std::size_t bones,
+                               const SkinWeightsOptions& options = {}, const Running& running = {}) {
+    SkinWeightsResult result;
+    detail::run_into(result.report, [&] {
+        if (bones == 0 || shares.size() % bones != 0) return Status::bone_weights_do_not_match;
+        if (options.influences < 1) return Status::too_few_influences;
+        if (std::max(bones, options.influences) > 65535) return Status::too_many_handles;
+        if (!is_finite(options.threshold)) return Status::value_not_finite;
+        const std::size_t count = shares.size() / bones, most = options.influences;
+        result.report.points = count;
+        result.skin.influences = most;
+        result.skin.joints.assign(count * most, 0);
+        result.skin.weights.assign(count * most, 0.0F);
+        std::vector<detail::SkinnedPoint> points(count);
+        const Status status = detail::for_each_block(count, running, [&](std::size_t begin, std::size_t end) {
+            std::vector<std::uint16_t> order(bones);
+            for (std::size_t i = begin; i < end; ++i) {
+                points[i] = detail::keep_largest(shares.subspan(i * bones, bones), options.threshold,
+                                                 std::span(order),
+                                                 std::span(result.skin.joints).subspan(i * most, most),
+                                                 std::span(result.skin.weights).subspan(i * most, most));
+            }
+        });
+        if (status == Status::ok) detail::gather_skin(points, result.report);
+        return status;
+    });
+    if (result.report.status != Status::ok) result.skin = {};
+    return result;
 }
 
 /// The binding with the weights of a skin in the place of its own: `clone` then shows what an
