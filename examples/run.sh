@@ -53,6 +53,13 @@ for pose in step look tail stretch leap short_leg; do
   [ $pose = short_leg ] || set -- "$@" "$words" out/cat_${pose}_harmonic.svg
 done
 "$programs/contact_sheet" -o out/cat.svg --columns 3 --tile 300 --png "$@"
+# Green coordinates keep angles, and leave the cage for that.
+set --
+for pose in stretch leap; do
+  deform cat_${pose}_green cat cat_cage cat_pose_$pose green
+  for type in mean_value harmonic green; do set -- "$@" "$pose: $(echo $type | tr _ ' ')" out/cat_${pose}_$type.svg; done
+done
+"$programs/contact_sheet" -o out/cat_green.svg --columns 3 --png --png-width 1800 "$@"
 
 step "the cat, with cells inside its cage"
 # Cells inside the cage: a vertex in the face, a chain along the back. Nothing else has moved.
@@ -116,7 +123,7 @@ done
 
 step "a character in space"
 "$programs/make_character" out >>$report
-for type in mean-value harmonic; do
+for type in mean-value harmonic green; do
   name=out/character_$(echo $type | tr - _)
   "$programs/deform_mesh" out/character.obj --cage out/character_cage.obj --pose out/character_pose.obj \
     --coordinates $type -o "$name.obj" --picture "$name.png" --weight 30
@@ -223,7 +230,8 @@ step "tables"
 cat <<END
 
 Open, in out/:
-  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage
+  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage;
+                             cat_green.png: two poses by three types of coordinates
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   aleph.png, man.png         other figures
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates

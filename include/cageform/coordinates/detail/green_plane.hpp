@@ -97,7 +97,7 @@ GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near, const Vec<Simd<S>, 2
         const auto &a = seen.corners[edge.from], &b = seen.corners[edge.to];
         const EdgeIntegrals<S> of(edge, a, b, near);
         angles += of.theta;
-        touched = max(touched, of.touched);
+        touched = (max)(touched, of.touched);
         const X ratio = b.log - a.log, share(edge.inverse / (2 * pi));
         if constexpr (gradients) {
             const X t[2] = {X(edge.along[0]), X(edge.along[1])}, n[2] = {t[1], -t[0]};
