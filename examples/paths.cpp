@@ -40,7 +40,7 @@ SvgResult<std::vector<double>> weights_of(const std::string& type, const CageFil
     const auto [binding, report] =
         coordinates->bind(std::span(&p, 1), {.linear_precision = cageform::LinearPrecision::leave});
     if (report.status != cageform::Status::ok) return SvgError{describe_faults(cage.name, report)};
-    if (!report.outside.empty() || !report.on_boundary.empty())
+    if (!report.outside.empty() || !report.on_boundary.empty() || !report.unreached.empty())
         return SvgError{"the point is not inside " + cage.name};
     std::vector<double> weights;
     for (std::size_t i = 0; i < binding.handle_count(); ++i) weights.push_back(binding.weight(0, i));
@@ -151,6 +151,7 @@ int run_program(int argc, char** argv) {
     if (const std::string why = detail::parse_point(given.point, place); !why.empty())
         return fail("--point: " + why);
     const Point2 p{place[0], place[1]};
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return fail("--point: a coordinate is not finite");
     const auto cage = load_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
     if (cage->has_cells()) return fail(given.cage + ": paths are of cages without chains and points inside");

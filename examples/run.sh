@@ -53,13 +53,6 @@ for pose in step look tail stretch leap short_leg; do
   [ $pose = short_leg ] || set -- "$@" "$words" out/cat_${pose}_harmonic.svg
 done
 "$programs/contact_sheet" -o out/cat.svg --columns 3 --tile 300 --png "$@"
-# Green coordinates keep angles, and leave the cage for that.
-set --
-for pose in stretch leap; do
-  deform cat_${pose}_green cat cat_cage cat_pose_$pose green
-  for type in mean_value harmonic green; do set -- "$@" "$pose: $(echo $type | tr _ ' ')" out/cat_${pose}_$type.svg; done
-done
-"$programs/contact_sheet" -o out/cat_green.svg --columns 3 --png --png-width 1800 "$@"
 
 step "the cat, with cells inside its cage"
 # Cells inside the cage: a vertex in the face, a chain along the back. Nothing else has moved.
@@ -109,6 +102,16 @@ for type in rest mean-value harmonic; do
   done
 done
 "$programs/contact_sheet" -o out/two_cages.svg --columns 2 --png "$@"
+# One pose by five types: what becomes of squares shows what each keeps.
+set --
+for type in mean-value harmonic green sibson sibson-c1; do
+  "$programs/deform_svg" "$data/checkerboard.svg" --cage "$data/checkerboard_cage.csv" --pose "$data/checkerboard_pose.csv" \
+    --coordinates $type -o out/checkerboard_$type.svg --show-cage
+  set -- "$@" "$type" out/checkerboard_$type.svg
+done
+"$programs/deform_svg" "$data/checkerboard.svg" --cage "$data/checkerboard_cage.csv" --pose "$data/checkerboard_cage.csv" \
+  -o out/checkerboard_rest.svg --show-cage
+"$programs/contact_sheet" -o out/types.svg --columns 3 --png --png-width 1200 "at rest" out/checkerboard_rest.svg "$@"
 
 step "the fish, by points without a cage"
 deform fish_points fish fish_points fish_points sibson
@@ -123,11 +126,14 @@ done
 
 step "a character in space"
 "$programs/make_character" out >>$report
-for type in mean-value harmonic green; do
+set --
+for type in mean-value harmonic green sibson-c1; do
   name=out/character_$(echo $type | tr - _)
   "$programs/deform_mesh" out/character.obj --cage out/character_cage.obj --pose out/character_pose.obj \
     --coordinates $type -o "$name.obj" --picture "$name.png" --weight 30
+  set -- "$@" "$type" "$name.png"
 done
+"$programs/contact_sheet" -o out/character_types.svg --columns 2 --tile 700 --png --png-width 1400 "$@"
 
 step "a character for a game"
 # What a game takes: a packed binding with the dance, and glTF files as a skin and as morph targets.
@@ -230,10 +236,10 @@ step "tables"
 cat <<END
 
 Open, in out/:
-  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage;
-                             cat_green.png: two poses by three types of coordinates
+  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   aleph.png, man.png         other figures
+  types.png                  one pose by five coordinate types; character_types.png: in space
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates
   fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
                              their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients

@@ -583,6 +583,7 @@ works "rays and Brownian paths" "$programs/paths" --cage "$data/biped_cage.svg" 
 report $ok "the paths are drawn"
 refuses 'the point is not inside rectangle.csv' "$programs/paths" --cage rectangle.csv --point 7,1 -o out.svg
 refuses 'the point is not inside rectangle.csv' "$programs/paths" --cage rectangle.csv --point 4,1 -o out.svg
+refuses '--point: a coordinate is not finite' "$programs/paths" --cage rectangle.csv --point nan,1 -o out.svg
 refuses '--point: 3 columns' "$programs/paths" --cage rectangle.csv --point 7,1,2 -o out.svg
 refuses '--point: not a number' "$programs/paths" --cage rectangle.csv --point x,1 -o out.svg
 refuses 'without chains and points inside' "$programs/paths" --cage "$data/cat_cage_head.csv" --point 300,300 -o out.svg

@@ -9,7 +9,6 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
 #include <cstdio>
@@ -111,7 +110,6 @@ Status in_plane(Random& random, unsigned long long seed) {
         }
         if (random.below(4) == 0) loops.push_back(random.bits() >> random.below(64));
     }
-    if (random.below(2) == 0) return take(GreenCoordinates<T, 2>(Polygon<T>(vertices, loops)), random, seed);
     return take(MeanValueCoordinates<T, 2>(Polygon<T>(vertices, loops)), random, seed);
 }
 
@@ -143,7 +141,6 @@ Status in_space(Random& random, unsigned long long seed) {
     if (harm == 2) faces.resize(random.below(faces.size()));
     if (harm == 3) faces.push_back(face);
     if (harm == 4) std::swap(face[0], face[1]);
-    if (random.below(2) == 0) return take(GreenCoordinates<T, 3>(vertices, faces), random, seed);
     return take(MeanValueCoordinates<T, 3>(vertices, faces), random, seed);
 }
 
