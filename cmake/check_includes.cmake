@@ -1,10 +1,11 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each folder of include/cageform may include. Includes only ever point left in
-#   core -> cage -> grid -> coordinates -> binding -> clone        core -> animate
+#   core -> cage -> grid -> surface -> coordinates -> binding -> clone        core -> animate
 set(allowed_core core config fwd)
 set(allowed_adapt core)
 set(allowed_cage core cage)
 set(allowed_grid core cage grid)
+set(allowed_surface core cage grid surface)
 set(allowed_coordinates core cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp binding/figure.hpp clone)
