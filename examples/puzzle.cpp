@@ -140,7 +140,8 @@ int run_program(int argc, char** argv) {
     line.add("--csv", csv, "a CSV file to write the solved (with --make the unsolved) table to")
         .ends_with({".csv"});
     line.add("-o,--output", svg, "an SVG file to draw it to").ends_with({".svg"});
-    line.add("--walks", walks, "random walks from a cell, whose mean is printed beside its value");
+    line.add("--walks", walks, "random walks from a cell, whose mean is printed beside its value")
+        .range(1, 1'000'000'000);
     line.add("--from", from, "its line and column, from 1").count(2, 2);
     line.add("--make", size, "make a puzzle of so many lines and columns, whose answers are whole numbers")
         .count(2, 2);

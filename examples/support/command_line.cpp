@@ -4,11 +4,30 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
 namespace cageform_examples {
+
+namespace {
+
+/// Whole numbers are decimal. CLI11 alone reads 010 as eight, and -1 as the largest size.
+CLI::Validator decimal(bool with_sign) {
+    const auto fault = [with_sign](std::string& text) -> std::string {
+        const std::size_t first = with_sign && text.starts_with('-') ? 1 : 0;
+        const bool digits = first < text.size() && text.find_first_not_of("0123456789", first) == text.npos;
+        if (!digits) return "\"" + text + "\" is no whole number" + (with_sign ? "" : " from 0");
+        const std::size_t zeros = std::min(text.find_first_not_of('0', first), text.size() - 1) - first;
+        if (text.size() - first - zeros > 18) return text + " is too large";
+        text.erase(first, zeros);
+        return {};
+    };
+    return {fault, ""};
+}
+
+} // namespace
 
 CommandOption& CommandOption::required() {
     option_->required();
@@ -87,10 +106,10 @@ CommandOption CommandLine::add(const std::string& name, std::vector<double>& val
     return CommandOption(app_->add_option(name, value, help));
 }
 CommandOption CommandLine::add(const std::string& name, int& value, const std::string& help) {
-    return CommandOption(app_->add_option(name, value, help));
+    return CommandOption(app_->add_option(name, value, help)->transform(decimal(true)));
 }
 CommandOption CommandLine::add(const std::string& name, std::size_t& value, const std::string& help) {
-    return CommandOption(app_->add_option(name, value, help));
+    return CommandOption(app_->add_option(name, value, help)->transform(decimal(false)));
 }
 CommandOption CommandLine::add(const std::string& name, double& value, const std::string& help) {
     return CommandOption(app_->add_option(name, value, help));

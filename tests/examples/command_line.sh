@@ -142,6 +142,13 @@ refuses_table 'table.csv: holds no table' ''
 refuses "missing.csv" "$puzzle" missing.csv --csv out.csv
 refuses "--neighbours is 4 or 8" "$puzzle" table.csv --neighbours 5
 refuses "--walks needs --from" "$puzzle" "$data/puzzle.csv" --walks 5
+refuses '"-1" is no whole number from 0' timeout 20 "$puzzle" "$data/puzzle.csv" --walks -1 --from 2 2
+refuses '"1e3" is no whole number from 0' "$puzzle" "$data/puzzle.csv" --walks 1e3 --from 2 2
+refuses 'is too large' "$puzzle" "$data/puzzle.csv" --walks 10 --from 2 2 --seed 99999999999999999999
+refuses 'not in range' "$puzzle" "$data/puzzle.csv" --walks 0 --from 2 2
+works "leading zeros mean nothing" "$puzzle" "$data/puzzle.csv" --walks 010 --from 2 2
+grep -q '^10 walks' log && ok=yes || ok=no
+report $ok "010 walks are ten"
 refuses "--make takes two numbers" "$puzzle" --make 2 9 --csv out.csv
 refuses "a table, or --make, is required" "$puzzle"
 "$puzzle" --make 40 40 --csv large.csv
