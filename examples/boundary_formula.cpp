@@ -3,7 +3,9 @@
 //
 //     boundary_formula --cage square.csv --vertex 0 --at 1,0
 
+#include "bind_report.hpp"
 #include "cage_file.hpp"
+#include "coordinates.hpp"
 #include "field_plot.hpp"
 #include "guard.hpp"
 
@@ -20,7 +22,7 @@ int fail(const std::string& message) {
 }
 
 std::string number(double x) {
-    return text_of("%.6g", x == 0 ? 0.0 : x);
+    return text_of("%.12g", x == 0 ? 0.0 : x);
 }
 
 /// "3 + 2 t", without what is not there.
@@ -31,9 +33,13 @@ std::string linear(double constant, double slope, const std::string& variable) {
     return number(constant) + (slope < 0 ? " - " : " + ") + size + variable;
 }
 
-/// "(x - 3)/4": the share of the way from one coordinate to another.
+/// "(x - 3)/4": the share of the way from one coordinate to another; "1 - x/4" to 0.
 std::string share(const std::string& variable, double from, double to) {
     const double length = to - from;
+    if (to == 0) {
+        const std::string size = std::fabs(length) == 1 ? "" : "/" + number(std::fabs(length));
+        return (length < 0 ? "1 - " : "1 + ") + variable + size;
+    }
     std::string above = from == 0  ? variable
                         : from < 0 ? variable + " + " + number(-from)
                                    : variable + " - " + number(from);
@@ -96,6 +102,10 @@ int run_program(int argc, char** argv) {
 
     const auto cage = load_cage(cage_path);
     if (!cage) return fail(to_string(cage.error()));
+    CoordinatesChoice choice;
+    choice.name = "harmonic";
+    const auto checked = make_coordinates<double>(choice, *cage)->cage_report;
+    if (checked.status != cageform::Status::ok) return fail(describe_faults(cage->name, checked));
     if (vertex >= cage->vertices.size()) {
         return fail("there is no vertex " + std::to_string(vertex) + ": " + cage_path + " has " +
                     std::to_string(cage->vertices.size()));

@@ -80,12 +80,8 @@ public:
 
     /// Empty, or why there is no field.
     std::string solve(const std::string& cage_path) {
-        if (coordinates_->cage_report.status != cageform::Status::ok) {
-            cageform::BindReport bad;
-            bad.cage = coordinates_->cage_report;
-            bad.status = bad.cage.status;
-            return describe_faults(cage_path, bad);
-        }
+        if (coordinates_->cage_report.status != cageform::Status::ok)
+            return describe_faults(cage_path, coordinates_->cage_report);
         ProgressBar bar("coordinate field");
         const auto evaluation = coordinates_->solve({.progress = bar.callback()});
         return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);

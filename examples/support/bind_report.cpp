@@ -79,6 +79,13 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
     return text;
 }
 
+std::string describe_faults(const std::string& name, const cageform::CageReport& report) {
+    cageform::BindReport refused;
+    refused.cage = report;
+    refused.status = report.status;
+    return describe_faults(name, refused);
+}
+
 std::string describe_corners(const cageform::SolverReport& solver) {
     const auto worst = solver.worst_corner();
     if (worst.error <= worst.notable) return {};

@@ -20,6 +20,7 @@ std::string describe_fault(const cageform::CageFault& fault);
 
 /// One line per fault of the cage that prevents a bind: "cat_cage.svg: edges cross or touch (3, 7)".
 std::string describe_faults(const std::string& name, const cageform::BindReport& report);
+std::string describe_faults(const std::string& name, const cageform::CageReport& report);
 
 /// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": of what no grid that was used is fine
 /// enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0 in the plane, from 1

@@ -599,14 +599,22 @@ refuses 'nowhere.svg' "$programs/paths" --cage nowhere.svg --point 0,0 -o out.sv
 printf '0,0\n0,4\n4,4\n4,0\n' >square_4.csv
 formula="$programs/boundary_formula"
 works "a function on the boundary" "$formula" --cage square_4.csv --vertex 0 --at 1,0
-for words in 'h_0(x, 0) = (4 - x)/4, 0 <= x <= 4' 'x = 0, y = 4 t, 0 <= t <= 1:  h_0 = 1 - t' 'on all other edges it is 0' 'h_0(1, 0) = 0.75'; do
+for words in 'h_0(x, 0) = 1 - x/4, 0 <= x <= 4' 'x = 0, y = 4 t, 0 <= t <= 1:  h_0 = 1 - t' 'on all other edges it is 0' 'h_0(1, 0) = 0.75'; do
   grep -qF "$words" log && ok=yes || ok=no
   report $ok "the formula says: $words"
 done
+printf '1000000.25,0\n1000004.25,0\n1000004.25,4\n' >far.csv
+works "a function far away" "$formula" --cage far.csv --vertex 1
+grep -qF '= (x - 1000000.25)/4, 1000000.25 <= x <= 1000004.25' log && ok=yes || ok=no
+report $ok "the formula has all digits"
 works "a function of a chain" "$formula" --cage "$data/cat_cage_spine.csv" --vertex 26
 refuses 'is not on the boundary, which is 1 away' "$formula" --cage square_4.csv --vertex 0 --at 1,1
 refuses 'there is no vertex 4: square_4.csv has 4' "$formula" --cage square_4.csv --vertex 4
 refuses '--at: 1 column' "$formula" --cage square_4.csv --vertex 0 --at 1
+refuses 'cross' "$formula" --cage bow_tie.svg --vertex 0
+refuses '"-1" is no whole number from 0' "$formula" --cage square_4.csv --vertex -1
+printf '0,0\n0,0\n1,1\n1,0\n' >twice.csv
+refuses 'duplicate vertices (0, 1)' "$formula" --cage twice.csv --vertex 0
 refuses 'nowhere.csv' "$formula" --cage nowhere.csv --vertex 0
 works "the papers' grid" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --resolution 40 --classes classes.png
 [ -s classes.png ] && ok=yes || ok=no
