@@ -1,0 +1,144 @@
+// The triangles of a mesh, to be asked which of them a segment meets and whether they enclose a place.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A tree of boxes, halved at the median of the faces' middles along the longest side. Built in
+/// O(n log n); a question takes O(log n) as a rule.
+class FaceTree {
+public:
+    /// All finite. The vertices and faces have to outlive the tree.
+    FaceTree(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces)
+        : vertices_(vertices)
+        , faces_(faces)
+        , order_(faces.size()) {
+        std::iota(order_.begin(), order_.end(), std::uint32_t{0});
+        boxes_.reserve(faces.size());
+        for (const auto& face : faces) boxes_.push_back(Facet<3>(face, vertices).bounds());
+        if (!faces.empty()) build(0, std::uint32_t(faces.size()));
+    }
+
+    /// Whether the open segment from a vertex to `q` meets no face but those of the vertex.
+    bool is_free(std::uint32_t vertex, const Vec<double, 3>& q) const {
+        const auto& p = vertices_[vertex];
+        return !any_near(p, q, [&](std::uint32_t f) {
+            const Facet<3> facet(faces_[f], vertices_);
+            return !facet.has(vertex) && pierces(p, q, facet.corner);
+        });
+    }
+
+    /// Whether a place that lies on no face is inside a closed mesh, by the even-odd rule: a ray
+    /// along the third axis crosses an odd number of faces. Decided exactly in the plane of the other
+    /// two, where the ray stands a little to the side of what it touches.
+    bool encloses(const Vec<double, 3>& p) const {
+        if (nodes_.empty()) return false;
+        bool inside = false;
+        const Vec<double, 3> end{p[0], p[1], std::fmax(p[2], nodes_[0].box.upper[2])};
+        any_near(p, end, [&](std::uint32_t f) {
+            const auto [a, b, c] = Facet<3>(faces_[f], vertices_).corner;
+            const int side = side_of(a, b, p);
+            if (side == 0 || side_of(b, c, p) != side || side_of(c, a, p) != side) return false;
+            const double above = dot(cross(b - a, c - a), a - p);
+            if (side > 0 ? above > 0 : above < 0) inside = !inside;
+            return false;
+        });
+        return inside;
+    }
+
+private:
+    static constexpr std::uint32_t leaf = 4; ///< faces that are looked at one after the other
+
+    struct Node {
+        Bounds<double, 3> box;
+        std::uint32_t begin, end; ///< faces
+        std::uint32_t second;     ///< node; the first is the next one. 0: a leaf
+    };
+
+    std::uint32_t build(std::uint32_t begin, std::uint32_t end) {
+        Bounds<double, 3> box = boxes_[order_[begin]];
+        for (std::uint32_t n = begin + 1; n < end; ++n) {
+            const auto& more = boxes_[order_[n]];
+            for (std::size_t k = 0; k < 3; ++k) {
+                box.lower[k] = std::fmin(box.lower[k], more.lower[k]);
+                box.upper[k] = std::fmax(box.upper[k], more.upper[k]);
+            }
+        }
+        const auto number = std::uint32_t(nodes_.size());
+        nodes_.push_back({box, begin, end, 0});
+        if (end - begin <= leaf) return number;
+        const auto extent = box.upper - box.lower;
+        const std::size_t axis = extent[0] >= extent[1] && extent[0] >= extent[2] ? 0
+                                 : extent[1] >= extent[2]                         ? 1
+                                                                                  : 2;
+        const std::uint32_t middle = begin + (end - begin) / 2;
+        const auto twice = [&](std::uint32_t f) { return boxes_[f].lower[axis] + boxes_[f].upper[axis]; };
+        std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                         [&](std::uint32_t f, std::uint32_t g) {
+                             return twice(f) != twice(g) ? twice(f) < twice(g) : f < g;
+                         });
+        build(begin, middle);
+        const std::uint32_t second = build(middle, end);
+        nodes_[number].second = second;
+        return number;
+    }
+
+    /// On which side of the line from a to b a place lies that is moved by little along the first
+    /// axis and by far less along the second; 0 where a and b are one, seen along the third axis.
+    static int side_of(const Vec<double, 3>& a, const Vec<double, 3>& b, const Vec<double, 3>& p) noexcept {
+        const int side = orientation({a[0], a[1]}, {b[0], b[1]}, {p[0], p[1]});
+        if (side != 0) return side;
+        if (a[1] != b[1]) return a[1] > b[1] ? 1 : -1;
+        return b[0] > a[0] ? 1 : b[0] < a[0] ? -1 : 0;
+    }
+
+    /// Whether a segment may meet a box: never false where it does.
+    static bool meets(const Bounds<double, 3>& box, const Vec<double, 3>& p,
+                      const Vec<double, 3>& q) noexcept {
+        constexpr double slack = 1e-9; // of the segment, far above rounding
+        double from = -slack, to = 1 + slack;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (box.upper[k] < std::fmin(p[k], q[k]) || box.lower[k] > std::fmax(p[k], q[k])) return false;
+            const double d = q[k] - p[k];
+            if (d == 0) continue;
+            const double s = (box.lower[k] - p[k]) / d, t = (box.upper[k] - p[k]) / d;
+            from = std::fmax(from, std::fmin(s, t) - slack);
+            to = std::fmin(to, std::fmax(s, t) + slack);
+        }
+        return from <= to;
+    }
+
+    /// Whether f(face) for one of the faces whose boxes the segment may meet.
+    template <class F>
+    bool any_near(const Vec<double, 3>& p, const Vec<double, 3>& q, const F& f) const {
+        std::array<std::uint32_t, 64> waiting{}; // halves: no deeper than 32 levels
+        std::size_t count = nodes_.empty() ? 0 : 1;
+        while (count > 0) {
+            const std::uint32_t number = waiting[--count];
+            const Node& node = nodes_[number];
+            if (!meets(node.box, p, q)) continue;
+            if (node.second != 0) {
+                waiting[count++] = node.second;
+                waiting[count++] = number + 1;
+                continue;
+            }
+            for (std::uint32_t n = node.begin; n < node.end; ++n) {
+                if (f(order_[n])) return true;
+            }
+        }
+        return false;
+    }
+
+    std::span<const Vec<double, 3>> vertices_;
+    std::span<const MeshFace> faces_;
+    std::vector<std::uint32_t> order_;
+    std::vector<Bounds<double, 3>> boxes_; // of every face
+    std::vector<Node> nodes_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
