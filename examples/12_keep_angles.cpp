@@ -28,7 +28,7 @@ int main() {
     // pose_handles makes one of all handles from it.
     const auto [binding, report] = cageform::bind(cageform::GreenCoordinates<double, 2>(cage), corner);
     if (report.status != cageform::Status::ok) return 1;
-    std::printf("Green: %zu handles; %s\n", binding.handle_count(), to_string(clone(binding, pose, out)));
+    std::printf("Green, %zu handles: %s\n", binding.handle_count(), to_string(clone(binding, pose, out)));
     std::vector<Point> handles(binding.handle_count());
     if (pose_handles(binding, pose, handles).status != cageform::Status::ok) return 1;
     if (clone(binding, handles, out) != cageform::Status::ok) return 1;
@@ -42,6 +42,6 @@ int main() {
 }
 
 //> mean value: 90 degrees become 67.3
-//> Green: 8 handles; the pose has another number of points than the cage
+//> Green, 8 handles: the pose has another number of points than the cage
 //> Green: 90 degrees become 90.0
 //> the middle of an edge goes to (3.13, 0.03), not to (2.50, 0.50)
