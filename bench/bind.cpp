@@ -614,7 +614,9 @@ void bind_harmonic_figure(benchmark::State& state) {
 }
 
 /// Where the papers say that harmonic coordinates win, for many points: a bind of 10² to 10⁶ points in BUMPY112 into
-/// recycled memory. The second argument is the harmonic grid's cells; 0: mean value.
+/// recycled memory. The second argument is the harmonic grid's cells; 0: mean value. All rows:
+///
+///     bench_bind --benchmark_filter=crossing
 void crossing_of_types(benchmark::State& state) {
     const auto cage = bumpy112<float>();
     const auto points = points_inside(bumpy112<double>(), std::size_t(state.range(0)), 2);
