@@ -486,6 +486,7 @@ void sizes_3d(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"})
         ->Unit(benchmark::kMicrosecond)
         ->Args({8019, 112})
+        ->Args({8019, 332}) // as Green coordinates of 112 vertices and 220 faces
         ->Args({100000, 112});
 }
 

@@ -276,7 +276,12 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
             if (sound.status != cageform::Status::ok)
                 return fail(settings.clip + ": frame " + std::to_string(f) + ": " +
                             cageform::to_string(sound.status));
-            const auto status = cageform::clone(binding, pose, moved);
+            std::string warning;
+            const auto handles =
+                pose_of_handles(binding, pose, settings.clip + ": frame " + std::to_string(f), warning);
+            if (!handles) return fail(to_string(handles.error()));
+            if (!warning.empty()) std::cerr << "animate_svg: warning: " << warning << '\n';
+            const auto status = cageform::clone(binding, *handles, moved);
             if (status != cageform::Status::ok)
                 return fail(settings.clip + ": " + cageform::to_string(status));
             for (const MovedShape& shape : shapes) {
@@ -444,7 +449,7 @@ int run_program(int argc, char** argv) {
     add_film("mp4", "a video", {".mp4"});
     line.add("--width", settings.width, "of these, in pixels").range(16, 8192).show_default();
     settings.outside.add_option(line);
-    settings.choice.in_plane = true;
+    settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;

@@ -1060,6 +1060,7 @@ refuses '"out.png" does not end with .svg' "$curve" --css 0,0,1,1 --pieces 2 --p
 works "an ending in capitals" "$deform" "$cat" --cage "$cage" --pose "$pose" -o CAT.SVG
 
 # ---- animate_svg ----
+works "a cat that walks and keeps angles" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 6 --coordinates green -o walk.svg
 works "a cat that walks" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 12 -o walk.svg --stills still_ --still-count 2
 [ "$(grep -c '<animate ' walk.svg)" -ge 1 ] && [ -s still_01.svg ] && [ -s still_02.svg ] && ok=yes || ok=no
 report $ok "the walk and two stills are there"
