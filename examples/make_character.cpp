@@ -2,8 +2,8 @@
 //
 //     make_character out
 //
-// writes out/character.obj, out/character_cage.obj, out/character_pose.obj and out/character_clip.csv, a dance of the
-// cage that begins again (support/clip_file.hpp). The puppet is a smooth union of rounded bodies, meshed by surface
+// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a dance of the
+// cage that begins again (support/clip_file.hpp), and out/character.bones.csv, a skeleton that bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface
 // nets (support/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
 
 #include "atomic_file.hpp"
@@ -234,6 +234,41 @@ Joints dancing(double part) {
     return joints;
 }
 
+// ---- the bones ----
+
+/// Those of both sides and of the middle, as skin_mesh takes them. The left arm is bent.
+std::string bones_text() {
+    std::string text = "# The puppet's bones\n"
+                       "name,parent,head x,y,z,tail x,y,z,turn about x,y,z (degrees)\n"
+                       "hips,,0,0.86,0,0,1.02,0,0,0,0\n"
+                       "chest,hips,0,1.02,0,0,1.38,0,0,0,0\n"
+                       "neck,chest,0,1.38,0,0,1.54,0,0,0,0\n"
+                       "head,neck,0,1.54,0,0,1.82,0,0,12,0\n";
+    for (const int side : {1, -1}) {
+        const auto add = [&](const char* name, const char* parent, const Point& head, const Point& tail,
+                             const Point& turn) {
+            const char* of_side = side > 0 ? "left " : "right ";
+            const bool from_middle =
+                std::string_view(parent) == "chest" || std::string_view(parent) == "hips";
+            text += std::string(of_side) + name + ',' + (from_middle ? "" : of_side) + parent;
+            std::array<char, 96> numbers;
+            const double turns = side > 0 ? 1 : 0;
+            std::snprintf(numbers.data(), numbers.size(), ",%g,%g,%g,%g,%g,%g,%g,%g,%g\n", side * head[0],
+                          head[1], head[2], side * tail[0], tail[1], tail[2], turns * turn[0],
+                          turns * turn[1], turns * turn[2]);
+            text += numbers.data();
+        };
+        add("shoulder", "chest", {0.06, 1.34, 0}, {0.2, 1.325, 0}, {});
+        add("upper arm", "shoulder", {0.2, 1.325, 0}, {0.545, 1.325, -0.005}, {0, 0, 20});
+        add("forearm", "upper arm", {0.545, 1.325, -0.005}, {0.8, 1.325, 0}, {0, 0, 75});
+        add("hand", "forearm", {0.8, 1.325, 0}, {0.95, 1.325, 0}, {});
+        add("thigh", "hips", {0.15, 0.83, 0}, {0.178, 0.46, 0.005}, {});
+        add("shin", "thigh", {0.178, 0.46, 0.005}, {0.186, 0.1, -0.02}, {});
+        add("foot", "shin", {0.186, 0.066, -0.02}, {0.196, 0.07, 0.15}, {});
+    }
+    return text;
+}
+
 // ---- the files ----
 
 /// The mesh as OBJ text; with normals, a vertex and its normal share their number.
@@ -269,11 +304,12 @@ bool is_sound(const Mesh& mesh, const char* what) {
 }
 
 int run_program(int argc, char** argv) {
-    cageform_examples::CommandLine line(
-        "Makes a puppet, a cage around it and a pose of the cage, as OBJ files, and a dance of the cage.");
+    cageform_examples::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
+                                        "files, a dance of the cage, and bones.");
     std::string folder;
     line.add("folder", folder,
-             "where character.obj, character_cage.obj, character_pose.obj and character_clip.csv are written")
+             "where character.obj, character_cage.obj, character_pose.obj, character_clip.csv and "
+             "character.bones.csv are written")
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 
@@ -339,6 +375,7 @@ int run_program(int argc, char** argv) {
     write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
     write("character_clip.csv", cageform_examples::pose_clip_text(dance, "A dance of the puppet's cage"),
           std::to_string(keys) + " poses of the cage in 2.4 s");
+    write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
     if (const auto failure = outputs.commit()) return fail(*failure);
     std::cout << summary;
     return 0;

@@ -144,6 +144,12 @@ step "a character for a game"
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \
   --coordinates harmonic -o out/character_morph.glb >>$report
 
+step "a character and its bones"
+for weights in heat harmonic; do
+  "$programs/skin_mesh" out/character.obj --bones out/character.bones.csv --weights $weights -o out/bones_$weights.glb \
+    --picture out/bones_$weights.png --report >>$report
+done
+
 step "a hand"
 # Control points without a cage: natural neighbours, moved by 22 joint angles.
 "$programs/make_hand" out >>$report
@@ -244,6 +250,7 @@ Open, in out/:
   fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
                              their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
+  bones_heat.png             the character moved by bones whose weights were found; bones_heat.glb: the same, for a viewer
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF

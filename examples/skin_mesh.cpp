@@ -144,16 +144,15 @@ std::string why_not(const Arguments& given, const ObjFile& figure, const std::ve
         faults.status = report.mesh.mesh.status;
         faults.cage = report.mesh.mesh;
         std::string text = describe_mesh_faults(figure.name, faults);
+        if (const std::size_t at = text.find("the cage"); at != std::string::npos)
+            text.replace(at, 8, "the mesh");
         if (report.status == Status::cage_not_closed)
             text += "\nskin_mesh: --see-through takes meshes that are not closed";
         return text;
     }
     if (report.status == Status::cells_unreached) {
-        const std::size_t i = report.solver.culprit;
-        const Point3& p = figure.vertices[i];
-        return figure.name + ": no bone has a part of the mesh, that of vertex " + std::to_string(i + 1) +
-               " (" + detail::short_number(p[0]) + ", " + detail::short_number(p[1]) + ", " +
-               detail::short_number(p[2]) + ")" +
+        return figure.name + ": no bone moves the part of the mesh about " +
+               name_points(figure.vertices, {report.solver.culprit}) +
                (given.weights == "heat" && !given.sees_through
                     ? ", whose vertices do not see their nearest bones"
                     : "");
@@ -177,7 +176,31 @@ SvgResult<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bo
     return moved;
 }
 
-/// The document: the mesh, the bones as nodes, the skin, and the turn into the pose and back in two seconds.
+/// The turn into the pose and back in two seconds, of the bones from node `first` on.
+void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size_t first) {
+    GltfJson animation = {{"name", "pose"}};
+    constexpr std::size_t keys = 17; // turns are linear between them, and nearly even
+    std::vector<std::array<float, 1>> times;
+    for (std::size_t k = 0; k < keys; ++k) times.push_back({2 * float(k) / float(keys - 1)});
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+        if (bones[b].turn == Point3{}) continue;
+        std::vector<std::array<float, 4>> turns;
+        for (std::size_t k = 0; k < keys; ++k) {
+            const double share = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * double(k) / double(keys - 1));
+            const auto q = quaternion(bones[b], share);
+            turns.push_back({float(q[0]), float(q[1]), float(q[2]), float(q[3])});
+        }
+        const std::size_t input = animation.contains("samplers")
+                                      ? animation["samplers"][0]["input"].get<std::size_t>()
+                                      : document.add(times, Use::other, true);
+        animation["samplers"].push_back({{"input", input}, {"output", document.add(turns, Use::other)}});
+        animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
+                                         {"target", {{"node", first + b}, {"path", "rotation"}}}});
+    }
+    if (animation.contains("channels")) document.append("animations", std::move(animation));
+}
+
+/// The document: the mesh, the bones as nodes, the skin, and the turn into the pose.
 std::string gltf_text(const ObjFile& figure, const GltfMesh& mesh, const std::vector<Bone>& bones,
                       const cageform::SkinWeights& skin, bool binary) {
     GltfDocument document;
@@ -219,26 +242,7 @@ std::string gltf_text(const ObjFile& figure, const GltfMesh& mesh, const std::ve
                     {{"inverseBindMatrices", document.add(inverse, Use::other)}, {"joints", joints}});
     document.append("scenes", {{"nodes", roots}});
 
-    GltfJson animation = {{"name", "pose"}};
-    constexpr std::size_t keys = 17; // turns are linear between them, and nearly even
-    std::vector<std::array<float, 1>> times;
-    for (std::size_t k = 0; k < keys; ++k) times.push_back({2 * float(k) / float(keys - 1)});
-    for (std::size_t b = 0; b < bones.size(); ++b) {
-        if (bones[b].turn == Point3{}) continue;
-        std::vector<std::array<float, 4>> turns;
-        for (std::size_t k = 0; k < keys; ++k) {
-            const double share = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * double(k) / double(keys - 1));
-            const auto q = quaternion(bones[b], share);
-            turns.push_back({float(q[0]), float(q[1]), float(q[2]), float(q[3])});
-        }
-        const std::size_t input = animation.contains("samplers")
-                                      ? animation["samplers"][0]["input"].get<std::size_t>()
-                                      : document.add(times, Use::other, true);
-        animation["samplers"].push_back({{"input", input}, {"output", document.add(turns, Use::other)}});
-        animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
-                                         {"target", {{"node", first + b}, {"path", "rotation"}}}});
-    }
-    if (animation.contains("channels")) document.append("animations", std::move(animation));
+    add_turns(document, bones, first);
     return document.text(binary);
 }
 
@@ -254,9 +258,10 @@ SvgResult<std::size_t> bone_named(const Arguments& given, const std::vector<Bone
 
 int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& mesh,
                 const std::vector<Bone>& bones) {
-    // Painted without a name: the first bone that turns, and its parent.
+    // Painted without a name: the bone that turns the most, and its parent.
     std::size_t turned = 0;
-    while (turned + 1 < bones.size() && bones[turned].turn == Point3{}) ++turned;
+    const auto angle = [&](std::size_t b) { return dot(bones[b].turn, bones[b].turn); };
+    for (std::size_t b = 1; b < bones.size(); ++b) turned = angle(b) > angle(turned) ? b : turned;
     const auto blue = bone_named(given, bones, given.blue, turned);
     if (!blue) return fail(to_string(blue.error()));
     const auto red =
@@ -342,7 +347,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".glb", ".gltf"});
     line.add("--picture", given.picture, "also draw the figure at rest and posed to a PNG file")
         .ends_with({".png"});
-    line.add("--blue", given.blue, "the bone whose weight is painted blue; else the first that turns");
+    line.add("--blue", given.blue, "the bone whose weight is painted blue; else the one that turns the most");
     line.add("--red", given.red, "the bone whose weight is painted red; else the parent of the blue one");
     line.add_flag("--report", given.report, "print flips, hidden vertices, what the file's skin leaves out");
     line.set_footer(obj_format + std::string("\n") + bones_format);

@@ -57,6 +57,9 @@ works "played by a second reader" "$playback" character.obj character_cage.obj c
   skin_4.glb skin_8.glb skin_16.glb skin.gltf unorm8.glb unorm16.glb morph.glb morph.gltf
 cat log
 printf 'v 0 0 0\n' >point.obj
+echo 'trunk,,0,0.9,0,0,1.4,0,0,0,0' >one.csv
+echo 'far,,5,0,0,5,1,0,0,0,0' >far.csv
+: >bare.csv
 # Some vertices have one normal and some have several: the order of the file is kept all the same.
 awk '$1 == "f" && ++faces % 7 == 0 { split($2, a, "/"); split($3, b, "/"); split($4, c, "/"); n = a[3]
   $2 = a[1] "//" n; $3 = b[1] "//" n; $4 = c[1] "//" n } { print }' character.obj >creases.obj
@@ -65,6 +68,36 @@ works "vertices with several normals" "$export" creases.obj $cage $clip --morph 
 works "the order of the vertices" "$playback" creases.obj character_cage.obj character_clip.csv creases.glb
 sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
 "$playback" character.obj character_cage.obj other.csv skin_4.glb >log 2>&1 && report no "the second reader sees another clip" || report yes other
+
+# ---- bones: weights found on the surface ----
+skin="$programs/skin_mesh"
+for weights in heat harmonic; do
+  works "bones, $weights" "$skin" character.obj --bones character.bones.csv --weights $weights -o bones_$weights.glb --picture bones.png --report
+  says 'negative cotangent weights: 0'
+done
+works "one bone that stands" "$skin" character.obj --bones one.csv --weights harmonic --skin 1 -o bones_one.gltf
+sed '/^f 7/d' character.obj >open_character.obj
+works "an open mesh" "$skin" open_character.obj --bones character.bones.csv --see-through --skin 8 -o bones_open.glb
+refuses 'open_character.obj: the mesh is not closed' "$skin" open_character.obj --bones character.bones.csv -o out.glb
+says '--see-through'
+refuses 'no bone moves the part of the mesh about v 1 ' "$skin" character.obj --bones far.csv -o out.glb
+refuses 'there is no bone "nobody"' "$skin" character.obj --bones one.csv --weights harmonic --red nobody -o out.glb
+refuses 'missing/out.png' "$skin" character.obj --bones one.csv --weights harmonic -o out.glb --picture missing/out.png
+refuses 'point.obj: holds no faces' "$skin" point.obj --bones one.csv -o out.glb
+refuses 'bare.csv: holds no bones' "$skin" character.obj --bones bare.csv -o out.glb
+refuses '--bones is required' "$skin" character.obj -o out.glb
+faulty_bones() { # MESSAGE LINES…
+  message=$1; shift
+  printf '%s\n' "$@" >bones.csv
+  refuses "$message" "$skin" character.obj --bones bones.csv -o out.glb
+}
+faulty_bones 'bones.csv:2: 10 columns, where a bone has 11' '# a comment' 'a,,0,0,0,0,1,0,0,0'
+faulty_bones 'bones.csv:1: column 11: not a number: "x"' 'a,,0,0,0,0,1,0,0,0,x'
+faulty_bones 'bones.csv:1: column 3: a number is not finite' 'a,,inf,0,0,0,1,0,0,0,0'
+faulty_bones 'bones.csv:1: column 3: ' 'a,,1e99,0,0,0,1,0,0,0,0'
+faulty_bones 'bones.csv:1: the parent "b" does not stand before its child' 'a,b,0,0,0,0,1,0,0,0,0' 'b,,0,0,0,0,1,0,0,0,0'
+faulty_bones 'bones.csv:2: there are two bones "a"' 'a,,0,0,0,0,1,0,0,0,0' 'a,,0,0,0,0,1,0,0,0,0'
+faulty_bones 'bones.csv:1: the bone has no name' ',,0,0,0,0,1,0,0,0,0'
 
 # ---- a hand: linear between morph targets a quarter of a second apart ----
 works "a hand" "$programs/make_hand" .
