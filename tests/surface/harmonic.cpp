@@ -279,6 +279,71 @@ TEST_CASE("solve_surface: a Möbius strip", "[surface]") {
     for (const double value : values) CHECK((value >= 0 && value <= 1));
 }
 
+TEST_CASE("solve_surface: the two sides of a flat triangle, exactly", "[surface][property]") {
+    // The flip of the side that the obtuse corner c faces leaves faces that are glued to themselves, in
+    // which the other sides are faced by twice π/2 − β and twice π/2 − α.
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const double part = random.uniform(0.1, 0.9), height = random.uniform(0.01, 0.2);
+        const std::vector<Point> corners{{0, 0, 0}, {1, 0, 0}, {part, height, 0}};
+        const double at_a = height / part, at_b = height / (1 - part); // tan α, tan β
+        for (const std::array<int, 3> back :
+             {std::array{0, 2, 1}, std::array{0, 1, 2}, std::array{2, 0, 1}}) {
+            const auto weights = cotangent_weights(corners, cageform_tests::Faces{{0, 1, 2}, back});
+            CHECK(weights.report.flips == 1);
+            CHECK(weights.report.negative_weights == 0);
+            std::vector<double> values{0, 1, nan};
+            REQUIRE(cageform::solve_surface(weights, Marks{1, 1, 0}, std::span(values)).status == Status::ok);
+            CHECK(values[2] == Approx(at_b / (at_a + at_b)).epsilon(1e-12));
+        }
+    }
+}
+
+TEST_CASE("solve_surface: flat pillows, their faces turned at random", "[surface][property]") {
+    std::size_t flips = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const int count = 5 + int(random.below(8));
+        std::vector<double> angles;
+        for (int n = 0; n < count; ++n)
+            angles.push_back(2 * std::numbers::pi * (n + random.uniform(-0.4, 0.4)) / count);
+        MeshData mesh;
+        for (const double t : angles)
+            mesh.vertices.push_back({std::cos(t), 0.3 * std::sin(t) * (1 + 0.2 * std::cos(t)), 0});
+        for (int n = 1; n + 1 < count; ++n) { // fans about two corners: no edge is there twice
+            mesh.faces.push_back({0, n, n + 1});
+            mesh.faces.push_back({1, (n + 2) % count, n + 1});
+        }
+        Marks marks(mesh.vertices.size());
+        std::vector<double> start(mesh.vertices.size(), nan);
+        for (std::size_t i = 0; i < marks.size(); i += 2) {
+            marks[i] = 1;
+            start[i] = random.uniform(0, 1);
+        }
+        const auto solved = [&] {
+            const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
+            CHECK(weights.report.negative_weights == 0);
+            flips += weights.report.flips;
+            auto values = start;
+            REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+            return values;
+        };
+        const auto expected = solved();
+        for (const double value : expected) CHECK((value >= -1e-12 && value <= 1 + 1e-12));
+        for (int n = 0; n < 4; ++n) {
+            for (auto& face : mesh.faces) {
+                if (random.below(2) == 0) std::swap(face[1], face[2]);
+            }
+            const auto values = solved();
+            for (std::size_t i = 0; i < values.size(); ++i)
+                CHECK(std::fabs(values[i] - expected[i]) <= 1e-10);
+        }
+    }
+    CHECK(flips > 1000);
+}
+
 TEST_CASE("cotangent_weights: what is refused, by name", "[surface][errors]") {
     const MeshData good = cageform_tests::sphere(1);
     const auto refused = [](const MeshData& mesh, Status status, CageFaultKind kind, std::size_t a) {
