@@ -142,7 +142,7 @@ public:
             const auto field = all.begin() + std::ptrdiff_t(b * nodes);
             values_.insert(values_.end(), field, field + std::ptrdiff_t(size));
         }
-        return Status::ok;
+        return restore_sums() ? Status::ok : Status::not_converged;
     }
 
     /// A vertex's side by side.
@@ -216,6 +216,21 @@ private:
         });
     }
 
+    /// Weights that sum to 1. Where bones heat little, what fixes the sum is small beside what flows
+    /// along the mesh: rounding then changes all weights by one factor. False where by too much.
+    bool restore_sums() noexcept {
+        constexpr double most = 1e-3;
+        const std::size_t size = places_.size();
+        for (std::size_t i = 0; i < size; ++i) {
+            if (mesh_.unused[i] != 0) continue;
+            double sum = 0;
+            for (std::size_t at = i; at < values_.size(); at += size) sum += values_[at];
+            if (!(std::fabs(sum - 1) <= most)) return false;
+            for (std::size_t at = i; at < values_.size(); at += size) values_[at] /= sum;
+        }
+        return true;
+    }
+
     void list_idle(const std::vector<std::uint8_t>& busy) {
         for (std::size_t b = 0; b < busy.size(); ++b) {
             if (busy[b] == 0) report_.idle_bones.push_back(b);
@@ -277,7 +292,8 @@ SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
 ///   cost     as harmonic_skin; O(log #F) as a rule for what a vertex sees
 ///   fails    as harmonic_skin; cage_not_closed where visibility is asked for and an edge has one face
 ///            (SurfaceReport::mesh); weights_not_positive (the heat); cells_unreached: a part of the
-///            mesh that sees no bone
+///            mesh that sees no bone; not_converged: so little heat, or bones so far away, that
+///            rounding takes more than 1e-3 of it
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
 SurfaceSkin<range_scalar_t<R>> bone_heat(const R& points, const F& faces, std::span<const BoneSegment> bones,
