@@ -231,8 +231,9 @@ TEST_CASE("a clip goes on as a whole", "[animate][clip][property]") {
             const auto& curve = curves[k];
             const double falls = curve.begin() == 0 ? curve.derivative(0) : 0;
             const double rises = curve.end() == 3 ? curve.derivative(3) : 0;
-            CHECK(before[k / 3][k % 3] == Approx(first[k / 3][k % 3] - part * falls).margin(1e-10));
-            CHECK(after[k / 3][k % 3] == Approx(last[k / 3][k % 3] + part * rises).margin(1e-10));
+            CHECK(before[k / 3][k % 3] ==
+                  Approx(first[k / 3][k % 3] - part * falls).epsilon(0).margin(1e-10));
+            CHECK(after[k / 3][k % 3] == Approx(last[k / 3][k % 3] + part * rises).epsilon(0).margin(1e-10));
         }
     }
     // Ends of its own.
@@ -309,7 +310,8 @@ TEST_CASE("a turn in the plane: by the angle, about the pivot, as stiff as it wa
                                           to[1] + std::sin(angle) * from[0] + std::cos(angle) * from[1]};
             CHECK(distance(pose[i], expected) <= 1e-12);
             for (std::size_t j = 0; j < i; ++j)
-                CHECK(distance(pose[i], pose[j]) == Approx(distance(rest[i], rest[j])).margin(1e-14 * 10));
+                CHECK(distance(pose[i], pose[j]) ==
+                      Approx(distance(rest[i], rest[j])).epsilon(0).margin(1e-14 * 10));
         }
     }
 }
@@ -366,7 +368,8 @@ TEST_CASE("turns in space: at keys, between them, beyond them", "[animate][clip]
             // Where a straight line stands for the arc, it is not gone along at quite a constant speed.
             CHECK(distance(pose[i], expected) <= 1e-5);
             for (std::size_t j = 0; j < i; ++j)
-                CHECK(distance(pose[i], pose[j]) == Approx(distance(rest[i], rest[j])).margin(1e-13));
+                CHECK(distance(pose[i], pose[j]) ==
+                      Approx(distance(rest[i], rest[j])).epsilon(0).margin(1e-13));
         }
     }
 }
@@ -413,7 +416,7 @@ TEST_CASE("slerp: of unit length, at constant speed, the shorter way", "[animate
     for (int n = 1; n <= steps; ++n) {
         const auto q = slerp(a, b, double(n) / steps);
         CHECK(length_of(q) == Approx(1).epsilon(1e-15));
-        CHECK(angle_between(a, q) == Approx(angle * n / steps).margin(2e-6));
+        CHECK(angle_between(a, q) == Approx(angle * n / steps).epsilon(0).margin(2e-6));
         CHECK(angle_between(before, q) == Approx(angle / steps).epsilon(2e-4).margin(1e-9));
         before = q;
     }
@@ -423,7 +426,7 @@ TEST_CASE("slerp: of unit length, at constant speed, the shorter way", "[animate
     };
     const auto half = slerp(narrow(a), narrow(b), 0.5f);
     const auto exact = slerp(a, b, 0.5);
-    for (std::size_t k = 0; k < 4; ++k) CHECK(double(half[k]) == Approx(exact[k]).margin(1e-6));
+    for (std::size_t k = 0; k < 4; ++k) CHECK(double(half[k]) == Approx(exact[k]).epsilon(0).margin(1e-6));
 }
 
 TEST_CASE("slerp of opposite and equal rotations", "[animate][slerp]") {

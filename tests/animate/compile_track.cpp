@@ -82,11 +82,11 @@ TEMPLATE_TEST_CASE("keys of any kinds: met at their times, within the tolerance 
     for (std::size_t i = 0; i < keys.size(); ++i) {
         CAPTURE(i, int(keys[i].kind));
         const T at = T(keys[i].time);
-        CHECK(double(track(at)) == Approx(keys[i].value).margin(rounding(at)));
+        CHECK(double(track(at)) == Approx(keys[i].value).epsilon(0).margin(rounding(at)));
         if (i + 1 == keys.size()) break;
         const T before = just_before<T>(keys[i + 1].time);
         const double arrives = keys[keys[i].kind == KeyKind::hold ? i : i + 1].value;
-        CHECK(double(track(before)) == Approx(arrives).margin(2 * rounding(before)));
+        CHECK(double(track(before)) == Approx(arrives).epsilon(0).margin(2 * rounding(before)));
         const BezierFunction function(key_interval(keys, i));
         for (int n = 0; n < 40; ++n) {
             const T x = std::max(at, std::min(before, T(random.uniform(keys[i].time, keys[i + 1].time))));
@@ -164,9 +164,10 @@ TEST_CASE("linear is a straight line at constant speed", "[animate][track][kinds
         const std::size_t i = random.below(keys.size() - 1);
         const double part = random.uniform(0, 1), h = keys[i + 1].time - keys[i].time;
         const double rise = keys[i + 1].value - keys[i].value, x = keys[i].time + part * h;
-        CHECK(compiled.track(x) == Approx(keys[i].value + (x - keys[i].time) / h * rise).margin(1e-13));
+        CHECK(compiled.track(x) ==
+              Approx(keys[i].value + (x - keys[i].time) / h * rise).epsilon(0).margin(1e-13));
         if (part > 1e-6 && part < 1 - 1e-6)
-            CHECK(compiled.track.curve.derivative(x) == Approx(rise / h).margin(1e-12));
+            CHECK(compiled.track.curve.derivative(x) == Approx(rise / h).epsilon(0).margin(1e-12));
     }
 }
 
@@ -195,8 +196,9 @@ TEST_CASE("hermite: slopes in and out", "[animate][track][kinds][property]") {
     const auto pieces = compiled.track.curve.pieces();
     REQUIRE(pieces.size() == keys.size() - 1);
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
-        CHECK(pieces[i].derivative(keys[i].time) == Approx(keys[i].out_slope).margin(1e-10));
-        CHECK(pieces[i].derivative(keys[i + 1].time) == Approx(keys[i + 1].in_slope).margin(1e-10));
+        CHECK(pieces[i].derivative(keys[i].time) == Approx(keys[i].out_slope).epsilon(0).margin(1e-10));
+        CHECK(pieces[i].derivative(keys[i + 1].time) ==
+              Approx(keys[i + 1].in_slope).epsilon(0).margin(1e-10));
     }
 }
 
@@ -227,15 +229,15 @@ TEST_CASE("tcb: Kochanek and Bartels' slopes where keys are equally far apart",
         const double leaves =
             ((1 - t) * (1 + b) * (1 + c) * before + (1 - t) * (1 - b) * (1 - c) * after) / 2;
         const double comes = ((1 - t) * (1 + b) * (1 - c) * before + (1 - t) * (1 - b) * (1 + c) * after) / 2;
-        CHECK(pieces[i].derivative(time) == Approx(leaves / step).margin(1e-11));
-        CHECK(pieces[i - 1].derivative(time) == Approx(comes / step).margin(1e-11));
+        CHECK(pieces[i].derivative(time) == Approx(leaves / step).epsilon(0).margin(1e-11));
+        CHECK(pieces[i - 1].derivative(time) == Approx(comes / step).epsilon(0).margin(1e-11));
         if (!plain || i == 4) continue;
         const double p0 = keys[i - 1].value, p1 = value, p2 = keys[i + 1].value, p3 = keys[i + 2].value;
         for (const double u : {0.1, 0.5, 0.8}) {
             const double catmull_rom =
                 0.5 * (2 * p1 + (p2 - p0) * u + (2 * p0 - 5 * p1 + 4 * p2 - p3) * u * u +
                        (3 * p1 - p0 - 3 * p2 + p3) * u * u * u);
-            CHECK(compiled.track(time + u * step) == Approx(catmull_rom).margin(1e-11));
+            CHECK(compiled.track(time + u * step) == Approx(catmull_rom).epsilon(0).margin(1e-11));
         }
     }
 }
@@ -265,13 +267,13 @@ TEST_CASE("automatic is smooth and goes not beyond the keys", "[animate][track][
             last = value;
         }
         CHECK(monotone);
-        CHECK(last == Approx(keys[i + 1].value).margin(1e-12));
+        CHECK(last == Approx(keys[i + 1].value).epsilon(0).margin(1e-12));
         if (i == 0) continue;
         const double slope = pieces[i].derivative(keys[i].time);
         const double steep =
             1 + std::fabs(rise / length) +
             std::fabs((keys[i].value - keys[i - 1].value) / (keys[i].time - keys[i - 1].time));
-        CHECK(pieces[i - 1].derivative(keys[i].time) == Approx(slope).margin(1e-12 * steep));
+        CHECK(pieces[i - 1].derivative(keys[i].time) == Approx(slope).epsilon(0).margin(1e-12 * steep));
     }
 }
 
@@ -354,7 +356,7 @@ TEST_CASE("late keys keep their digits", "[animate][track][property]") {
     const double begin = keys.front().time, end = keys.back().time;
     for (int n = 0; n <= 100; ++n) {
         const double x = std::floor((begin + (end - begin) * n / 100) * 4096) / 4096;
-        CHECK(there.track(x + 1e6) == Approx(here.track(x)).margin(1e-7));
+        CHECK(there.track(x + 1e6) == Approx(here.track(x)).epsilon(0).margin(1e-7));
     }
 }
 
@@ -536,8 +538,8 @@ TEST_CASE("knots between keys that the scalar cannot tell apart are left out, an
     options.tolerance = 1e-3;
     const auto short_track = compile_track<float>(near, options);
     REQUIRE(short_track.status == Status::ok);
-    CHECK(short_track.track(float(near[0].time)) == Approx(0).margin(1e-6));
-    CHECK(short_track.track(float(near[1].time)) == Approx(1).margin(1e-5));
+    CHECK(short_track.track(float(near[0].time)) == Approx(0).epsilon(0).margin(1e-6));
+    CHECK(short_track.track(float(near[1].time)) == Approx(1).epsilon(0).margin(1e-5));
     for (int n = 0; n <= 4; ++n) CHECK(std::isfinite(short_track.track(float(near[0].time + n * 0x1p-11))));
 }
 

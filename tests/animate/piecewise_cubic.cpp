@@ -127,7 +127,8 @@ TEST_CASE("slopes are limits of differences", "[animate][piecewise_cubic][proper
         const double x = random.uniform(curve.begin(), curve.end()), h = 1e-5;
         if (curve.locate(x - h) != curve.locate(x + h) || x - h < curve.begin() || x + h > curve.end())
             continue;
-        REQUIRE(curve.derivative(x) == Approx((curve(x + h) - curve(x - h)) / (2 * h)).margin(1e-7));
+        REQUIRE(curve.derivative(x) ==
+                Approx((curve(x + h) - curve(x - h)) / (2 * h)).epsilon(0).margin(1e-7));
     }
 }
 
@@ -340,12 +341,13 @@ TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCA
             REQUIRE(back.turns == 0);
             REQUIRE(round.time == higher.time);
             REQUIRE(double(higher.turns) == turns);
-            REQUIRE(double(round.time) + turns * double(length) == Approx(double(x)).margin(margin));
+            REQUIRE(double(round.time) + turns * double(length) ==
+                    Approx(double(x)).epsilon(0).margin(margin));
             // There and back: the mirror image in odd turns.
             const bool odd = std::fmod(std::fabs(turns), 2) == 1;
             const double mirrored =
                 odd ? double(begin) + double(end) - double(round.time) : double(round.time);
-            REQUIRE(double(back.time) == Approx(mirrored).margin(margin));
+            REQUIRE(double(back.time) == Approx(mirrored).epsilon(0).margin(margin));
         }
     }
     for (const auto mode : {constant, linear, cycle, cycle_with_offset, ping_pong}) {
@@ -385,15 +387,17 @@ TEST_CASE("tracks go on as said", "[animate][track][property]") {
         const double there = begin + part + turn * length, value = track.curve(begin + part);
         const double scale = 1e-11 * (1 + std::fabs(value) + 8 * std::fabs(rise) + 40);
         track.before = track.after = cycle;
-        CHECK(track(there) == Approx(value).margin(scale));
+        CHECK(track(there) == Approx(value).epsilon(0).margin(scale));
         track.before = track.after = cycle_with_offset;
-        CHECK(track(there) == Approx(value + turn * rise).margin(scale));
+        CHECK(track(there) == Approx(value + turn * rise).epsilon(0).margin(scale));
         track.before = track.after = ping_pong;
-        CHECK(track(begin + part + 2 * turn * length) == Approx(value).margin(scale));
-        CHECK(track(begin - part - 2 * turn * length) == Approx(value).margin(scale));
+        CHECK(track(begin + part + 2 * turn * length) == Approx(value).epsilon(0).margin(scale));
+        CHECK(track(begin - part - 2 * turn * length) == Approx(value).epsilon(0).margin(scale));
         track.before = track.after = linear;
-        CHECK(track(end + part) == Approx(last + part * track.curve.derivative(end)).margin(scale));
-        CHECK(track(begin - part) == Approx(first - part * track.curve.derivative(begin)).margin(scale));
+        CHECK(track(end + part) ==
+              Approx(last + part * track.curve.derivative(end)).epsilon(0).margin(scale));
+        CHECK(track(begin - part) ==
+              Approx(first - part * track.curve.derivative(begin)).epsilon(0).margin(scale));
         track.before = track.after = constant;
         CHECK(track(end + part) == last);
         CHECK(track(begin - part) == first);
@@ -406,15 +410,15 @@ TEST_CASE("tracks go on as said", "[animate][track][property]") {
         for (int turn = -4; turn <= 5; ++turn) {
             const double x = begin + turn * length;
             CAPTURE(int(mode), turn);
-            CHECK(track(x - 1e-9) == Approx(track(x + 1e-9)).margin(1e-9 * slope));
-            CHECK(track(x) == Approx(track(x + 1e-9)).margin(1e-9 * slope));
+            CHECK(track(x - 1e-9) == Approx(track(x + 1e-9)).epsilon(0).margin(1e-9 * slope));
+            CHECK(track(x) == Approx(track(x + 1e-9)).epsilon(0).margin(1e-9 * slope));
         }
     }
     // Each end has its own.
     track.before = cycle;
     track.after = constant;
     CHECK(track(end + 0.3 * length) == last);
-    CHECK(track(begin - 0.25 * length) == Approx(track.curve(end - 0.25 * length)).margin(1e-9));
+    CHECK(track(begin - 0.25 * length) == Approx(track.curve(end - 0.25 * length)).epsilon(0).margin(1e-9));
 }
 
 } // namespace piecewise_cubic_tests

@@ -268,18 +268,20 @@ TEST_CASE("a fit follows scales and shifts of the value, and shears leave its er
     const auto of_scaled = fit_pieces(scaled, parameters, options);
     REQUIRE(of_scaled.status == Status::ok);
     for (std::size_t k = 0; k < fit.bernstein.size(); ++k)
-        CHECK(of_scaled.bernstein[k] ==
-              Approx(factor * fit.bernstein[k] + shift).margin(1e-10 * (1 + largest(fit.bernstein))));
+        CHECK(of_scaled.bernstein[k] == Approx(factor * fit.bernstein[k] + shift)
+                                            .epsilon(0)
+                                            .margin(1e-10 * (1 + largest(fit.bernstein))));
     const double size = 1 + largest(fit.bernstein);
-    CHECK(of_scaled.sup_error == Approx(std::fabs(factor) * fit.sup_error).margin(1e-11 * size));
-    CHECK(of_scaled.l2_error == Approx(std::fabs(factor) * fit.l2_error).margin(1e-11 * size));
-    CHECK(of_scaled.slope_error == Approx(std::fabs(factor) * fit.slope_error).margin(1e-9 * size));
+    CHECK(of_scaled.sup_error == Approx(std::fabs(factor) * fit.sup_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_scaled.l2_error == Approx(std::fabs(factor) * fit.l2_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_scaled.slope_error ==
+          Approx(std::fabs(factor) * fit.slope_error).epsilon(0).margin(1e-9 * size));
 
     const auto of_sheared = fit_pieces(sheared, parameters, options);
     REQUIRE(of_sheared.status == Status::ok);
-    CHECK(of_sheared.sup_error == Approx(fit.sup_error).margin(1e-11 * size));
-    CHECK(of_sheared.l2_error == Approx(fit.l2_error).margin(1e-11 * size));
-    CHECK(of_sheared.slope_error == Approx(fit.slope_error).margin(1e-9 * size));
+    CHECK(of_sheared.sup_error == Approx(fit.sup_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_sheared.l2_error == Approx(fit.l2_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_sheared.slope_error == Approx(fit.slope_error).epsilon(0).margin(1e-9 * size));
 }
 
 TEST_CASE("weights in the curve's units are other weights of the normal form", "[animate][fit][property]") {
@@ -304,12 +306,12 @@ TEST_CASE("weights in the curve's units are other weights of the normal form", "
         const double size = 1 + largest(of_form.bernstein), height = std::fabs(form.height);
         for (std::size_t k = 0; k < fit.bernstein.size(); ++k)
             CHECK((fit.bernstein[k] - form.value) / form.height ==
-                  Approx(of_form.bernstein[k]).margin(1e-10 * size));
-        CHECK(fit.sup_error == Approx(height * of_form.sup_error).margin(1e-11 * size * height));
+                  Approx(of_form.bernstein[k]).epsilon(0).margin(1e-10 * size));
+        CHECK(fit.sup_error == Approx(height * of_form.sup_error).epsilon(0).margin(1e-11 * size * height));
         CHECK(fit.l2_error / height / std::sqrt(form.length) ==
-              Approx(of_form.l2_error).margin(1e-11 * size));
+              Approx(of_form.l2_error).epsilon(0).margin(1e-11 * size));
         CHECK(fit.slope_error / height * std::sqrt(form.length) ==
-              Approx(of_form.slope_error).margin(1e-9 * size));
+              Approx(of_form.slope_error).epsilon(0).margin(1e-9 * size));
     }
 }
 
@@ -321,7 +323,7 @@ TEST_CASE("far away times change nothing, reversed time mirrors", "[animate][fit
     const auto shifted = fit_pieces(moved(curve, 1e3, 1, 0, 1), parameters, options);
     REQUIRE(shifted.status == Status::ok);
     CHECK(difference(shifted.bernstein, fit.bernstein) <= 1e-9 * (1 + largest(fit.bernstein)));
-    CHECK(shifted.sup_error == Approx(fit.sup_error).margin(1e-9));
+    CHECK(shifted.sup_error == Approx(fit.sup_error).epsilon(0).margin(1e-9));
 
     BezierCurve back;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -334,8 +336,8 @@ TEST_CASE("far away times change nothing, reversed time mirrors", "[animate][fit
     for (std::size_t k = 0; k < fit.bernstein.size(); ++k)
         CHECK(of_back.bernstein[k] == Approx(1 - fit.bernstein[fit.bernstein.size() - 1 - k])
                                           .margin(1e-10 * (1 + largest(fit.bernstein))));
-    CHECK(of_back.sup_error == Approx(fit.sup_error).margin(1e-11));
-    CHECK(of_back.slope_error == Approx(fit.slope_error).margin(1e-9));
+    CHECK(of_back.sup_error == Approx(fit.sup_error).epsilon(0).margin(1e-11));
+    CHECK(of_back.slope_error == Approx(fit.slope_error).epsilon(0).margin(1e-9));
 }
 
 TEST_CASE("the error is linear in the handles' distance from a straight line", "[animate][fit][property]") {
@@ -441,7 +443,7 @@ TEST_CASE("XXIV is the clamped spline, IX leaves two coefficients", "[animate][f
                                   value(i + 1) - slope(i + 1) * h(i) / 3, value(i + 1)};
         for (std::size_t k = 0; k < 4; ++k)
             CHECK(fit.coefficients(std::size_t(i))[k] ==
-                  Approx(expected[k]).margin(1e-9 * (1 + slope.lpNorm<Eigen::Infinity>())));
+                  Approx(expected[k]).epsilon(0).margin(1e-9 * (1 + slope.lpNorm<Eigen::Infinity>())));
     }
     const auto ninth = fit_of(curve, knots, configuration(9));
     REQUIRE(ninth.status == Status::ok);
@@ -527,7 +529,7 @@ TEST_CASE("the largest error is never below one that samples find, nor above the
             const double slope = std::fabs(function.derivative(fit.sup_at));
             if (slope < 1e3)
                 CHECK(std::fabs(function(fit.sup_at) - fit(fit.sup_at)) ==
-                      Approx(fit.sup_error).margin(1e-10 * size));
+                      Approx(fit.sup_error).epsilon(0).margin(1e-10 * size));
         }
     }
 }

@@ -473,10 +473,10 @@ TEST_CASE("primitives and lights of a filter in user space follow",
     Box cut;
     for (const Point2& p : Box{28, 39, 40, 51}.corners()) cut.add(apply(map, p));
     const Box held = box_of(find(half, "feFlood"));
-    CHECK(held.x0 == Approx(cut.x0).margin(1e-3));
-    CHECK(held.y0 == Approx(cut.y0).margin(1e-3));
-    CHECK(held.x1 == Approx(cut.x1).margin(1e-3));
-    CHECK(held.y1 == Approx(cut.y1).margin(1e-3));
+    CHECK(held.x0 == Approx(cut.x0).epsilon(0).margin(1e-3));
+    CHECK(held.y0 == Approx(cut.y0).epsilon(0).margin(1e-3));
+    CHECK(held.x1 == Approx(cut.x1).epsilon(0).margin(1e-3));
+    CHECK(held.y1 == Approx(cut.y1).epsilon(0).margin(1e-3));
     REQUIRE(half.report.warnings.size() == 1);
     CHECK(half.report.warnings[0].find("feFlood") == 0);
 
@@ -543,9 +543,9 @@ TEST_CASE("the picture grows to what has moved when asked", "[examples][svg_docu
     CHECK(fitted.report.cut_off == 0);
     const auto view = view_box(fitted.document);
     REQUIRE(view);
-    CHECK(view->x == Approx(0).margin(0.5));
-    CHECK(view->width == Approx(110).margin(0.5)); // nothing of what was never seen
-    CHECK(view->height == Approx(50).margin(0.5));
+    CHECK(view->x == Approx(0).epsilon(0).margin(0.5));
+    CHECK(view->width == Approx(110).epsilon(0).margin(0.5)); // nothing of what was never seen
+    CHECK(view->height == Approx(50).epsilon(0).margin(0.5));
     const pugi::xml_node root = fitted.document.xml.document_element();
     CHECK(root.attribute("width").as_double() == Approx(2 * view->width));
     CHECK(std::string_view(root.attribute("height").value()).ends_with("mm"));
@@ -554,7 +554,7 @@ TEST_CASE("the picture grows to what has moved when asked", "[examples][svg_docu
     // without a viewBox the size is it
     const Result bare = deformed(R"(<svg width="100" height="50"><rect width="10" height="10"/></svg>)",
                                  by(right), {.fit = true});
-    CHECK(view_box(bare.document)->width == Approx(110).margin(0.5));
+    CHECK(view_box(bare.document)->width == Approx(110).epsilon(0).margin(0.5));
 }
 
 TEST_CASE("texts and images move as a whole", "[examples][svg_document][paint]") {
@@ -611,12 +611,13 @@ TEST_CASE("where a curve stops, the moved one has its direction", "[examples][sv
         return std::atan2(std::sin(angle) + 0.02 * (x - 50) * std::cos(angle), std::cos(angle));
     };
     CHECK(leaves(moved.start, moved.segments.front()) ==
-          Approx(slope(leaves(rest.start, rest.segments[0]), 10)).margin(0.02));
+          Approx(slope(leaves(rest.start, rest.segments[0]), 10)).epsilon(0).margin(0.02));
     const auto joint = std::find_if(moved.segments.begin(), moved.segments.end(),
                                     [](const Segment& s) { return std::abs(s.p3.x - 40) < 1e-6; });
     REQUIRE(joint != moved.segments.end());
     const Point2 from = joint == moved.segments.begin() ? moved.start : std::prev(joint)->p3;
-    CHECK(arrives(from, *joint) == Approx(slope(arrives(rest.start, rest.segments[0]), 40)).margin(0.02));
+    CHECK(arrives(from, *joint) ==
+          Approx(slope(arrives(rest.start, rest.segments[0]), 40)).epsilon(0).margin(0.02));
 }
 
 } // namespace svg_paint_tests
