@@ -232,6 +232,12 @@ TEST_CASE("a disc far larger than the canvas covers it", "[grid][strokes]") {
         REQUIRE(field.solve().status == Status::ok);
         for (const double value : field.field(0)) CHECK(value == 3);
     }
+    // Two, whose radii are infinite in cells: the mean of both (not a number before).
+    Diffusion<double> field(about_unit_circle, 24, 1);
+    REQUIRE(field.add({{{0.1, 0.2}}, {3.0}, {}, 1.7e308}) == Status::ok);
+    REQUIRE(field.add({{{-0.3, 0.1}, {0.2, 0.3}}, {1.0, 1.0}, {}, 1.7e308}) == Status::ok);
+    REQUIRE(field.solve().status == Status::ok);
+    for (const double value : field.field(0)) CHECK((value >= 1 && value <= 3));
 }
 
 TEST_CASE("at the end of a stroke with two sides the error falls with the spacing", "[grid][strokes]") {

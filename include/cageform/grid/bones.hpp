@@ -5,6 +5,8 @@
 #include <cageform/core/buffer.hpp>
 #include <cageform/grid/grid_boundary.hpp>
 
+#include <algorithm>
+
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
@@ -19,8 +21,10 @@ public:
     GridBones(std::span<const Bone> bones, std::span<const Vec<double, D>> vertices,
               const Lattice<double, D>& lattice)
         : lattice_(lattice) {
-        for (const auto& [i, j, radius] : bones)
-            bones_.push_back({i, j, vertices[i], vertices[j], radius / lattice.spacing});
+        for (const auto& [i, j, radius] : bones) {
+            // Far beyond all lattices one radius is like another, as long as its square is finite.
+            bones_.push_back({i, j, vertices[i], vertices[j], std::min(radius / lattice.spacing, 1e100)});
+        }
     }
 
     std::size_t size() const noexcept { return bones_.size(); }
