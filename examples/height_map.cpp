@@ -79,7 +79,9 @@ SvgResult<cageform::Diffusion<double>> diffuse(const StrokeFile& file, const Hei
     ProgressBar bar("height map");
     const auto solved = field.solve({}, {.progress = bar.callback()});
     if (solved.status == cageform::Status::grid_too_coarse) {
-        return SvgError{file.name + ": " + file.lines[solved.solver.culprit].label +
+        const std::size_t culprit = solved.solver.culprit; // the frame is the last
+        return SvgError{file.name + ": " +
+                        (culprit < file.lines.size() ? file.lines[culprit].label : "the frame") +
                         " is smaller than a pixel: give a larger --size"};
     }
     if (solved.status != cageform::Status::ok) return SvgError{file.name + ": " + to_string(solved.status)};
