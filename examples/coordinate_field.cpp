@@ -286,6 +286,9 @@ int run_program(int argc, char** argv) {
 
     const auto cage = load_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
+    if (!given.classes.empty() && cage->has_cells())
+        return fail("--classes: " + given.cage +
+                    ": the papers' grid is of cages without chains and points inside");
     given.is_coordinate = vertex.is_given();
     if (vertex.is_given() == of_values.is_given()) return fail("--vertex or --values says what to draw");
     if (given.vertex >= cage->vertices.size()) {

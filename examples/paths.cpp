@@ -172,6 +172,7 @@ int run_program(int argc, char** argv) {
     std::mt19937_64 random(given.seed);
     const auto by_rays = weights_by_rays(boundary, p, given.rays);
     const auto by_paths = weights_by_brownian_paths(boundary, p, given.paths, 1e-4 * diagonal, random);
+    std::printf("seed %zu\n", given.seed);
     std::printf(
         "vertex  mean value: by %zu rays, of the library   harmonic: by %zu paths ± standard error, of the "
         "library\n",

@@ -588,6 +588,8 @@ refuses 'excludes' "$field" --cage rectangle.csv --vertex 1 --values 1,2,3,4 -o 
 works "rays and Brownian paths" "$programs/paths" --cage "$data/biped_cage.svg" --point 150,540 --rays 1000 --paths 100 -o paths.svg --png
 [ -s paths.png ] && ok=yes || ok=no
 report $ok "the paths are drawn"
+"$programs/paths" --cage rectangle.csv --point 1,1 --rays 10 --paths 10 --seed 7 -o paths.svg | grep -qx "seed 7" && ok=yes || ok=no
+report $ok "the seed of the paths is printed"
 refuses 'the point is not inside rectangle.csv' "$programs/paths" --cage rectangle.csv --point 7,1 -o out.svg
 refuses 'the point is not inside rectangle.csv' "$programs/paths" --cage rectangle.csv --point 4,1 -o out.svg
 refuses '--point: a coordinate is not finite' "$programs/paths" --cage rectangle.csv --point nan,1 -o out.svg
@@ -619,6 +621,7 @@ refuses 'nowhere.csv' "$formula" --cage nowhere.csv --vertex 0
 works "the papers' grid" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --resolution 40 --classes classes.png
 [ -s classes.png ] && ok=yes || ok=no
 report $ok "the cells are drawn"
+refuses 'the papers'"'"' grid is of cages without chains and points inside' "$field" --cage "$data/cat_cage_spine.csv" --vertex 1 --coordinates harmonic -o field.png --classes out.png
 works "the figure at rest under the posed one" "$deform" "$data/biped.svg" --cage "$data/biped_cage.svg" --pose "$data/biped_pose.svg" -o biped.svg --show-rest --png
 grep -q '<image .*white-at-rest' biped.svg && ok=yes || ok=no
 report $ok "--show-rest draws the figure at rest"
