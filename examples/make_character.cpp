@@ -251,12 +251,11 @@ std::string bones_text() {
             const bool from_middle =
                 std::string_view(parent) == "chest" || std::string_view(parent) == "hips";
             text += std::string(of_side) + name + ',' + (from_middle ? "" : of_side) + parent;
-            std::array<char, 96> numbers;
             const double turns = side > 0 ? 1 : 0;
-            std::snprintf(numbers.data(), numbers.size(), ",%g,%g,%g,%g,%g,%g,%g,%g,%g\n", side * head[0],
-                          head[1], head[2], side * tail[0], tail[1], tail[2], turns * turn[0],
-                          turns * turn[1], turns * turn[2]);
-            text += numbers.data();
+            for (const double x : {side * head[0], head[1], head[2], side * tail[0], tail[1], tail[2],
+                                   turns * turn[0], turns * turn[1], turns * turn[2]})
+                text += ',' + text_of("%g", x);
+            text += '\n';
         };
         add("shoulder", "chest", {0.06, 1.34, 0}, {0.2, 1.325, 0}, {});
         add("upper arm", "shoulder", {0.2, 1.325, 0}, {0.545, 1.325, -0.005}, {0, 0, 20});
