@@ -11,6 +11,7 @@
 #include "command_line.hpp"
 #include "coordinates.hpp"
 #include "guard.hpp"
+#include "plot.hpp"
 #include "surface_nets.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -254,7 +255,7 @@ std::string bones_text() {
             const double turns = side > 0 ? 1 : 0;
             for (const double x : {side * head[0], head[1], head[2], side * tail[0], tail[1], tail[2],
                                    turns * turn[0], turns * turn[1], turns * turn[2]})
-                text += ',' + text_of("%g", x);
+                text += ',' + cageform_examples::text_of("%g", x);
             text += '\n';
         };
         add("shoulder", "chest", {0.06, 1.34, 0}, {0.2, 1.325, 0}, {});
