@@ -109,10 +109,13 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near, GreenRows
 ///
 /// as one angle. s₂ A − s₁ B, where both s have one sign, is D L (s₁ + s₂)/(s₂ A + s₁ B).
 template <class S>
-Simd<S> edge_angle(const typename GreenRows<S, 3>::Edge& edge, const Simd<S>& length, const Simd<S>& height,
-                   const Simd<S>& rho, const Simd<S>& a, const Simd<S>& b) noexcept {
+Simd<S> edge_angle(const GreenFrame<S, 3>& cage, const GreenRows<S, 3>& rows, std::size_t number,
+                   const Simd<S>& height, const Simd<S>& rho) noexcept {
     using X = Simd<S>;
-    const X zero(S(0)), one(S(1)), &s1 = edge.begin, &s2 = edge.end;
+    const auto& ends = cage.edges[number];
+    const auto& edge = rows.edges[number];
+    const X zero(S(0)), one(S(1)), length(ends.length), &s1 = edge.begin, &s2 = edge.end;
+    const X &a = rows.corners[ends.from].r, &b = rows.corners[ends.to].r;
     const auto beyond = zero < s1 * s2;
     const X factor = select(beyond, abs(s2 * a + s1 * b), one);
     const X turn = select(beyond, edge.qq * length * abs(s1 + s2), s2 * a - s1 * b);
@@ -148,11 +151,7 @@ struct FaceIntegrals {
         }
         const X size = abs(height);
         angle = zero;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto& edge = cage.edges[face.edge[k]];
-            angle += edge_angle<S>(*edges[k], X(edge.length), size, rho[k], seen.corners[edge.from].r,
-                                   seen.corners[edge.to].r);
-        }
+        for (std::size_t k = 0; k < 3; ++k) angle += edge_angle<S>(cage, seen, face.edge[k], size, rho[k]);
         const X inmost = (min)(rho[0], (min)(rho[1], rho[2]));
         touched = (max)(edges[0]->touched, (max)(edges[1]->touched, edges[2]->touched));
         touched = select(both(size <= reach, zero <= inmost), one, touched);
