@@ -165,7 +165,7 @@ TEST_CASE("weights of bones: a mesh and bones that mirror each other", "[surface
 }
 
 TEST_CASE("bone_heat: of little heat, the mean of what vertices say", "[surface][skin][property]") {
-    // Then the weights are alike at all vertices: Σ M H p / Σ M H. Rounding took 4e-7 of them at 1e-10.
+    // Then the weights are alike at all vertices: Σ M H p / Σ M H. At 1e-18 nothing was left of it.
     const MeshData mesh = cageform_tests::sphere(3);
     const auto areas = cageform::cotangent_weights(mesh.vertices, mesh.faces).areas;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
@@ -188,13 +188,18 @@ TEST_CASE("bone_heat: of little heat, the mean of what vertices say", "[surface]
         }
         const double all = shares[0] + shares[1] + shares[2];
         SurfaceSkinOptions options = blind;
-        options.heat = 1e-10;
+        for (const double heat : {1e-10, 1e-18, 1e-320}) {
+            options.heat = heat;
+            const auto skin = bone_heat(mesh.vertices, mesh.faces, bones, options);
+            REQUIRE(skin.report.status == Status::ok);
+            const double margin = std::max(100 * heat, 1e-12);
+            for (std::size_t n = 0; n < skin.weights.size(); ++n)
+                REQUIRE(skin.weights[n] == Approx(shares[n % 3] / all).epsilon(0).margin(margin));
+        }
+        options.heat = 1e308; // of what neighbours say
         const auto skin = bone_heat(mesh.vertices, mesh.faces, bones, options);
         REQUIRE(skin.report.status == Status::ok);
-        for (std::size_t n = 0; n < skin.weights.size(); ++n)
-            REQUIRE(skin.weights[n] == Approx(shares[n % 3] / all).epsilon(0).margin(1e-8));
-        options.heat = 1e-18; // of it nothing is left
-        CHECK(bone_heat(mesh.vertices, mesh.faces, bones, options).report.status == Status::not_converged);
+        for (const double w : skin.weights) REQUIRE((w == 1 || w < 1e-100));
     }
 }
 
@@ -239,6 +244,61 @@ TEST_CASE("FaceTree: against every face, and the winding number", "[surface][ski
     CHECK(free > 10);
 }
 
+TEST_CASE("FaceTree: no segment passes between faces", "[surface][skin][property]") {
+    // Out through a place on an edge that rounding puts to either side of both faces or to neither.
+    MeshData mesh = cageform_tests::sphere(2);
+    Random random(5);
+    for (auto& v : mesh.vertices) v = {v[0] + 0.1 * v[1], v[1] - 0.3 * v[2], v[2] / 3};
+    const auto shape = mesh.mesh<double>();
+    const cageform::detail::FaceTree tree(shape.vertices(), shape.faces());
+    std::size_t checked = 0;
+    for (int n = 0; n < 20000; ++n) {
+        const auto vertex = std::uint32_t(random.below(mesh.vertices.size()));
+        const auto& face = shape.faces()[random.below(mesh.faces.size())];
+        const auto &p = shape[vertex], &a = shape[face[0]], &b = shape[face[1]];
+        const double part = random.below(8) == 0 ? 0 : random.uniform(0, 1); // vertices, too
+        const Point q = p + random.uniform(1.5, 3) * (a + part * (b - a) - p);
+        if (dot(a - p, a - p) < 1 || dot(b - p, b - p) < 1) continue; // nor along the surface
+        CAPTURE(vertex, q[0], q[1], q[2]);
+        REQUIRE(!tree.is_free(vertex, q));
+        ++checked;
+    }
+    CHECK(checked > 5000);
+}
+
+TEST_CASE("FaceTree: to a face, along a face, and as faces are turned", "[surface][skin]") {
+    MeshData mesh = cageform_tests::divided_box({2, 2, 2}, 1.0); // 3³ places but the middle
+    const auto vertex_at = [&](const Point& p) {
+        const auto at = std::find(mesh.vertices.begin(), mesh.vertices.end(), p);
+        REQUIRE(at != mesh.vertices.end());
+        return std::uint32_t(at - mesh.vertices.begin());
+    };
+    const auto top = vertex_at({0, 0, 1}), edge = vertex_at({0, -1, 1}), corner = vertex_at({-1, -1, 1});
+    for (const bool turned : {false, true}) {
+        for (auto& face : mesh.faces) {
+            if (turned) std::swap(face[0], face[1]);
+        }
+        const auto shape = mesh.mesh<double>();
+        const cageform::detail::FaceTree tree(shape.vertices(), shape.faces());
+        for (const double x : {0.0, 0.125, 0.5, 1.0}) {
+            for (const double y : {-1.0, 0.0, 0.25, 0.375}) {
+                CAPTURE(turned, x, y);
+                CHECK(tree.is_free(top, {x, y, -1}));     // ends on a face, an edge, at a vertex
+                CHECK(!tree.is_free(top, {x, y, -1.25})); // and behind
+                CHECK(tree.is_free(top, {x, y, 0.5}));
+                CHECK(tree.is_free(top, {x, y, 1.5}));
+                CHECK(tree.is_free(corner, {x, y, 0.25}) == (y > -1)); // not along the side
+                CHECK(!tree.is_free(corner, {x, y, 1})); // along the faces, of its own and others
+                CHECK(tree.encloses({0.5 * x, 0.5 * y, 0.25}));
+            }
+        }
+        CHECK(!tree.is_free(edge, {0, 0.5, 1}));
+        CHECK(!tree.is_free(edge, {0, 2, 1}));
+        CHECK(tree.is_free(edge, {0, -2, 1})); // away from them in their plane
+        CHECK(tree.is_free(corner, {-1, -2, 1}));
+    }
+}
+
 TEST_CASE("harmonic_skin: groups that are named", "[surface][skin]") {
     const MeshData mesh = cageform_tests::sphere(2);
     const std::vector<BoneSegment> bones(2);
@@ -278,6 +338,11 @@ TEST_CASE("weights of bones: what is refused, by name", "[surface][skin][errors]
     bones[1].tail[2] = std::numeric_limits<double>::infinity();
     CHECK(status(mesh, bones) == Status::value_not_finite);
     CHECK(bone_heat(mesh.vertices, mesh.faces, bones).report.solver.culprit == 1);
+    bones[1].tail[2] = -1e101; // squares of distances would overflow
+    CHECK(status(mesh, bones, blind) == Status::value_not_finite);
+    bones[1].tail[2] = 1e99;
+    CHECK(status(mesh, bones, blind) == Status::ok);
+    CHECK(status(mesh, {{{1e99, 0, 0}, {2e99, 0, 0}}}, blind) == Status::ok);
     CHECK(status(mesh, good, {.heat = 0}) == Status::weights_not_positive);
     CHECK(status(mesh, good, {.heat = std::numeric_limits<double>::quiet_NaN()}) ==
           Status::weights_not_positive);

@@ -1,4 +1,4 @@
-// On which side of a line a point lies, and whether segments meet: decided exactly.
+// On which side of a line or plane a point lies, and whether segments meet: decided exactly.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -6,32 +6,57 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The sign of a sum of products x·y, without rounding: products and sums are split into a rounded
-/// part and its error (Shewchuk, Adaptive precision floating-point arithmetic and fast robust
-/// geometric predicates, Discrete Comput. Geom. 18 (1997), sec. 2: Two-Sum, Two-Product,
-/// Grow-Expansion). For factors at most 1 and not below 1e-120, or zero.
-template <std::size_t N>
-int sign_of_products(const std::array<std::array<double, 2>, N>& factors) noexcept {
-    std::array<double, 2 * N> parts{}; // without overlap, ascending; their exact sum is the result
-    std::size_t count = 0;
-    const auto add = [&](double x) {
-        for (std::size_t i = 0; i < count; ++i) {
-            const double sum = parts[i] + x, virtual_x = sum - parts[i];
-            parts[i] = (parts[i] - (sum - virtual_x)) + (x - virtual_x);
-            x = sum;
-        }
-        parts[count++] = x;
-    };
-    for (const auto& [x, y] : factors) {
+/// A sum of products, without rounding: products and sums are split into a rounded part and its
+/// error (Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric
+/// predicates, Discrete Comput. Geom. 18 (1997), sec. 2: Two-Sum, Two-Product, Grow-Expansion). For
+/// up to `terms` factors at most 1 that are zero or not below 1e-120, of three 1e-90.
+template <std::size_t terms>
+class ExactSum {
+public:
+    void add_product(double x, double y) noexcept {
         const double product = x * y;
         add(std::fma(x, y, -product));
         add(product);
     }
-    while (count > 0 && parts[count - 1] == 0) --count;
-    return count == 0 ? 0 : parts[count - 1] > 0 ? 1 : -1;
+    void add_product(double x, double y, double z) noexcept {
+        const double product = x * y;
+        add_product(std::fma(x, y, -product), z);
+        add_product(product, z);
+    }
+    int sign() const noexcept { return count_ == 0 ? 0 : parts_[count_ - 1] > 0 ? 1 : -1; }
+
+private:
+    void add(double x) noexcept {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            const double part = parts_[i], sum = part + x, virtual_x = sum - part;
+            const double error = (part - (sum - virtual_x)) + (x - virtual_x);
+            if (error != 0) parts_[kept++] = error;
+            x = sum;
+        }
+        if (x != 0) parts_[kept++] = x;
+        count_ = kept;
+    }
+
+    std::array<double, terms>
+        parts_{}; // without overlap, ascending, none zero; their exact sum is the result
+    std::size_t count_ = 0;
+};
+
+/// A power of two that makes the largest of the coordinates at most 1.
+template <std::size_t D>
+double unit_scale(std::initializer_list<const Vec<double, D>*> points) noexcept {
+    double largest = 0;
+    for (const auto* p : points) {
+        for (std::size_t k = 0; k < D; ++k) largest = std::max(largest, std::fabs((*p)[k]));
+    }
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    return std::ldexp(1.0, -std::max(exponent, -1022));
 }
 
 /// 1 where `c` lies to the left of the line from `a` to `b`, −1 to the right, 0 on it. Exact for
@@ -41,14 +66,46 @@ inline int orientation(const Vec<double, 2>& a, const Vec<double, 2>& b, const V
     // Shewchuk, sec. 4.3: what rounding may be. Products below 1e-290 lose more.
     const double bound = 4 * epsilon<double> * (std::fabs(left) + std::fabs(right));
     if (bound > 1e-290 && std::fabs(left - right) > bound && is_finite(bound)) return left > right ? 1 : -1;
-    double largest = 0;
-    for (const auto* p : {&a, &b, &c}) largest = std::max({largest, std::fabs((*p)[0]), std::fabs((*p)[1])});
-    int exponent = 0;
-    std::frexp(largest, &exponent);
-    const auto scaled = [&](double x) { return std::ldexp(x, -exponent); };
-    const double ax = scaled(a[0]), ay = scaled(a[1]), bx = scaled(b[0]), by = scaled(b[1]),
-                 cx = scaled(c[0]), cy = scaled(c[1]);
-    return sign_of_products<6>({{{ax, by}, {-ay, bx}, {bx, cy}, {-by, cx}, {cx, ay}, {-cy, ax}}});
+    const double scale = unit_scale<2>({&a, &b, &c});
+    const auto p = scale * a, q = scale * b, r = scale * c;
+    ExactSum<12> sum;
+    sum.add_product(p[0], q[1]);
+    sum.add_product(-p[1], q[0]);
+    sum.add_product(q[0], r[1]);
+    sum.add_product(-q[1], r[0]);
+    sum.add_product(r[0], p[1]);
+    sum.add_product(-r[1], p[0]);
+    return sum.sign();
+}
+
+/// 1 where `d` lies on the side of the plane through `a`, `b` and `c` from which these are seen
+/// counter-clockwise, −1 on the other, 0 in it. Exact for finite points whose coordinates, other
+/// than zero, differ by less than a factor of 1e90.
+inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const Vec<double, 3>& c,
+                       const Vec<double, 3>& d) noexcept {
+    const auto u = b - a, v = c - a, w = d - a;
+    double volume = 0, size = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+        const double left = v[l] * w[m], right = v[m] * w[l];
+        volume += u[k] * (left - right);
+        size += std::fabs(u[k]) * (std::fabs(left) + std::fabs(right));
+    }
+    const double bound = 4 * epsilon<double> * size; // as above
+    if (bound > 1e-290 && std::fabs(volume) > bound && is_finite(bound)) return volume > 0 ? 1 : -1;
+    const double scale = unit_scale<3>({&a, &b, &c, &d});
+    const std::array<Vec<double, 3>, 4> p{scale * a, scale * b, scale * c, scale * d};
+    ExactSum<96> sum; // of the determinants of three points each
+    for (std::size_t n = 0; n < 4; ++n) {
+        const auto &x = p[n == 0 ? 1 : 0], &y = p[n <= 1 ? 2 : 1], &z = p[n <= 2 ? 3 : 2];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            const double sign = n % 2 == 0 ? 1 : -1;
+            sum.add_product(sign * x[k], y[l], z[m]);
+            sum.add_product(-sign * x[k], y[m], z[l]);
+        }
+    }
+    return sum.sign();
 }
 
 /// Whether the segments ab and cd have a place in common, ends included. Exact as `orientation` is.

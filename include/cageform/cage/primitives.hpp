@@ -231,15 +231,21 @@ inline double half_solid_angle(const Vec<double, 3>& q, const Corners<3>& corner
     return std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
 }
 
-/// Whether the segment from `s` to `t` passes through a triangle, touching its rim included.
+/// Whether a line through `s` and `t` that is not in the plane of a triangle passes through it,
+/// touching its rim included. Exact: no line passes between triangles that share an edge.
+inline bool line_meets(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
+    const auto& [a, b, c] = corner;
+    const int first = orientation(s, t, a, b), second = orientation(s, t, b, c);
+    if (first * second < 0) return false;
+    const int third = orientation(s, t, c, a);
+    return first * third >= 0 && second * third >= 0;
+}
+/// Whether the segment from `s` to `t`, its ends included, passes through or touches a triangle
+/// whose plane it is not in. Exact.
 inline bool pierces(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
     const auto& [a, b, c] = corner;
-    const auto n = cross(b - a, c - a);
-    const double from = dot(n, s - a), to = dot(n, t - a);
-    if (!((from > 0) != (to > 0)) || from == to) return false;
-    const auto p = s + (from / (from - to)) * (t - s);
-    return dot(n, cross(b - a, p - a)) >= 0 && dot(n, cross(c - b, p - b)) >= 0 &&
-           dot(n, cross(a - c, p - c)) >= 0;
+    const int from = orientation(a, b, c, s), to = orientation(a, b, c, t);
+    return from * to <= 0 && from != to && line_meets(s, t, corner);
 }
 
 /// The distance of the segment from `a` to `b` from a facet.

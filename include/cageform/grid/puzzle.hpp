@@ -1,12 +1,11 @@
-// Discrete harmonic functions on graphs, by Eigen's sparse factorisation: puzzles of numbers, each
-// the mean of its neighbours; networks of resistors; random walks. For large grids see
+// Discrete harmonic functions on graphs, by a sparse factorisation: puzzles of numbers, each the
+// mean of its neighbours; networks of resistors; random walks. For large grids see
 // grid/dirichlet.hpp. Not part of cageform.hpp.
 #pragma once
 
+#include <cageform/grid/detail/graph_factors.hpp>
 #include <cageform/grid/evaluation.hpp>
 #include <cageform/grid/lattice.hpp>
-
-#include <Eigen/SparseCholesky>
 
 #include <cmath>
 #include <cstdint>
@@ -80,10 +79,9 @@ inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport&
     return Status::ok;
 }
 
-/// The equations of the unknown nodes of a checked graph, and their factors.
+/// The equations of the unknown nodes of a checked graph, and their factors. Fields lie side by side.
 class GraphEquations {
 public:
-    using Vector = Eigen::VectorXd;
     static constexpr std::int32_t given_node = -1;
 
     GraphEquations(const Graph& graph, std::span<const std::uint8_t> given)
@@ -94,17 +92,21 @@ public:
             rows_[node] = std::int32_t(nodes_.size());
             nodes_.push_back(node);
         }
-        degrees_ = Vector::Zero(Eigen::Index(nodes_.size()));
-        for (const GraphLink& link : graph.links) {
-            for (const std::uint32_t end : {link.a, link.b}) {
-                if (rows_[end] != given_node) degrees_[rows_[end]] += link.conductance;
-            }
-        }
     }
 
     std::span<const std::size_t> nodes() const noexcept { return nodes_; }
-    const Vector& degrees() const noexcept { return degrees_; }
     std::int32_t row(std::size_t node) const noexcept { return rows_[node]; }
+
+    /// f(row of an unknown node, given node, conductance) for the links between such.
+    template <class F>
+    void for_each_given_link(const F& f) const {
+        for (const GraphLink& link : graph_.links) {
+            if (rows_[link.a] != given_node && rows_[link.b] == given_node)
+                f(std::size_t(rows_[link.a]), link.b, link.conductance);
+            if (rows_[link.b] != given_node && rows_[link.a] == given_node)
+                f(std::size_t(rows_[link.b]), link.a, link.conductance);
+        }
+    }
 
     /// The first of the nodes that no path leads from to a given one, or `none`.
     std::size_t unreached() const {
@@ -127,41 +129,81 @@ public:
         return SolverReport::none;
     }
 
-    /// not_converged for a matrix that is singular to rounding.
+    /// not_converged for a matrix that is singular.
     Status factorise() {
-        std::vector<Eigen::Triplet<double>> entries;
-        for (Eigen::Index row = 0; row < degrees_.size(); ++row)
-            entries.emplace_back(row, row, degrees_[row]);
-        double largest = 0;
-        bool negative = false;
-        for (const GraphLink& link : graph_.links) {
-            largest = std::fmax(largest, std::fabs(link.conductance));
-            negative = negative || link.conductance < 0;
-            if (rows_[link.a] == given_node || rows_[link.b] == given_node) continue;
-            entries.emplace_back(rows_[link.a], rows_[link.b], -link.conductance);
-            entries.emplace_back(rows_[link.b], rows_[link.a], -link.conductance);
-        }
-        Eigen::SparseMatrix<double> matrix(degrees_.size(), degrees_.size());
-        matrix.setFromTriplets(entries.begin(), entries.end());
-        factors_.compute(matrix);
-        if (factors_.info() != Eigen::Success) return Status::not_converged;
-        // Positive conductances may be small beside others. With negative ones a small pivot is
-        // what cancellation leaves.
-        const double least = negative ? 0x1p-40 * largest : 0.0;
-        for (const double pivot : factors_.vectorD()) {
-            if (!(std::fabs(pivot) > least) || !std::isfinite(pivot)) return Status::not_converged;
-        }
-        return Status::ok;
+        excess_.assign(nodes_.size(), {});
+        for_each_given_link([&](std::size_t row, std::uint32_t, double k) {
+            excess_[row].value += k;
+            excess_[row].size += std::fabs(k);
+        });
+        links_.first.assign(nodes_.size() + 1, 0);
+        const auto for_each_unknown = [&](const auto& f) {
+            for (const GraphLink& link : graph_.links) {
+                negative_ = negative_ || link.conductance < 0;
+                if (rows_[link.a] == given_node || rows_[link.b] == given_node) continue;
+                f(std::size_t(rows_[link.a]), std::uint32_t(rows_[link.b]), link.conductance);
+                f(std::size_t(rows_[link.b]), std::uint32_t(rows_[link.a]), link.conductance);
+            }
+        };
+        for_each_unknown([&](std::size_t row, std::uint32_t, double) { ++links_.first[row + 1]; });
+        for (std::size_t row = 0; row < nodes_.size(); ++row) links_.first[row + 1] += links_.first[row];
+        links_.node.resize(links_.first.back());
+        links_.conductance.resize(links_.first.back());
+        auto next = links_.first;
+        for_each_unknown([&](std::size_t row, std::uint32_t other, double k) {
+            links_.node[next[row]] = other;
+            links_.conductance[next[row]++] = k;
+        });
+        return factors_.factorise(links_, excess_) ? Status::ok : Status::not_converged;
     }
 
-    Vector solve(const Vector& source) const { return factors_.solve(source); }
+    /// Solves for the fields whose sources stand in `values`. With negative conductances pivots are
+    /// differences: then once more for what is left, and not_converged where that is much.
+    Status solve(std::vector<double>& values, std::size_t fields) const {
+        const std::vector<double> sources = negative_ ? values : std::vector<double>();
+        factors_.solve(values, fields);
+        if (negative_) {
+            constexpr double most = 1e-6; // of the largest value: the next would be its square
+            std::vector<double> change = left(sources, values, fields);
+            factors_.solve(change, fields);
+            std::vector<double> size(fields), moved(fields);
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                values[i] += change[i];
+                size[i % fields] = std::fmax(size[i % fields], std::fabs(values[i]));
+                moved[i % fields] = std::fmax(moved[i % fields], std::fabs(change[i]));
+            }
+            for (std::size_t f = 0; f < fields; ++f) {
+                if (!(moved[f] <= most * size[f])) return Status::not_converged;
+            }
+        }
+        return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); })
+                   ? Status::ok
+                   : Status::not_converged;
+    }
 
 private:
+    /// Sources less what values account for.
+    std::vector<double> left(std::vector<double> sources, std::span<const double> values,
+                             std::size_t fields) const {
+        for (std::size_t row = 0; row < nodes_.size(); ++row) {
+            for (std::size_t f = 0; f < fields; ++f) {
+                const double here = values[row * fields + f];
+                double& rest = sources[row * fields + f];
+                rest -= excess_[row].value * here;
+                for (std::size_t at = links_.first[row]; at < links_.first[row + 1]; ++at)
+                    rest -= links_.conductance[at] * (here - values[links_.node[at] * fields + f]);
+            }
+        }
+        return sources;
+    }
+
     Graph graph_;
     std::vector<std::int32_t> rows_;
     std::vector<std::size_t> nodes_;
-    Vector degrees_;
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors_;
+    Adjacency links_;                          // between unknown nodes
+    std::vector<GraphFactors::Excess> excess_; // of the links to given ones
+    bool negative_ = false;
+    GraphFactors factors_;
 };
 
 /// Checks and factorises; ok also where nothing is unknown.
@@ -179,8 +221,10 @@ inline Status prepare(GraphEquations& equations, SolverReport& report) {
 ///   given    #nodes; 0 where the value is unknown
 ///   values   fields of #nodes each, one after the other; given values are read, unknown ones are
 ///            written when the status is ok, and not before
-///   cost     one factorisation, O(n^1.5) for planar graphs of n unknown nodes; a field costs one
-///            pass over the factors. The progress is asked before each field
+///   returns  values right to some roundings of the largest given one, however far conductances
+///            differ; with negative ones to 1e-12 of the largest, unless that fails
+///   cost     one factorisation, O(n^1.5) for planar graphs of n unknown nodes; 16 fields cost one
+///            pass over the factors. The progress is asked before each
 ///   fails    index_out_of_range, input_malformed (a link from a node to itself) and
 ///            weights_not_positive (SolverReport::culprit is the link); value_not_finite (the place
 ///            in `values`); cells_unreached (the first unknown node without a path to a given one);
@@ -203,23 +247,24 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
         status = detail::prepare(equations, report);
         if (status != Status::ok || equations.nodes().empty()) return status;
         const auto nodes = equations.nodes();
-        std::vector<T> solved;
-        for (std::size_t field = 0; field < values.size(); field += size) {
-            if (!running.keep_going(double(field) / double(values.size()))) return Status::cancelled;
-            Eigen::VectorXd source = Eigen::VectorXd::Zero(Eigen::Index(nodes.size()));
-            const auto add = [&](std::uint32_t to, std::uint32_t from, double conductance) {
-                if (equations.row(to) >= 0 && equations.row(from) < 0)
-                    source[equations.row(to)] += conductance * double(values[field + from]);
-            };
-            for (const GraphLink& link : graph.links) {
-                add(link.a, link.b, link.conductance);
-                add(link.b, link.a, link.conductance);
+        std::vector<T> solved(values.size() / size * nodes.size());
+        constexpr std::size_t most = 16; // fields at a time: the factors are read once for all
+        for (std::size_t begin = 0; begin < values.size(); begin += most * size) {
+            if (!running.keep_going(double(begin) / double(values.size()))) return Status::cancelled;
+            const std::size_t fields = std::min(most, (values.size() - begin) / size);
+            std::vector<double> block(nodes.size() * fields);
+            equations.for_each_given_link([&](std::size_t row, std::uint32_t from, double k) {
+                for (std::size_t f = 0; f < fields; ++f)
+                    block[row * fields + f] += k * double(values[begin + f * size + from]);
+            });
+            status = equations.solve(block, fields);
+            if (status != Status::ok) return status;
+            for (std::size_t i = 0; i < block.size(); ++i) {
+                const T value = static_cast<T>(block[i]);
+                if (!std::isfinite(value)) return Status::not_converged;
+                solved[(begin / size + i % fields) * nodes.size() + i / fields] = value;
             }
-            for (const double value : equations.solve(source)) {
-                solved.push_back(static_cast<T>(value));
-                if (!std::isfinite(solved.back())) return Status::not_converged;
-            }
-            ++report.solves;
+            report.solves += fields;
         }
         for (std::size_t i = 0; i < solved.size(); ++i)
             values[i / nodes.size() * size + nodes[i % nodes.size()]] = solved[i];
@@ -241,13 +286,20 @@ Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> give
         detail::GraphEquations equations(graph, given);
         status = detail::prepare(equations, report);
         if (status != Status::ok) return status;
-        Eigen::VectorXd solved(0);
-        if (!equations.nodes().empty()) solved = equations.solve(equations.degrees());
+        std::vector<double> solved(equations.nodes().size()); // what a step leads to, added up
+        for (const GraphLink& link : graph.links) {
+            for (const std::uint32_t end : {link.a, link.b}) {
+                if (equations.row(end) >= 0) solved[std::size_t(equations.row(end))] += link.conductance;
+            }
+        }
+        status = equations.solve(solved, 1);
+        if (status != Status::ok) return status;
         for (const double value : solved) {
             if (!std::isfinite(static_cast<T>(value))) return Status::not_converged;
         }
         for (std::size_t node = 0; node < steps.size(); ++node)
-            steps[node] = equations.row(node) < 0 ? T(0) : static_cast<T>(solved[equations.row(node)]);
+            steps[node] =
+                equations.row(node) < 0 ? T(0) : static_cast<T>(solved[std::size_t(equations.row(node))]);
         return Status::ok;
     });
 }
@@ -272,17 +324,12 @@ Evaluation hit_first(const Graph& graph, std::span<const std::uint8_t> given, st
         if (equations.row(from) < 0) {
             flow[from] = 1;
         } else {
-            Eigen::VectorXd source = Eigen::VectorXd::Zero(Eigen::Index(equations.nodes().size()));
-            source[equations.row(from)] = 1;
-            const Eigen::VectorXd potential = equations.solve(source);
-            const auto add = [&](std::uint32_t to, std::uint32_t at, double conductance) {
-                if (equations.row(to) < 0 && equations.row(at) >= 0)
-                    flow[to] += conductance * potential[equations.row(at)];
-            };
-            for (const GraphLink& link : graph.links) {
-                add(link.a, link.b, link.conductance);
-                add(link.b, link.a, link.conductance);
-            }
+            std::vector<double> potential(equations.nodes().size());
+            potential[std::size_t(equations.row(from))] = 1;
+            status = equations.solve(potential, 1);
+            if (status != Status::ok) return status;
+            equations.for_each_given_link(
+                [&](std::size_t row, std::uint32_t to, double k) { flow[to] += k * potential[row]; });
         }
         for (const double value : flow) {
             if (!std::isfinite(value)) return Status::not_converged;

@@ -53,6 +53,27 @@ struct NearestBones {
     std::vector<std::uint32_t> bones; ///< as near but for rounding, ascending
 };
 
+/// c / d² of distances. Where even the nearest bone heats so little or so much that the mesh's own
+/// weights are nothing beside, or all, no more and no less says the same and stays a number.
+class HeatScale {
+public:
+    HeatScale(double heat, std::span<const NearestBones> nearest) noexcept {
+        for (const auto& each : nearest) least_ = std::fmin(least_, distance(each.distance));
+        most_ = std::clamp(heat / least_ / least_, 1e-100, 1e200);
+    }
+    double of(double far) const noexcept {
+        const double part = least_ / distance(far);
+        return most_ * part * part;
+    }
+
+private:
+    /// On a bone the weight is that bone's, as it is to rounding at this distance.
+    static double distance(double far) noexcept { return std::fmax(far, 1e-6); }
+
+    double least_ = std::numeric_limits<double>::infinity();
+    double most_ = 0;
+};
+
 /// The making of weights in a unit in which the mesh is of the size of one.
 class SurfaceSkinner {
 public:
@@ -71,7 +92,8 @@ public:
         for (std::size_t b = 0; b < bones_.size(); ++b) {
             for (auto* end : {&bones_[b].head, &bones_[b].tail}) {
                 *end = scaled(*end);
-                if (is_finite(*end)) continue;
+                constexpr double most = 1e200; // far below where the squares of distances overflow
+                if (dot(*end, *end) <= most) continue;
                 report_.solver.culprit = b;
                 return Status::value_not_finite;
             }
@@ -116,15 +138,13 @@ public:
         const std::size_t size = places_.size(), nodes = size + bones_.size();
         std::vector<GraphLink> links = mesh_.links;
         std::vector<std::uint8_t> given(mesh_.unused), busy(bones_.size());
+        const HeatScale scale(options_.heat, nearest);
         for (std::size_t i = 0; i < size; ++i) {
             if (given[i] != 0) continue;
             const auto& bones = nearest[i].bones;
             if (bones.empty()) ++report_.hidden;
-            // On a bone the weight is that bone's, as it is to rounding at this distance.
-            constexpr double least = 1e-6;
-            const double d = std::fmax(nearest[i].distance, least);
-            const double heat = options_.heat * mesh_.areas[i] / (d * d) / double(bones.size());
             for (const std::uint32_t b : bones) {
+                const double heat = scale.of(nearest[i].distance) * mesh_.areas[i] / double(bones.size());
                 links.push_back({std::uint32_t(i), std::uint32_t(size + b), heat});
                 busy[b] = 1;
             }
@@ -142,7 +162,7 @@ public:
             const auto field = all.begin() + std::ptrdiff_t(b * nodes);
             values_.insert(values_.end(), field, field + std::ptrdiff_t(size));
         }
-        return restore_sums() ? Status::ok : Status::not_converged;
+        return Status::ok;
     }
 
     /// A vertex's side by side.
@@ -216,21 +236,6 @@ private:
         });
     }
 
-    /// Weights that sum to 1. Where bones heat little, what fixes the sum is small beside what flows
-    /// along the mesh: rounding then changes all weights by one factor. False where by too much.
-    bool restore_sums() noexcept {
-        constexpr double most = 1e-3;
-        const std::size_t size = places_.size();
-        for (std::size_t i = 0; i < size; ++i) {
-            if (mesh_.unused[i] != 0) continue;
-            double sum = 0;
-            for (std::size_t at = i; at < values_.size(); at += size) sum += values_[at];
-            if (!(std::fabs(sum - 1) <= most)) return false;
-            for (std::size_t at = i; at < values_.size(); at += size) values_[at] /= sum;
-        }
-        return true;
-    }
-
     void list_idle(const std::vector<std::uint8_t>& busy) {
         for (std::size_t b = 0; b < busy.size(); ++b) {
             if (busy[b] == 0) report_.idle_bones.push_back(b);
@@ -269,9 +274,10 @@ SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
 ///   returns  weights that sum to 1, in [0, 1] but for rounding, unless SurfaceReport::negative_weights
 ///            says otherwise. The mesh may be open
 ///   cost     one factorisation for all bones; a search of O(#vertices · #bones) for the groups
-///   fails    as cotangent_weights; bone_weights_do_not_match (no bones), value_not_finite (a bone),
-///            labels_do_not_match and index_out_of_range (the groups), cells_unreached (a part of the
-///            mesh that belongs to no bone); cancelled; out_of_memory
+///   fails    as cotangent_weights; bone_weights_do_not_match (no bones), value_not_finite (a bone,
+///            or one 1e100 times as far off as the mesh is large), labels_do_not_match and
+///            index_out_of_range (the groups), cells_unreached (a part of the mesh that belongs to no
+///            bone), not_converged (only with negative weights); cancelled; out_of_memory
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
 SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
@@ -292,8 +298,7 @@ SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
 ///   cost     as harmonic_skin; O(log #F) as a rule for what a vertex sees
 ///   fails    as harmonic_skin; cage_not_closed where visibility is asked for and an edge has one face
 ///            (SurfaceReport::mesh); weights_not_positive (the heat); cells_unreached: a part of the
-///            mesh that sees no bone; not_converged: so little heat, or bones so far away, that
-///            rounding takes more than 1e-3 of it
+///            mesh that sees no bone
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
 SurfaceSkin<range_scalar_t<R>> bone_heat(const R& points, const F& faces, std::span<const BoneSegment> bones,

@@ -24,28 +24,27 @@ public:
         if (!faces.empty()) build(0, std::uint32_t(faces.size()));
     }
 
-    /// Whether the open segment from a vertex to `q` meets no face but those of the vertex.
+    /// Whether the segment from a vertex to another place meets the mesh at its ends at most. Exact.
     bool is_free(std::uint32_t vertex, const Vec<double, 3>& q) const {
         const auto& p = vertices_[vertex];
         return !any_near(p, q, [&](std::uint32_t f) {
             const Facet<3> facet(faces_[f], vertices_);
-            return !facet.has(vertex) && pierces(p, q, facet.corner);
+            return facet.has(vertex) ? runs_along(facet, vertex, q) : blocks(facet.corner, p, q);
         });
     }
 
     /// Whether a place that lies on no face is inside a closed mesh, by the even-odd rule: a ray
-    /// along the third axis crosses an odd number of faces. Decided exactly in the plane of the other
-    /// two, where the ray stands a little to the side of what it touches.
+    /// along the third axis crosses an odd number of faces, where it stands a little to the side of
+    /// what it touches. Exact.
     bool encloses(const Vec<double, 3>& p) const {
         if (nodes_.empty()) return false;
         bool inside = false;
-        const Vec<double, 3> end{p[0], p[1], std::fmax(p[2], nodes_[0].box.upper[2])};
+        const Vec<double, 3> end{p[0], p[1], std::max(p[2], nodes_[0].box.upper[2])};
         any_near(p, end, [&](std::uint32_t f) {
             const auto [a, b, c] = Facet<3>(faces_[f], vertices_).corner;
             const int side = side_of(a, b, p);
             if (side == 0 || side_of(b, c, p) != side || side_of(c, a, p) != side) return false;
-            const double above = dot(cross(b - a, c - a), a - p);
-            if (side > 0 ? above > 0 : above < 0) inside = !inside;
+            if (side * orientation(a, b, c, p) < 0) inside = !inside;
             return false;
         });
         return inside;
@@ -65,8 +64,8 @@ private:
         for (std::uint32_t n = begin + 1; n < end; ++n) {
             const auto& more = boxes_[order_[n]];
             for (std::size_t k = 0; k < 3; ++k) {
-                box.lower[k] = std::fmin(box.lower[k], more.lower[k]);
-                box.upper[k] = std::fmax(box.upper[k], more.upper[k]);
+                box.lower[k] = std::min(box.lower[k], more.lower[k]);
+                box.upper[k] = std::max(box.upper[k], more.upper[k]);
             }
         }
         const auto number = std::uint32_t(nodes_.size());
@@ -97,31 +96,80 @@ private:
         return b[0] > a[0] ? 1 : b[0] < a[0] ? -1 : 0;
     }
 
-    /// Whether a segment may meet a box: never false where it does.
-    static bool meets(const Bounds<double, 3>& box, const Vec<double, 3>& p,
-                      const Vec<double, 3>& q) noexcept {
-        constexpr double slack = 1e-9; // of the segment, far above rounding
-        double from = -slack, to = 1 + slack;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (box.upper[k] < std::fmin(p[k], q[k]) || box.lower[k] > std::fmax(p[k], q[k])) return false;
-            const double d = q[k] - p[k];
-            if (d == 0) continue;
-            const double s = (box.lower[k] - p[k]) / d, t = (box.upper[k] - p[k]) / d;
-            from = std::fmax(from, std::fmin(s, t) - slack);
-            to = std::fmin(to, std::fmax(s, t) + slack);
-        }
-        return from <= to;
+    /// Whether a face meets the open segment from p to q.
+    static bool blocks(const Corners<3>& corner, const Vec<double, 3>& p, const Vec<double, 3>& q) noexcept {
+        const auto& [a, b, c] = corner;
+        const int from = orientation(a, b, c, p), to = orientation(a, b, c, q);
+        if (from != 0 || to != 0) return from * to < 0 && line_meets(p, q, corner);
+        const auto [d, e, f] = flattened(corner, corner);
+        const auto [s, t, unused] = flattened(corner, {p, q, q});
+        const int side = orientation(d, e, f);
+        return segments_touch(s, t, d, e) || segments_touch(s, t, e, f) || segments_touch(s, t, f, d) ||
+               (orientation(d, e, s) == side && orientation(e, f, s) == side && orientation(f, d, s) == side);
     }
+    /// Whether the segment from a vertex of a face to q begins along the face.
+    static bool runs_along(const Facet<3>& facet, std::uint32_t vertex, const Vec<double, 3>& q) noexcept {
+        const auto& [a, b, c] = facet.corner;
+        if (orientation(a, b, c, q) != 0) return false;
+        std::size_t k = 0;
+        while (facet.vertex[k] != vertex) ++k;
+        const auto corner = flattened(facet.corner, facet.corner);
+        const auto &p = corner[k], &d = corner[(k + 1) % 3], &e = corner[(k + 2) % 3];
+        const auto to = flattened(facet.corner, {q, q, q})[0];
+        const int side = orientation(p, d, e);
+        return side * orientation(p, d, to) >= 0 && side * orientation(p, to, e) >= 0;
+    }
+    /// Places in the plane of a face, seen along an axis that is not in it.
+    static std::array<Vec<double, 2>, 3> flattened(const Corners<3>& face,
+                                                   const Corners<3>& places) noexcept {
+        const auto along = [](std::size_t axis, const Vec<double, 3>& p) {
+            return Vec<double, 2>{p[(axis + 1) % 3], p[(axis + 2) % 3]};
+        };
+        std::size_t axis = 0;
+        while (axis < 2 && orientation(along(axis, face[0]), along(axis, face[1]), along(axis, face[2])) == 0)
+            ++axis;
+        return {along(axis, places[0]), along(axis, places[1]), along(axis, places[2])};
+    }
+
+    /// A segment, to be compared with many boxes.
+    struct Sight {
+        Vec<double, 3> from, lower, upper, inverse; ///< the last 0 along axes that it hardly moves along
+
+        Sight(const Vec<double, 3>& p, const Vec<double, 3>& q) noexcept
+            : from(p) {
+            constexpr double least = 1e-290; // its inverse is finite
+            for (std::size_t k = 0; k < 3; ++k) {
+                lower[k] = std::min(p[k], q[k]);
+                upper[k] = std::max(p[k], q[k]);
+                inverse[k] = upper[k] - lower[k] > least ? 1 / (q[k] - p[k]) : 0;
+            }
+        }
+        /// Whether it may meet a box: never false where it does.
+        bool may_meet(const Bounds<double, 3>& box) const noexcept {
+            constexpr double slack = 1e-9; // of the segment, far above rounding
+            double first = -slack, last = 1 + slack;
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (box.upper[k] < lower[k] || box.lower[k] > upper[k]) return false;
+                if (inverse[k] == 0) continue;
+                const double s = (box.lower[k] - from[k]) * inverse[k],
+                             t = (box.upper[k] - from[k]) * inverse[k];
+                first = std::max(first, std::min(s, t) - slack);
+                last = std::min(last, std::max(s, t) + slack);
+            }
+            return first <= last;
+        }
+    };
 
     /// Whether f(face) for one of the faces whose boxes the segment may meet.
     template <class F>
     bool any_near(const Vec<double, 3>& p, const Vec<double, 3>& q, const F& f) const {
+        const Sight sight(p, q);
         std::array<std::uint32_t, 64> waiting{}; // halves: no deeper than 32 levels
         std::size_t count = nodes_.empty() ? 0 : 1;
         while (count > 0) {
             const std::uint32_t number = waiting[--count];
             const Node& node = nodes_[number];
-            if (!meets(node.box, p, q)) continue;
+            if (!sight.may_meet(node.box)) continue;
             if (node.second != 0) {
                 waiting[count++] = node.second;
                 waiting[count++] = number + 1;

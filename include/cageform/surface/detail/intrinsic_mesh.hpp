@@ -16,6 +16,18 @@ struct TriangleShape {
 
     double cotangent(std::size_t k) const noexcept { return dot[k] / area2; }
 
+    /// Whether it has an area, and its numbers are of one triangle, as far as can be asked of flips
+    /// about sides that are 1e-10 as long as others.
+    bool is_sound() const noexcept {
+        constexpr double rounding = 1e-6;
+        bool sound = area2 > 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double product = length[(k + 1) % 3] * length[(k + 2) % 3];
+            sound = sound && std::fabs(std::hypot(dot[k], area2) - product) <= rounding * product;
+        }
+        return sound;
+    }
+
     static TriangleShape of(const Corners<3>& corner) noexcept {
         TriangleShape shape;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -154,7 +166,7 @@ private:
     }
 
     /// Triangles cab and dba over the side ab of the first become cad and dbc. False, and nothing
-    /// is changed, where that makes a triangle without area, or both sides are of one triangle.
+    /// is changed, where rounding spoils a triangle that is made, or both sides are of one triangle.
     bool flip(std::uint32_t side) noexcept {
         const std::uint32_t f = side / 3, g = twin_[side] / 3;
         if (f == g) return false;
@@ -171,7 +183,7 @@ private:
         for (std::size_t n = 0; n < 4; ++n) length[n] = shape_[before[n] / 3].length[before[n] % 3];
         const TriangleShape at_a = pair.half(pair.from_a, length[1], length[0]);
         TriangleShape at_b = pair.half(pair.from_b, length[2], length[3]);
-        if (!(at_a.area2 > 0) || !(at_b.area2 > 0)) return false;
+        if (!at_a.is_sound() || !at_b.is_sound()) return false;
         std::swap(at_b.length[0], at_b.length[2]); // from c, b, d to d, b, c
         std::swap(at_b.dot[0], at_b.dot[2]);
 
