@@ -96,7 +96,7 @@ public:
 
     Samples samples(const Batch& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
-        for (std::size_t i = first; i < last; ++i) samples.add(grid_.stencil(batch, i));
+        for (std::size_t i = first; i < last; ++i) samples.add(grid_.stencil(batch, i), grid_.data());
         return samples;
     }
     void sample(const Samples& samples, std::size_t group, const Functions& functions,

@@ -207,7 +207,12 @@ TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[gri
     const Polygon<double> cage(spiked);
     const auto unseen = [&](double cells) {
         const auto seen = cageform::grid::seen_handles<2>(
-            SimplexBoundary<2>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size());
+            SimplexBoundary<2>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size(),
+            [](const cageform::BoundaryValue<2>& value, const auto& see) {
+                for (std::size_t n = 0; n < 2; ++n) {
+                    if (value.weight[n] != 0) see(value.handle[n]);
+                }
+            });
         return std::count(seen.begin(), seen.end(), false);
     };
     CHECK(unseen(4) > 0);

@@ -9,8 +9,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
-    too_few_vertices,   ///< loop `a` has `b` vertices, less than three; a point set `b`, less than D + 1
-    not_a_simplex,      ///< `a` vertices where a simplex has `b`
+    too_few_vertices, ///< loop or face `a` has `b` vertices, less than three; a point set `b`, less than D + 1
+    not_a_simplex,    ///< `a` vertices where a simplex has `b`
     loops_do_not_match, ///< the loop sizes add up to `a`, the vertices to `b`
     vertex_not_finite,  ///< vertex `a`
     duplicate_vertices, ///< `a` and `b` coincide within rounding; in a polygon, neighbours
@@ -20,6 +20,8 @@ enum class CageFaultKind : std::uint8_t {
     no_volume, ///< a box has no extent along axis `a`; a mesh has no faces, or the shell of face `a` is flat
     face_without_vertex,   ///< face `a` of a mesh names a vertex that there is not
     face_without_area,     ///< the corners of face `a` lie on one line
+    face_not_planar,       ///< vertex `b` lies off the plane of face `a`, whose corner it is
+    face_crosses_itself,   ///< the loop of face `a` crosses or touches itself, first at vertex `b`
     open_edge,             ///< only one face has the edge between vertices `a` and `b`
     edge_not_manifold,     ///< more than two faces have the edge between vertices `a` and `b`
     face_flipped,          ///< of the neighbouring faces `a` and `b` one is turned inside out
@@ -65,6 +67,8 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::no_volume, Status::cage_has_no_volume, "no volume"},
     {CageFaultKind::face_without_vertex, Status::face_without_vertex, "face names a missing vertex"},
     {CageFaultKind::face_without_area, Status::face_without_area, "face without area"},
+    {CageFaultKind::face_not_planar, Status::face_not_planar, "face not planar"},
+    {CageFaultKind::face_crosses_itself, Status::face_crosses_itself, "face crosses or touches itself"},
     {CageFaultKind::open_edge, Status::cage_not_closed, "open edge"},
     {CageFaultKind::edge_not_manifold, Status::cage_not_manifold, "edge of more than two faces"},
     {CageFaultKind::face_flipped, Status::cage_faces_flipped, "neighbouring faces turn differently"},

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/grid/solve_groups.hpp>
 
 #include <optional>
@@ -25,7 +26,9 @@ struct CageProblem {
         , report(check(cage))
         , options(its_options)
         , tolerance(report.status == Status::ok ? coincidence_tolerance(bounds_of(cage.vertices()))
-                                                : scalar(0)) {}
+                                                : scalar(0)) {
+        if (report.status == Status::ok) data = detail::BoundaryData<Cage>(cage, options);
+    }
 
     /// None, refused with a status.
     explicit CageProblem(Status refused)
@@ -34,7 +37,8 @@ struct CageProblem {
     Cage cage;
     CageReport report; ///< status and warnings; no solver sees a problem whose status is not ok
     Options options;
-    scalar tolerance = 0; ///< coincidence_tolerance of the cage
+    scalar tolerance = 0;              ///< coincidence_tolerance of the cage
+    detail::BoundaryData<Cage> data{}; ///< of a sound cage
 };
 
 /// What a solver will need, in bytes.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
+#include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/core/blocks.hpp>
 #include <cageform/core/handles.hpp>
 #include <cageform/grid/evaluation.hpp>
@@ -95,18 +96,25 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
 }
 
 /// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights
-/// on the boundary are its hat functions: `row` (#V) gets the weights of the nearest boundary
+/// on the boundary are the cage's BoundaryData: `row` (#V) gets the weights of the nearest boundary
 /// point, which is returned.
 template <class Cage>
 Vec<typename Cage::scalar, Cage::dimension>
 nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
-                         std::span<typename Cage::scalar> row) noexcept {
+                         std::span<typename Cage::scalar> row,
+                         const detail::BoundaryData<Cage>& data = {}) noexcept {
     using T = typename Cage::scalar;
     Vec<T, Cage::dimension> place;
     const auto value = nearest_boundary_value(cage, p, place);
     std::fill(row.begin(), row.end(), T(0));
-    for (std::size_t n = 0; n < value.handle.size(); ++n)
-        row[value.handle[n]] += static_cast<T>(value.weight[n]);
+    const auto add = [&](std::uint32_t handle, double weight) { row[handle] += static_cast<T>(weight); };
+    const Status status = detail::guard_memory([&] {
+        data.for_each_weight(value, add);
+        return Status::ok;
+    });
+    if (status != Status::ok) { // no memory: the data of the place's facet alone
+        for (std::size_t n = 0; n < value.handle.size(); ++n) add(value.handle[n], value.weight[n]);
+    }
     return place;
 }
 

@@ -26,7 +26,8 @@ struct HarmonicSolverChoice {
 };
 
 /// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the
-/// plane the cage is a Polygon, in space a TriangleMesh or a Box, in both a CellComplex.
+/// plane the cage is a Polygon, in space a TriangleMesh, a Box or a PolyhedralMesh
+/// (coordinates/harmonic_polyhedral.hpp), in both a CellComplex.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
 /// 2007), sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are
@@ -161,7 +162,7 @@ public:
     }
 
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const noexcept {
-        return nearest_boundary_weights(cage(), p, row);
+        return nearest_boundary_weights(cage(), p, row, problem_->data);
     }
 
     /// What the solver will need; all zero where the cage or the grid is refused, or the hierarchy

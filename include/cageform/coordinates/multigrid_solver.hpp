@@ -122,7 +122,7 @@ public:
         Samples samples{detail::CutSamples<D>(first), {}};
         for (std::size_t i = first; i < last; ++i) {
             const auto stencil = grid_.stencil(batch, i);
-            samples.cut.add(stencil);
+            samples.cut.add(stencil, grid_.data());
             if constexpr (D == 2) {
                 if (i < batch.points.points && batch.states[i] == PointState::inside)
                     samples.at_corners.add(corners_, i, grid_.in_cells(block_point<D>(batch.points, i)),

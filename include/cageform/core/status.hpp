@@ -26,6 +26,8 @@ namespace cageform::inline CAGEFORM_ABI {
     X(cage_has_no_volume, "the cage encloses no volume")                                          \
     X(face_without_vertex, "a face names a vertex that does not exist")                           \
     X(face_without_area, "a face of the cage has no area")                                        \
+    X(face_not_planar, "a corner of a face lies off the plane of the face")                       \
+    X(face_crosses_itself, "a face of the cage crosses or touches itself")                        \
     X(cage_not_closed, "the cage is not closed: an edge belongs to one face only")                \
     X(cage_not_manifold, "the cage is not a manifold at an edge or a vertex")                     \
     X(cage_faces_cross, "two faces of the cage pass through each other")                          \

@@ -219,13 +219,14 @@ EmbeddedProblem<B::dimension> embed(const B& boundary, const Crossings<B::dimens
 }
 
 /// Which handles the grid sees: those with data on a link of some inner node.
-template <std::size_t D>
-std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handles) {
+///
+///   for_each_handle  for_each_handle(value, f) calls f(handle) for those whose data a place has
+template <std::size_t D, class ForEachHandle>
+std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handles,
+                               const ForEachHandle& for_each_handle) {
     std::vector<bool> seen(handles);
     const auto see = [&](const BoundaryValue<D>& value) {
-        for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
-            if (value.weight[n] > 0) seen[value.handle[n]] = true;
-        }
+        for_each_handle(value, [&](std::uint32_t handle) { seen[handle] = true; });
     };
     for (const auto& along : crossings) {
         detail::for_each_inner_interval<D>(along, [&](const Crossing<D>& a, const Crossing<D>& b) {

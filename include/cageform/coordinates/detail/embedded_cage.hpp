@@ -43,6 +43,7 @@ public:
     ///          would do in `report`; grid_too_coarse, with the handle and such a resolution
     template <class Problem>
     static Status make(const Problem& problem, SolverReport& report, std::optional<EmbeddedCage>& made) {
+        if (problem.data.status() != Status::ok) return problem.data.status();
         const std::size_t resolution = problem.options.resolution;
         if (resolution < least_resolution || resolution > most_resolution)
             return Status::resolution_not_supported;
@@ -59,7 +60,7 @@ public:
         const auto crossings = boundary.crossings();
         report.unseen_handle = first_unseen(problem, boundary, crossings);
         if (report.unseen_handle == SolverReport::none) {
-            made.emplace(problem.cage, problem.tolerance, std::move(boundary), crossings);
+            made.emplace(problem, std::move(boundary), crossings);
             return Status::ok;
         }
         for (std::size_t finer = 2 * resolution;
@@ -72,15 +73,19 @@ public:
         return Status::grid_too_coarse;
     }
 
-    EmbeddedCage(const C& cage, T tolerance, Boundary boundary, const grid::Crossings<D>& crossings)
-        : cage_(&cage)
-        , tolerance_(tolerance)
+    template <class Problem>
+    EmbeddedCage(const Problem& problem, Boundary boundary, const grid::Crossings<D>& crossings)
+        : cage_(&problem.cage)
+        , data_(&problem.data)
+        , tolerance_(problem.tolerance)
         , boundary_(std::move(boundary))
-        , problem_(grid::embed(boundary_, crossings)) {
-        boundary_.index_cells(1e-6 + 2 * double(tolerance) / lattice().spacing);
+        , problem_(grid::embed(boundary_, crossings))
+        , at_cuts_(*data_, problem_.values) {
+        boundary_.index_cells(1e-6 + 2 * double(tolerance_) / lattice().spacing);
     }
 
     const C& cage() const noexcept { return *cage_; }
+    const BoundaryData<C>& data() const noexcept { return *data_; }
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
     /// Cells along the longest side.
     std::size_t resolution() const noexcept {
@@ -93,12 +98,11 @@ public:
     void add_data(std::size_t first, std::size_t count, std::span<const std::uint32_t> slots,
                   std::span<Values> source) const noexcept {
         for (std::size_t c = 0; c < problem_.cuts.size(); ++c) {
-            const auto& [node, direction, weight] = problem_.cuts[c];
-            const auto& value = problem_.values[c];
-            for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
-                if (value.handle[n] < first || value.handle[n] >= first + count) continue;
-                source[slots[node]][value.handle[n] - first] += weight * value.weight[n];
-            }
+            const auto& cut = problem_.cuts[c];
+            at_cuts_.for_each_weight(c, [&](std::uint32_t handle, double weight) {
+                if (handle < first || handle >= first + count) return;
+                source[slots[cut.node]][handle - first] += cut.weight * weight;
+            });
         }
     }
 
@@ -188,7 +192,10 @@ private:
     template <class Problem>
     static std::size_t first_unseen(const Problem& problem, const Boundary& boundary,
                                     const grid::Crossings<D>& crossings) {
-        auto seen = grid::seen_handles<D>(crossings, problem.cage.size());
+        const auto handles = [&](const BoundaryValue<D>& value, const auto& f) {
+            problem.data.for_each_handle(value, f);
+        };
+        auto seen = grid::seen_handles<D>(crossings, problem.cage.size(), handles);
         if (const auto thin = boundary.too_thin_bone()) seen[*thin] = false;
         for (const CageFault& fault : problem.report.faults) { // warnings
             if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
@@ -198,9 +205,11 @@ private:
     }
 
     const C* cage_;
+    const BoundaryData<C>* data_;
     T tolerance_;
     Boundary boundary_;
     grid::EmbeddedProblem<D> problem_;
+    typename BoundaryData<C>::Table at_cuts_; ///< of problem_.values
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

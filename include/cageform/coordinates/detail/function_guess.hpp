@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/detail/embedded_cage.hpp>
-#include <cageform/core/buffer.hpp>
+#include <cageform/coordinates/detail/stencil_table.hpp>
 #include <cageform/grid/detail/node_values.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -29,19 +29,16 @@ public:
         const bool same_lattice = lattice.origin == old_lattice.origin &&
                                   lattice.spacing == old_lattice.spacing &&
                                   lattice.cells == old_lattice.cells;
-        ends_.reserve(nodes.count());
+        stencils_.reserve(nodes.count());
         nodes.for_each([&](const auto& index, std::uint32_t) {
             const std::uint32_t same =
                 same_lattice ? old_nodes.find(index) : grid::NodeRuns<D>::none; // most are, after an edit
             if (same != grid::NodeRuns<D>::none) {
-                nodes_.push_back({same, 1.0});
+                stencils_.add_node(same);
             } else {
                 const auto place = lattice.origin + lattice.spacing * node_position<D>(index);
-                const auto stencil = before.grid().stencil_near(vec_cast<T>(place));
-                nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
-                places_.append(stencil.places.data(), stencil.places.data() + stencil.place_count);
+                stencils_.add(before.grid().stencil_near(vec_cast<T>(place)), before.grid().data());
             }
-            ends_.push_back({std::uint32_t(nodes_.size()), std::uint32_t(places_.size())});
         });
     }
 
@@ -49,18 +46,14 @@ public:
     NodeRow values(std::uint32_t node, std::size_t first) const {
         NodeRow row; // not set by itself
         for (float& value : row.v) value = 0;
-        const Ends begin = node == 0 ? Ends{0, 0} : ends_[node - 1], end = ends_[node];
         for (std::size_t k = 0; k < width && first + k < old_handles_.size(); ++k) {
             const std::size_t handle = old_handles_[first + k];
             if (handle == none) continue;
             double sum = 0;
-            for (std::uint32_t n = begin.nodes; n < end.nodes; ++n)
-                sum += nodes_[n].share * functions_[handle / width].value(nodes_[n].node)[handle % width];
-            for (std::uint32_t n = begin.places; n < end.places; ++n) {
-                for (std::size_t h = 0; h < BoundaryValue<D>::most; ++h) {
-                    if (places_[n].value.handle[h] == handle)
-                        sum += places_[n].share * places_[n].value.weight[h];
-                }
+            for (const auto& [old_node, share] : stencils_.nodes(node))
+                sum += share * functions_[handle / width].value(old_node)[handle % width];
+            for (const auto& [on_boundary, share] : stencils_.handles(node)) {
+                if (on_boundary == handle) sum += share;
             }
             row[k] = float(sum);
         }
@@ -69,14 +62,9 @@ public:
 
 private:
     static constexpr std::size_t width = functions_together;
-    struct Ends {
-        std::uint32_t nodes, places;
-    };
     std::span<const typename S::Functions> functions_;
     std::span<const std::size_t> old_handles_;
-    Buffer<typename grid::CutStencil<D>::Node> nodes_;
-    Buffer<typename grid::CutStencil<D>::Place> places_;
-    Buffer<Ends> ends_; ///< of each node's nodes and places
+    StencilTable<D> stencils_; ///< of each node
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

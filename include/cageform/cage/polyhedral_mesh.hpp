@@ -1,0 +1,234 @@
+// The 3D cage whose faces are planar polygons: what it is, where a point lies, whether it is sound.
+#pragma once
+
+#include <cageform/cage/detail/face_plane.hpp>
+#include <cageform/cage/polygon.hpp>
+#include <cageform/cage/triangle_mesh.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Loops of vertices that can be read by index: `faces[f]` has a size, and `faces[f][k]` is a whole
+/// number.
+template <class F>
+concept LoopRange = requires(const F& faces, std::size_t i) {
+    { std::size(faces) } -> std::convertible_to<std::size_t>;
+    { std::size(faces[i]) } -> std::convertible_to<std::size_t>;
+    requires std::integral<std::remove_cvref_t<decltype(faces[i][i])>>;
+};
+
+/// A cage in space with planar faces of any number of corners, also not convex, each one loop
+/// counter-clockwise seen from outside. Its surface is that of `triangles()`; what differs is the
+/// data on a face: that of coordinates in the face's plane (Joshi et al., Harmonic Coordinates for
+/// Character Articulation, sec. 4: every face solves the equation of its own dimension), so that the
+/// weights do not depend on how a face is cut.
+///
+/// Copies the vertices and faces. Construction never fails; `check` tells whether the mesh can serve
+/// as a cage. Gaps are closed as in a TriangleMesh, by triangles. O(#corners log #corners), and
+/// O(m²) for a face of m corners.
+template <Scalar T>
+class PolyhedralMesh {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = 3;
+
+    PolyhedralMesh() = default;
+
+    /// `off_plane` is how far a corner may lie off its face's plane, in units of the cage; 64
+    /// roundings are always allowed. Weights on such a face reproduce the place in the plane: their
+    /// error is that distance at most.
+    template <PointRange R, LoopRange F>
+        requires(range_dimension<R> == 3)
+    PolyhedralMesh(const R& vertices, const F& faces, T off_plane = 0)
+        : off_plane_(off_plane)
+        , status_(detail::guard_memory([&] { return fill(vertices, faces); })) {
+        if (status_ != Status::ok) *this = PolyhedralMesh(status_);
+    }
+
+    /// out_of_memory where there was none for vertices and faces; the mesh is then empty. `check`
+    /// reports it. (A copy throws as one of a std::vector does.)
+    Status status() const noexcept { return status_; }
+    std::size_t size() const noexcept { return triangles_.size(); }
+    std::span<const Vec<T, 3>> vertices() const noexcept { return triangles_.vertices(); }
+    const Vec<T, 3>& operator[](std::size_t i) const noexcept { return triangles_[i]; }
+
+    std::size_t face_count() const noexcept { return ends_.size(); }
+    /// The vertices of a face; no_vertex for indices that there are not.
+    std::span<const std::uint32_t> face(std::size_t f) const noexcept {
+        const std::size_t begin = f == 0 ? 0 : ends_[f - 1];
+        return {corners_.data() + begin, ends_[f] - begin};
+    }
+    /// The same surface in triangles: those of face 0, of face 1, …, then those that close gaps.
+    const TriangleMesh<T>& triangles() const noexcept { return triangles_; }
+    /// The triangles [first, second) of a face; one less than its corners, less one.
+    std::pair<std::size_t, std::size_t> triangles_of(std::size_t f) const noexcept {
+        return {f == 0 ? 0 : triangle_ends_[f - 1], triangle_ends_[f]};
+    }
+    /// The face of a triangle; face_count() for one that closes a gap.
+    std::size_t face_of(std::size_t triangle) const noexcept {
+        return std::size_t(std::upper_bound(triangle_ends_.begin(), triangle_ends_.end(), triangle) -
+                           triangle_ends_.begin());
+    }
+    /// How far a corner may lie off its face's plane.
+    double off_plane() const noexcept {
+        return std::fmax(double(off_plane_), 8 * double(coincidence_tolerance(bounds_of(vertices()))));
+    }
+
+private:
+    explicit PolyhedralMesh(Status status) noexcept
+        : status_(status) {}
+
+    template <class R, class F>
+    Status fill(const R& vertices, const F& faces) {
+        std::vector<Vec<T, 3>> at;
+        for (std::size_t i = 0; i < std::size(vertices); ++i) at.push_back(to_vec<T>(vertices[i]));
+        std::vector<std::array<std::uint32_t, 3>> triangles;
+        for (std::size_t f = 0; f < std::size(faces); ++f) {
+            for (std::size_t k = 0; k < std::size(faces[f]); ++k) {
+                const auto i = faces[f][k];
+                const bool is_there = i >= 0 && std::uint64_t(i) < at.size();
+                corners_.push_back(is_there ? std::uint32_t(i) : no_vertex);
+            }
+            ends_.push_back(corners_.size());
+            cut(face(f), at, triangles);
+            triangle_ends_.push_back(triangles.size());
+        }
+        triangles_ = TriangleMesh<T>(at, triangles);
+        return triangles_.status();
+    }
+
+    /// Adds the triangles of a face.
+    static void cut(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at,
+                    std::vector<std::array<std::uint32_t, 3>>& triangles) {
+        const bool lacks_one = std::find(loop.begin(), loop.end(), no_vertex) != loop.end();
+        Buffer<Vec<double, 3>> places;
+        for (std::size_t k = 0; !lacks_one && k < loop.size(); ++k)
+            places.push_back(vec_cast<double>(at[loop[k]]));
+        const detail::FacePlane plane(places);
+        Buffer<Vec<double, 2>> flat;
+        for (const auto& p : places) flat.push_back(plane.flat(p));
+        if (lacks_one) triangles.push_back({no_vertex, no_vertex, no_vertex});
+        const detail::PolygonCutter cutter(flat);
+        for (const auto& [a, b, c] : cutter.triangles()) triangles.push_back({loop[a], loop[b], loop[c]});
+    }
+
+    std::vector<std::uint32_t> corners_;            ///< of all faces
+    std::vector<std::size_t> ends_, triangle_ends_; ///< of each face, in corners_ and triangles
+    TriangleMesh<T> triangles_;
+    T off_plane_ = 0;
+    Status status_ = Status::ok; // last: what fills the others is its initialiser
+};
+
+/// Deduces the scalar from the points.
+template <PointRange R, LoopRange F>
+PolyhedralMesh(const R&, const F&) -> PolyhedralMesh<range_scalar_t<R>>;
+
+/// f(triangle), as arrays of vertices.
+template <Scalar T, class F>
+void for_each_facet(const PolyhedralMesh<T>& mesh, F&& f) {
+    for_each_facet(mesh.triangles(), f);
+}
+
+/// Inside, on the boundary when within `tolerance` of a face. O(#corners).
+template <Scalar T>
+PointState locate(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
+    return locate(mesh.triangles(), p, tolerance);
+}
+
+/// The nearest boundary place, with the data of the triangle there: coordinates take those of the
+/// triangle's face in its stead (coordinates/detail/face_coordinates.hpp). O(#corners).
+template <Scalar T>
+BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p,
+                                        Vec<T, 3>& place) noexcept {
+    return nearest_boundary_value(mesh.triangles(), p, place);
+}
+
+namespace detail {
+
+/// The plane of a face.
+template <Scalar T>
+FacePlane plane_of(const PolyhedralMesh<T>& mesh, std::size_t f) {
+    Buffer<Vec<double, 3>> places;
+    for (const std::uint32_t i : mesh.face(f)) places.push_back(vec_cast<double>(mesh[i]));
+    return FacePlane(places);
+}
+/// A face in its plane, counter-clockwise.
+template <Scalar T>
+Polygon<double> flat_face(const PolyhedralMesh<T>& mesh, std::size_t f, const FacePlane& plane) {
+    std::vector<Vec<double, 2>> flat;
+    for (const std::uint32_t i : mesh.face(f)) flat.push_back(plane.flat(vec_cast<double>(mesh[i])));
+    return Polygon<double>(flat);
+}
+
+/// Whether a face of more than three corners lies in a plane and is a simple polygon there.
+template <Scalar T>
+void check_face(const PolyhedralMesh<T>& mesh, std::size_t f, CageReport& report) {
+    const auto loop = mesh.face(f);
+    const FacePlane plane = plane_of(mesh, f);
+    if (!plane.has_area) return report.add(CageFaultKind::face_without_area, f);
+    std::uint32_t farthest = loop[0];
+    double most = 0;
+    for (const std::uint32_t i : loop) {
+        const double height = std::fabs(plane.height(vec_cast<double>(mesh[i])));
+        if (height > most) farthest = i;
+        most = std::fmax(most, height);
+    }
+    if (most > mesh.off_plane()) return report.add(CageFaultKind::face_not_planar, f, farthest);
+    const CageReport in_plane = check(flat_face(mesh, f, plane));
+    if (in_plane.status == Status::ok) return;
+    for (const CageFault& fault : in_plane.faults) {
+        if (status_of(fault.kind) == Status::ok) continue;
+        const bool flat = fault.kind == CageFaultKind::no_area;
+        if (flat) return report.add(CageFaultKind::face_without_area, f);
+        return report.add(CageFaultKind::face_crosses_itself, f, loop[fault.a]);
+    }
+    report.add(CageFaultKind::face_crosses_itself, f, loop[0]); // which there was no memory to list
+}
+
+/// The faults of the triangles, which name faces by number, as faults of the faces.
+template <Scalar T>
+void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) {
+    using Kind = CageFaultKind;
+    const CageReport found = check(mesh.triangles());
+    for (CageFault fault : found.faults) {
+        const bool names_one = fault.kind == Kind::face_without_vertex ||
+                               fault.kind == Kind::face_without_area || fault.kind == Kind::no_volume ||
+                               fault.kind == Kind::shell_turns_otherwise;
+        const bool names_two = fault.kind == Kind::face_flipped || fault.kind == Kind::faces_cross;
+        if (names_one || names_two) fault.a = mesh.face_of(fault.a);
+        if (names_two) fault.b = mesh.face_of(fault.b);
+        const auto same = [&](const CageFault& known) {
+            return known.kind == fault.kind && known.a == fault.a && known.b == fault.b;
+        };
+        if (std::none_of(report.faults.begin(), report.faults.end(), same))
+            report.add(fault.kind, fault.a, fault.b);
+    }
+    if (report.status == Status::ok) report.status = found.status;
+}
+
+} // namespace detail
+
+/// Whether a mesh can serve as a cage: every face has three corners or more, that are there and
+/// finite, in a plane (see off_plane), and is a simple polygon; the rest as for a TriangleMesh. Faces
+/// are named by their numbers. Cost as there, and O(m log m) for a face of m corners, O(m²) at worst.
+template <Scalar T>
+CageReport check(const PolyhedralMesh<T>& mesh) {
+    return detail::report_on(mesh.status(), [&](CageReport& report) {
+        for (std::size_t i = 0; i < mesh.size(); ++i) {
+            if (!is_finite(mesh[i])) report.add(CageFaultKind::vertex_not_finite, i);
+        }
+        for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+            const auto loop = mesh.face(f);
+            if (loop.size() < 3) report.add(CageFaultKind::too_few_vertices, f, loop.size());
+            if (std::find(loop.begin(), loop.end(), no_vertex) != loop.end())
+                report.add(CageFaultKind::face_without_vertex, f);
+        }
+        if (report.status != Status::ok) return;
+        for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+            if (mesh.face(f).size() > 3) detail::check_face(mesh, f, report);
+        }
+        if (report.status != Status::ok) return;
+        detail::add_faults_of_triangles(mesh, report);
+    });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,59 @@
+// The values that the functions of handles have on the boundary, by the kind of cage.
+#pragma once
+
+#include <cageform/cage/boundary_value.hpp>
+#include <cageform/core/status.hpp>
+
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Of most cages the hat functions of the vertices: a place's BoundaryValue is all there is to say.
+/// A cage with other data has a specialisation.
+///
+///   status()           ok, or why there is no data
+///   for_each_weight(value, f)
+///                      f(handle, weight) for the handles whose value at the place is not zero
+///   for_each_handle(value, f)
+///                      f(handle) for them
+///   Table(data, values)
+///                      the same for many places, made once; `values` outlive it
+template <class Cage>
+class BoundaryData {
+public:
+    using Value = BoundaryValue<Cage::dimension>;
+
+    BoundaryData() = default;
+    template <class Options>
+    BoundaryData(const Cage& /*cage*/, const Options& /*options*/) noexcept {}
+
+    static Status status() noexcept { return Status::ok; }
+
+    template <class F>
+    static void for_each_weight(const Value& value, F&& f) {
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
+        }
+    }
+
+    template <class F>
+    static void for_each_handle(const Value& value, F&& f) {
+        for_each_weight(value, [&](std::uint32_t handle, double) { f(handle); });
+    }
+
+    class Table {
+    public:
+        Table() = default;
+        Table(const BoundaryData& /*data*/, std::span<const Value> values) noexcept
+            : values_(values) {}
+        template <class F>
+        void for_each_weight(std::size_t place, F&& f) const {
+            BoundaryData::for_each_weight(values_[place], f);
+        }
+
+    private:
+        std::span<const Value> values_;
+    };
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

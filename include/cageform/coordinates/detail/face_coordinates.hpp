@@ -1,0 +1,130 @@
+// Coordinates in the planes of a polyhedral mesh's faces: the data on its boundary.
+#pragma once
+
+#include <cageform/cage/polyhedral_mesh.hpp>
+#include <cageform/coordinates/coordinate.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The values of handles at places of a PolyhedralMesh: on a face of more than three corners its
+/// coordinates `Plane`, a type of CageCoordinates in the plane in double; on triangles, edges and
+/// vertices linear. Places are given by the triangle that they lie on.
+template <class Plane>
+class FaceCoordinates {
+public:
+    using Value = BoundaryValue<3>;
+
+    FaceCoordinates() = default;
+    /// Of a sound mesh. make(polygon, size) makes the coordinates of a face in its plane, `size` its
+    /// longer side along the axes there.
+    template <Scalar T, class Make>
+    FaceCoordinates(const PolyhedralMesh<T>& mesh, const Make& make) {
+        for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+            const auto loop = mesh.face(f);
+            if (loop.size() < 4) continue;
+            const auto face = std::uint32_t(faces_.size());
+            const FacePlane plane = plane_of(mesh, f);
+            const auto polygon = flat_face(mesh, f, plane);
+            const auto extent = bounds_of(polygon.vertices()).upper - bounds_of(polygon.vertices()).lower;
+            faces_.push_back({plane,
+                              std::fmax(extent[0], extent[1]),
+                              {loop.begin(), loop.end()},
+                              make(polygon, std::fmax(extent[0], extent[1]))});
+            const auto [first, last] = mesh.triangles_of(f);
+            for (std::size_t t = first; t < last; ++t) add_triangle(mesh.triangles().faces()[t], loop, face);
+        }
+        std::sort(parts_.begin(), parts_.end());
+        for (const auto& v : mesh.vertices()) vertices_.push_back(vec_cast<double>(v));
+    }
+
+    /// f(coordinates) for the coordinates of all faces.
+    template <class F>
+    void for_each_face(F&& f) {
+        for (Face& face : faces_) f(face.coordinates);
+    }
+
+    /// f(handle, weight) for the handles whose value at a place is not zero. Throws bad_alloc.
+    template <class F>
+    void for_each_weight(const Value& value, F&& f) const {
+        const Face* const face = face_of(value);
+        if (face != nullptr) {
+            std::vector<double> row(face->corners.size());
+            const auto q = face->plane.flat(place_of(value));
+            const PointState state = weights_at(face->coordinates, q, std::span(row));
+            if (state != PointState::inside && state != PointState::on_boundary)
+                (void)face->coordinates.nearest_boundary(q, row); // outside by rounding
+            for (std::size_t k = 0; k < row.size(); ++k) {
+                if (row[k] != 0) f(face->corners[k], row[k]);
+            }
+            return;
+        }
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
+        }
+    }
+
+    /// f(handle) for them, or for all corners of the place's face.
+    template <class F>
+    void for_each_handle(const Value& value, F&& f) const {
+        if (const Face* const face = face_of(value)) {
+            for (const std::uint32_t corner : face->corners) f(corner);
+            return;
+        }
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] != 0) f(value.handle[n]);
+        }
+    }
+
+private:
+    struct Face {
+        FacePlane plane;
+        double size;
+        std::vector<std::uint32_t> corners;
+        Plane coordinates;
+    };
+    /// A triangle or, with no_vertex last, a diagonal of a face; vertices in ascending order.
+    struct Part {
+        std::array<std::uint32_t, 3> vertex;
+        std::uint32_t face;
+        auto operator<=>(const Part&) const = default;
+    };
+
+    void add_triangle(const std::array<std::uint32_t, 3>& triangle, std::span<const std::uint32_t> loop,
+                      std::uint32_t face) {
+        auto vertex = triangle;
+        std::sort(vertex.begin(), vertex.end());
+        parts_.push_back({vertex, face});
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto a = triangle[k], b = triangle[(k + 1) % 3];
+            const auto at = std::size_t(std::find(loop.begin(), loop.end(), a) - loop.begin());
+            const bool is_edge = loop[(at + 1) % loop.size()] == b;
+            if (!is_edge) parts_.push_back({{std::min(a, b), std::max(a, b), no_vertex}, face});
+        }
+    }
+    /// The face of more than three corners that a place lies in; null on others, edges, vertices.
+    const Face* face_of(const Value& value) const noexcept {
+        std::array<std::uint32_t, 3> vertex{no_vertex, no_vertex, no_vertex};
+        std::size_t count = 0;
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] == 0) continue;
+            if (count == 3) return nullptr;
+            vertex[count++] = value.handle[n];
+        }
+        if (count < 2) return nullptr;
+        std::sort(vertex.begin(), vertex.end());
+        const auto part = std::lower_bound(parts_.begin(), parts_.end(), Part{vertex, 0});
+        return part != parts_.end() && part->vertex == vertex ? &faces_[part->face] : nullptr;
+    }
+    Vec<double, 3> place_of(const Value& value) const noexcept {
+        Vec<double, 3> place{};
+        for (std::size_t n = 0; n < Value::most; ++n)
+            place = place + value.weight[n] * vertices_[value.handle[n]];
+        return place;
+    }
+
+    std::vector<Face> faces_;
+    std::vector<Part> parts_; ///< sorted
+    std::vector<Vec<double, 3>> vertices_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
