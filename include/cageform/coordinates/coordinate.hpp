@@ -98,11 +98,10 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
 /// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights
 /// on the boundary are the cage's BoundaryData: `row` (#V) gets the weights of the nearest boundary
 /// point, which is returned.
-template <class Cage>
+template <class Cage, class Data = detail::BoundaryData<Cage>>
 Vec<typename Cage::scalar, Cage::dimension>
 nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
-                         std::span<typename Cage::scalar> row,
-                         const detail::BoundaryData<Cage>& data = {}) noexcept {
+                         std::span<typename Cage::scalar> row, const Data& data = {}) noexcept {
     using T = typename Cage::scalar;
     Vec<T, Cage::dimension> place;
     const auto value = nearest_boundary_value(cage, p, place);
@@ -121,12 +120,12 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
 namespace detail {
 
 /// Writes the boundary data of a place as weights: a lane of a block of `handles` rows.
-template <class T, std::size_t K>
+template <class T, std::size_t K, class Data = HatData<K>>
 void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, Lanes<T>* rows,
-                          std::size_t lane) noexcept {
+                          std::size_t lane, const Data& data = {}) {
     for (std::size_t i = 0; i < handles; ++i) rows[i][lane] = T(0);
-    for (std::size_t k = 0; k < value.handle.size(); ++k)
-        rows[value.handle[k]][lane] += static_cast<T>(value.weight[k]);
+    data.for_each_weight(
+        value, [&](std::uint32_t handle, double weight) { rows[handle][lane] += static_cast<T>(weight); });
 }
 
 /// What `evaluate` and `evaluate_gradients` are given.

@@ -6,7 +6,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-template <Scalar T, std::size_t D>
+/// Of a Polygon in the plane; in space of a TriangleMesh (coordinates/mean_value_3d.hpp) or a
+/// PolyhedralMesh (coordinates/mean_value_polyhedral.hpp).
+template <Scalar T, std::size_t D, class Cage = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
 class MeanValueCoordinates;
 
 /// Mean value coordinates in the plane, for any set of simple loops, holes included.

@@ -8,8 +8,26 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Of most cages the hat functions of the vertices: a place's BoundaryValue is all there is to say.
-/// A cage with other data has a specialisation.
+/// Hat functions of the vertices: a place's BoundaryValue is all there is to say.
+template <std::size_t D>
+class HatData {
+public:
+    using Value = BoundaryValue<D>;
+
+    template <class F>
+    static void for_each_weight(const Value& value, F&& f) {
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
+        }
+    }
+    template <class F>
+    static void for_each_handle(const Value& value, F&& f) {
+        for_each_weight(value, [&](std::uint32_t handle, double) { f(handle); });
+    }
+};
+
+/// The data of harmonic functions; of most cages hat functions. A cage with others has a
+/// specialisation.
 ///
 ///   status()           ok, or why there is no data
 ///   for_each_weight(value, f)
@@ -19,27 +37,15 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 ///   Table(data, values)
 ///                      the same for many places, made once; `values` outlive it
 template <class Cage>
-class BoundaryData {
+class BoundaryData : public HatData<Cage::dimension> {
 public:
-    using Value = BoundaryValue<Cage::dimension>;
+    using typename HatData<Cage::dimension>::Value;
 
     BoundaryData() = default;
     template <class Options>
     BoundaryData(const Cage& /*cage*/, const Options& /*options*/) noexcept {}
 
     static Status status() noexcept { return Status::ok; }
-
-    template <class F>
-    static void for_each_weight(const Value& value, F&& f) {
-        for (std::size_t n = 0; n < Value::most; ++n) {
-            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
-        }
-    }
-
-    template <class F>
-    static void for_each_handle(const Value& value, F&& f) {
-        for_each_weight(value, [&](std::uint32_t handle, double) { f(handle); });
-    }
 
     class Table {
     public:

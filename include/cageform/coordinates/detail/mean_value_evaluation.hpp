@@ -11,10 +11,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// `weigh` as one piece of code, which keeps numbers in registers; for gradients the same whatever
 /// the cage's scalar.
-template <class N, class S, std::size_t D>
-CAGEFORM_DETAIL_FLATTEN WeightSum<N>
-weigh_registers(const MeanValueFrame<S, D>& frame, const MeanValueLimits<S>& limits,
-                const Vec<ValueOf<N>, D>& p, WeightRows<N>& memory) noexcept {
+template <class N, class Frame, class S, std::size_t D, class Rows>
+CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Frame& frame, const MeanValueLimits<S>& limits,
+                                                     const Vec<ValueOf<N>, D>& p, Rows& memory) noexcept {
     return weigh(frame, limits, p, memory);
 }
 
@@ -47,7 +46,7 @@ public:
     }
     Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p,
                                             std::span<scalar> row) const noexcept {
-        return nearest_boundary_weights(cage_, p, row);
+        return nearest_boundary_weights(cage_, p, row, data_);
     }
 
 protected:
@@ -83,7 +82,8 @@ private:
         tolerance_ = double(coincidence_tolerance(bounds));
         scale_ = double(unit_scale(bounds)); // products of three lengths stay in range
         if constexpr (D == 3) origin_ = cage_[0];
-        topology_ = MeanValueTopology<D>(cage_);
+        topology_ = typename Form::Topology(cage_);
+        data_ = Form::data(cage_);
         const auto at = seen_from(vec_cast<double>(origin_), scale_);
         frame_ = {topology_, at};
         gradient_frame_ = {topology_, at};
@@ -93,6 +93,9 @@ private:
 
     using T = scalar;
     static constexpr std::size_t D = dimension;
+    using Form = MeanValueForm<Cage>;
+    template <class N>
+    using Rows = typename Form::template Rows<N>;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
 
     /// The vertices seen from `origin`, in lengths of 1/scale.
@@ -123,7 +126,7 @@ private:
     Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
         const std::size_t rows = has_gradient<N> ? D * cage_.size() : cage_.size();
         return evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
-            WeightRows<N> memory(topology_, cage_.size());
+            Rows<N> memory(topology_, cage_.size());
             for (std::size_t b = begin; b < end; ++b) {
                 for (std::size_t first = 0; first < lane_count<T>; first += lane_count<ScalarOf<ValueOf<N>>>)
                     evaluate_lanes(batch, b, first, memory);
@@ -133,15 +136,14 @@ private:
 
     /// The lanes of block `b` from `first` on, as many as N has.
     template <class N>
-    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first,
-                        WeightRows<N>& memory) const {
+    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first, Rows<N>& memory) const {
         using X = ValueOf<N>;
         using S = ScalarOf<X>;
         Lanes<T>* const rows = batch.rows.block(b);
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k)
             p[k] = X(S(scale_)) * (load_lanes<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
-        const WeightSum<N> result = weigh_registers(frame<N>(), limits<N>(), p, memory);
+        const WeightSum<N> result = weigh_registers<N>(frame<N>(), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
             for_parts(memory.weights[i] * inverse, i, cage_.size(), S(scale_),
@@ -193,11 +195,11 @@ private:
         const bool on_boundary = distance <= scale_ * tolerance_;
         if constexpr (!has_gradient<N>) {
             if (on_boundary) {
-                store_boundary_value(value, cage_.size(), rows, lane);
+                store_boundary_value(value, cage_.size(), rows, lane, data_);
                 return PointState::on_boundary;
             }
         }
-        WeightRows<N> memory(topology_, cage_.size());
+        Rows<N> memory(topology_, cage_.size());
         const Wide unit = Wide(on_boundary ? step_inside : distance) / Wide(scale_);
         const N sum = on_boundary ? weigh_inside(vec_cast<double>(p), unit, memory)
                                   : weigh_about(vec_cast<Wide>(p), unit, memory);
@@ -220,19 +222,19 @@ private:
 
     /// The weights before normalising, with p as origin and lengths in `unit`s; their sum.
     template <class N>
-    N weigh_about(const Vec<Wide, D>& p, Wide unit, WeightRows<N>& memory) const {
+    N weigh_about(const Vec<Wide, D>& p, Wide unit, Rows<N>& memory) const {
         // Of the limits only the last is of use here. In these units a place beside a face is 1 or
         // more from it.
         const MeanValueLimits<Wide> limits{0, std::numeric_limits<float>::max(), Wide(0.1)};
-        return weigh(MeanValueFrame<Wide, D>(topology_, seen_from(p, 1 / unit)), limits, Vec<Wide, D>{},
-                     memory)
+        return weigh(typename Form::template Frame<Wide>(topology_, seen_from(p, 1 / unit)), limits,
+                     Vec<Wide, D>{}, memory)
             .sum;
     }
 
     /// The same at a place `step` inside from p on the boundary: against the mean normal of the
     /// facets that meet there, or, at corners so bent that this leads outside, from one of them.
     template <class N>
-    N weigh_inside(const Vec<double, D>& p, Wide step, WeightRows<N>& memory) const {
+    N weigh_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
         std::vector<Vec<double, D>> directions(1);
         for (const auto& facet : topology_.facets) {
             const auto corner = Facet<D>(facet, cage_.vertices()).corner;
@@ -254,9 +256,10 @@ private:
         return sum;
     }
 
-    MeanValueTopology<D> topology_;
-    MeanValueFrame<T, D> frame_;
-    MeanValueFrame<double, D> gradient_frame_;
+    typename Form::Topology topology_;
+    typename Form::Data data_;
+    typename Form::template Frame<T> frame_;
+    typename Form::template Frame<double> gradient_frame_;
     MomentTest<T, D> test_;
     MomentTest<double, D> gradient_test_;
     double tolerance_ = 0, scale_ = 1;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/cage/primitives.hpp>
+#include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/coordinates/detail/compensated_sum.hpp>
 #include <cageform/coordinates/detail/dual.hpp>
 
@@ -47,8 +48,8 @@ template <class N>
 struct WeightRows {
     std::vector<N> weights, edges;
 
-    template <std::size_t D>
-    explicit WeightRows(const MeanValueTopology<D>& topology, std::size_t handles)
+    template <class Topology>
+    explicit WeightRows(const Topology& topology, std::size_t handles)
         : weights(handles)
         , edges(topology.edge_count()) {}
 
@@ -56,6 +57,20 @@ struct WeightRows {
         return compensated_sums<N, 1>(weights.size(),
                                       [&](std::size_t i, auto& total) { total[0] += weights[i]; })[0];
     }
+};
+
+/// What the formula for a kind of cage is written in: how it hangs together, its numbers, memory, and
+/// the data on its boundary.
+template <class Cage>
+struct MeanValueForm {
+    using Topology = MeanValueTopology<Cage::dimension>;
+    template <class S>
+    using Frame = MeanValueFrame<S, Cage::dimension>;
+    template <class N>
+    using Rows = WeightRows<N>;
+    using Data = BoundaryData<Cage>;
+
+    static Data data(const Cage& /*cage*/) noexcept { return {}; }
 };
 
 /// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1

@@ -286,23 +286,34 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     return w;
 }
 
-/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
-/// 3, before normalising: the formula of MeanValueCoordinates<T, 3>.
+/// The edges' angles, and weights of zero; one in the lanes that lie too far away, zero in the others.
 template <class N, class S>
-WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
-                   const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
+ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
+                         const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1));
     for (std::size_t e = 0; e < cage.edges.size(); ++e)
         rows.edges[e] = angle_over_distance<N, S>(cage.edges[e], p);
     for (N& w : rows.weights) w = zero;
-    X special = select(X(limits.far * limits.far) < inner(p, p), one, zero);
-    for (const auto& face : cage.faces) {
-        const std::array<N, 3> g{rows.edges[face.edge[0]], rows.edges[face.edge[1]],
-                                 rows.edges[face.edge[2]]};
-        const auto w = face_weights<N, S>(face, g, limits, p, special);
-        for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
-    }
+    return select(X(limits.far * limits.far) < inner(p, p), one, zero);
+}
+
+/// Adds what a face gives to its corners.
+template <class N, class S>
+void add_triangle(const typename MeanValueFrame<S, 3>::Face& face, const MeanValueLimits<S>& limits,
+                  const Vec<ValueOf<N>, 3>& p, ValueOf<N>& special, WeightRows<N>& rows) noexcept {
+    const std::array<N, 3> g{rows.edges[face.edge[0]], rows.edges[face.edge[1]], rows.edges[face.edge[2]]};
+    const auto w = face_weights<N, S>(face, g, limits, p, special);
+    for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
+}
+
+/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
+/// 3, before normalising: the formula of MeanValueCoordinates<T, 3>.
+template <class N, class S>
+WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
+                   const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
+    auto special = start_weights<N, S>(cage, limits, p, rows);
+    for (const auto& face : cage.faces) add_triangle<N, S>(face, limits, p, special, rows);
     return {rows.sum(), special};
 }
 
