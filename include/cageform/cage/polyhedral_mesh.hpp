@@ -99,6 +99,7 @@ private:
     /// Adds the triangles of a face.
     static void cut(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at,
                     std::vector<std::array<std::uint32_t, 3>>& triangles) {
+        if (loop.size() == 3) return triangles.push_back({loop[0], loop[1], loop[2]});
         const bool lacks_one = std::find(loop.begin(), loop.end(), no_vertex) != loop.end();
         Buffer<Vec<double, 3>> places;
         for (std::size_t k = 0; !lacks_one && k < loop.size(); ++k)
