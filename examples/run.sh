@@ -53,6 +53,13 @@ for pose in step look tail stretch leap short_leg; do
   [ $pose = short_leg ] || set -- "$@" "$words" out/cat_${pose}_harmonic.svg
 done
 "$programs/contact_sheet" -o out/cat.svg --columns 3 --tile 300 --png "$@"
+# Green coordinates keep angles, and leave the cage for that.
+set --
+for pose in stretch leap; do
+  deform cat_${pose}_green cat cat_cage cat_pose_$pose green
+  for type in mean_value harmonic green; do set -- "$@" "$pose: $(echo $type | tr _ ' ')" out/cat_${pose}_$type.svg; done
+done
+"$programs/contact_sheet" -o out/cat_green.svg --columns 3 --png --png-width 1800 "$@"
 
 step "the cat, with cells inside its cage"
 # Cells inside the cage: a vertex in the face, a chain along the back. Nothing else has moved.
@@ -242,7 +249,8 @@ step "tables"
 cat <<END
 
 Open, in out/:
-  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage
+  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage;
+                             cat_green.png: two poses by three types of coordinates
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space

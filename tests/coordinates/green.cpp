@@ -2,6 +2,7 @@
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/oracle.hpp"
+#include "../support/thin_cages.hpp"
 
 #include <cageform/coordinates/green.hpp>
 
@@ -416,6 +417,36 @@ TEMPLATE_TEST_CASE("a binding by Green coordinates rests to the bit and follows 
         CHECK(distance(out[i], turn(vec_cast<long double>(points[i]))) <= 24 * double(epsilon<T>) * size);
     }
     CHECK(clone(binding, vertices, out) == Status::pose_size_differs); // the vertices alone
+}
+
+TEMPLATE_TEST_CASE("Green coordinates of thin cages in the plane", "[coordinates][green][thin]",
+                   CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(30));
+    Random random{std::uint64_t(seed)};
+    const double w = std::pow(10.0, random.uniform(sizeof(T) == 4 ? -5.5 : -14, -1)), v = 1 - w;
+    CAPTURE(seed, w);
+    const auto at = [](double x, double y) { return Vec<T, 2>{T(x), T(y)}; };
+    const Points2<T> bar{at(0, 0), at(1, 0), at(1, w), at(0, w)};
+    const Points2<T> ring{at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(w, w), at(v, w), at(v, v), at(w, v)};
+    const std::vector<std::size_t> loops{4, 4};
+    const Green2<T> hollow(Polygon<T>(ring, loops));
+    check_thin_states(Green2<T>(bar), random);
+    check_thin_states(hollow, random);
+    check_thin_states(Green2<T>(thin_simplex<T, 2>(random, w)), random);
+    Points2<T> points;
+    for (int i = 0; i < 20; ++i) points.push_back(at(random.uniform(0.1, 0.9), w * random.uniform(0.3, 0.7)));
+    for (const Green2<T>& green : {Green2<T>(bar), hollow}) {
+        REQUIRE(green.cage_report().status == Status::ok);
+        const auto weights = evaluate_all(green, points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CAPTURE(i, points[i][0], points[i][1], text(weights.rows[i]));
+            CHECK(weights.states[i] == PointState::inside);
+            CHECK(missed(green, weights.rows[i], points[i]) <= 24 * double(epsilon<T>));
+        }
+    }
+    CHECK(evaluate_all(hollow, Points2<T>{at(0.5, 0.5), at(0.3, 0.6)}).states ==
+          std::vector<PointState>{PointState::outside, PointState::outside});
 }
 
 TEST_CASE("cages that Green coordinates do not know are refused", "[coordinates][green][status]") {

@@ -4,6 +4,7 @@
 #include "../support/green.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
+#include "../support/thin_cages.hpp"
 
 #include <cageform/coordinates/green_3d.hpp>
 
@@ -348,6 +349,45 @@ TEMPLATE_TEST_CASE("a binding by Green coordinates in space rests to the bit and
         CHECK(distance(out[i], turn(vec_cast<long double>(points[i]))) <= 24 * double(epsilon<T>) * size);
     }
     CHECK(clone(binding, vertices, out) == Status::pose_size_differs); // the vertices alone
+}
+
+TEMPLATE_TEST_CASE("Green coordinates of thin cages in space", "[coordinates][green][space][thin]",
+                   CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(30));
+    Random random{std::uint64_t(seed)};
+    const double width = std::pow(10.0, random.uniform(sizeof(T) == 4 ? -5.5 : -13, -1));
+    CAPTURE(seed, width);
+    const Faces box{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    for (const double depth : {1.0, width}) { // a plate and a rod
+        Points3<T> corners, points;
+        for (int i = 0; i < 8; ++i)
+            corners.push_back({T(i & 1), T(depth * (i >> 1 & 1)), T(width * (i >> 2 & 1))});
+        const Green3<T> green(corners, box);
+        REQUIRE((green.cage_report().status == Status::ok || depth < 1)); // its ends may have no area
+        if (green.cage_report().status != Status::ok) continue;
+        check_thin_states(green, random);
+        for (int i = 0; i < 20; ++i)
+            points.push_back({T(random.uniform(0.1, 0.9)), T(depth * random.uniform(0.3, 0.7)),
+                              T(width * random.uniform(0.3, 0.7))});
+        const auto weights = evaluate_all(green, points);
+        const auto bound = bind(green, points);
+        CHECK(bound.report.not_restored.empty());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CAPTURE(depth, i, points[i][0], points[i][1], points[i][2], text(weights.rows[i]));
+            CHECK(weights.states[i] == PointState::inside);
+            // The faces of the rim are `width` high, and farther away than that.
+            CHECK(missed(green, weights.rows[i], points[i]) <= 4 * double(epsilon<T>) / width);
+            std::vector<T> row;
+            for (std::size_t h = 0; h < bound.binding.handle_count(); ++h)
+                row.push_back(bound.binding.weight(i, h));
+            CHECK(missed(green, row, points[i]) <= 64 * double(epsilon<T>));
+        }
+    }
+    check_thin_states(
+        Green3<T>(thin_simplex<T, 3>(random, width), Faces{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}),
+        random);
 }
 
 TEST_CASE("meshes that Green coordinates do not know are refused", "[coordinates][green][space][status]") {

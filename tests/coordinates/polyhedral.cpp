@@ -91,7 +91,7 @@ TEST_CASE("harmonic coordinates of cages with polygons as faces: reference value
 
 TEST_CASE("harmonic coordinates of a prism are those of its floor times a linear function",
           "[coordinates][polyhedral][harmonic]") {
-    // Seven corners, of which one bends in, by little: the grid follows.
+    // A convex heptagon: no corner that takes a finer grid.
     std::vector<Vec<double, 2>> base;
     for (int k = 0; k < 7; ++k) {
         const double angle = 2 * std::numbers::pi * k / 7, radius = k % 2 == 0 ? 1 : 0.8;

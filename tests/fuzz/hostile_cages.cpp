@@ -9,7 +9,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/green_3d.hpp>
+#include <cageform/coordinates/mean_value_polyhedral.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -110,7 +111,34 @@ Status in_plane(Random& random, unsigned long long seed) {
         }
         if (random.below(4) == 0) loops.push_back(random.bits() >> random.below(64));
     }
+    if (random.below(2) == 0) return take(GreenCoordinates<T, 2>(Polygon<T>(vertices, loops)), random, seed);
     return take(MeanValueCoordinates<T, 2>(Polygon<T>(vertices, loops)), random, seed);
+}
+
+/// The prism's faces as polygons, or any loops.
+template <class T>
+Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, unsigned long long seed) {
+    const auto n = std::int64_t(vertices.size() / 2);
+    std::vector<std::vector<std::int64_t>> faces(2);
+    for (std::int64_t i = 0; i < n; ++i) {
+        faces[0].push_back(n - 1 - i);
+        faces[1].push_back(n + i);
+        faces.push_back({i, (i + 1) % n, n + (i + 1) % n, n + i});
+    }
+    auto& face = faces[random.below(faces.size())];
+    const std::size_t harm = random.below(10), corner = random.below(face.size());
+    if (harm == 0) face[corner] = std::int64_t(random.bits());
+    if (harm == 1) face[corner] = std::int64_t(random.below(vertices.size()));
+    if (harm == 2) std::swap(face[0], face[corner]);
+    if (harm == 3) face.resize(random.below(face.size()));
+    if (harm == 4) faces.push_back(face);
+    if (harm == 5) face.insert(face.begin() + std::ptrdiff_t(corner), face[0]);
+    if (harm == 6) faces.resize(random.below(faces.size()));
+    if (harm == 7) {
+        for (auto& i : face) i = std::int64_t(random.below(vertices.size()));
+    }
+    const T off_plane = random.below(3) == 0 ? T(random.uniform(0, 1)) : T(0);
+    return take(MeanValueCoordinates<T, 3, PolyhedralMesh<T>>(vertices, faces, off_plane), random, seed);
 }
 
 /// A prism of an n-gon, or any faces.
@@ -128,6 +156,7 @@ Status in_space(Random& random, unsigned long long seed) {
             vertices[n + i][2] = height;
         }
     }
+    if (random.below(3) == 0) return with_polygons(vertices, random, seed);
     const auto m = std::int64_t(n);
     for (std::int64_t i = 0; i < m; ++i) {
         const std::int64_t j = (i + 1) % m;
@@ -141,6 +170,7 @@ Status in_space(Random& random, unsigned long long seed) {
     if (harm == 2) faces.resize(random.below(faces.size()));
     if (harm == 3) faces.push_back(face);
     if (harm == 4) std::swap(face[0], face[1]);
+    if (random.below(2) == 0) return take(GreenCoordinates<T, 3>(vertices, faces), random, seed);
     return take(MeanValueCoordinates<T, 3>(vertices, faces), random, seed);
 }
 

@@ -29,8 +29,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              point lies farthest beyond: analytic there, with jumps, in a pose, where the nearest
 ///              face changes: on the bisectors of convex edges, and on the medial axis in notches
 ///   accuracy   double: 1e-14 (of the distance, far away), next to faces, edges and vertices too;
-///              float: 1e-5. Faces h high lose the distance over h. Farther than 2^24 (2^12)
-///              diagonals the integrals are those at that distance, which is below rounding
+///              float: 1e-5. The weights of a face h high that is d away lose d/h of that, as in
+///              the rim of a thin plate; linear precision is what `bind` then restores. Farther
+///              than 2^24 (2^12) diagonals the integrals are those at that distance, which is
+///              below rounding
 ///   cost       O(#E + #F) a point; a root a vertex, a logarithm an edge and three angles a face for
 ///              eight (sixteen) points. Points outside and on the boundary a search through the
 ///              faces more

@@ -170,7 +170,7 @@ private:
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k) {
             p[k] = X(T(scale_)) * X::load(batch.points.block(b)[k]);
-            p[k] = max(X(T(middle_[k] - far)), min(X(T(middle_[k] + far)), p[k]));
+            p[k] = (max)(X(T(middle_[k] - far)), (min)(X(T(middle_[k] + far)), p[k]));
         }
         const GreenSum<T> sum = integrate_registers<gradients>(frame_, T(near), p, memory, rows);
         if constexpr (gradients) {

@@ -60,7 +60,7 @@ struct EdgeIntegrals {
         d = x * ty - y * tx;
         const X size = abs(d);
         const auto on_line = both(size <= reach, both(s1 <= zero, zero <= s2));
-        const auto on_edge = on_line | (min(a.rr, b.rr) <= reach * reach);
+        const auto on_edge = on_line | ((min)(a.rr, b.rr) <= reach * reach);
         const X seen = angle(X(edge.length) * size, a.u[0] * b.u[0] + a.u[1] * b.u[1]);
         theta = select(on_edge, zero, select(d < zero, zero - seen, seen));
         touched = select(on_edge, one, zero);
@@ -89,7 +89,7 @@ GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near, const Vec<Simd<S>, 2
         auto& corner = seen.corners[i];
         for (std::size_t k = 0; k < 2; ++k) corner.u[k] = X(cage.vertices[i][k]) - p[k];
         corner.rr = corner.u[0] * corner.u[0] + corner.u[1] * corner.u[1];
-        corner.log = X(S(0.5)) * log(max(corner.rr, X(least_square<S>)));
+        corner.log = X(S(0.5)) * log((max)(corner.rr, X(least_square<S>)));
     }
     X angles(S(0)), touched(S(0));
     for (std::size_t e = 0; e < cage.edges.size(); ++e) {
@@ -97,7 +97,7 @@ GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near, const Vec<Simd<S>, 2
         const auto &a = seen.corners[edge.from], &b = seen.corners[edge.to];
         const EdgeIntegrals<S> of(edge, a, b, near);
         angles += of.theta;
-        touched = max(touched, of.touched);
+        touched = (max)(touched, of.touched);
         const X ratio = b.log - a.log, share(edge.inverse / (2 * pi));
         if constexpr (gradients) {
             const X t[2] = {X(edge.along[0]), X(edge.along[1])}, n[2] = {t[1], -t[0]};

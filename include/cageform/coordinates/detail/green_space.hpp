@@ -86,7 +86,7 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near, GreenRows
     out.end = select(from_a, along + length, along);
     out.qq = out.q[0] * out.q[0] + (out.q[1] * out.q[1] + out.q[2] * out.q[2]);
     const auto on_line = both(out.qq <= reach * reach, both(out.begin <= zero, zero <= out.end));
-    const auto on_edge = on_line | (min(a.r, b.r) <= reach);
+    const auto on_edge = on_line | ((min)(a.r, b.r) <= reach);
     out.touched = select(on_edge, one, zero);
     // f → ∞ next to the edge, where values have it times a distance; derivatives are those of a
     // place 1e-6 diagonals away.
@@ -109,20 +109,19 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near, GreenRows
 ///
 /// as one angle. s₂ A − s₁ B, where both s have one sign, is D L (s₁ + s₂)/(s₂ A + s₁ B).
 template <class S>
-Simd<S> edge_angle(const GreenFrame<S, 3>& cage, const GreenRows<S, 3>& rows, std::size_t number,
-                   const Simd<S>& height, const Simd<S>& rho) noexcept {
+Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<S, 3>& seen,
+                   const typename GreenRows<S, 3>::Edge& line, const Simd<S>& height,
+                   const Simd<S>& rho) noexcept {
     using X = Simd<S>;
-    const auto& ends = cage.edges[number];
-    const auto& edge = rows.edges[number];
-    const X zero(S(0)), one(S(1)), length(ends.length), &s1 = edge.begin, &s2 = edge.end;
-    const X &a = rows.corners[ends.from].r, &b = rows.corners[ends.to].r;
+    const X &a = seen.corners[edge.from].r, &b = seen.corners[edge.to].r, &s1 = line.begin, &s2 = line.end;
+    const X zero(S(0)), one(S(1)), length(edge.length);
     const auto beyond = zero < s1 * s2;
     const X factor = select(beyond, abs(s2 * a + s1 * b), one);
-    const X turn = select(beyond, edge.qq * length * abs(s1 + s2), s2 * a - s1 * b);
-    const X y = rho * (length * edge.qq * factor + height * turn);
-    const X x = factor * ((edge.qq + height * a) * (edge.qq + height * b) + rho * rho * s1 * s2);
-    const X seen = angle(abs(y), x + X(least_square<S>));
-    return select(rho < zero, zero - seen, seen);
+    const X turn = select(beyond, line.qq * length * abs(s1 + s2), s2 * a - s1 * b);
+    const X y = rho * (length * line.qq * factor + height * turn);
+    const X x = factor * ((line.qq + height * a) * (line.qq + height * b) + rho * rho * s1 * s2);
+    const X size = angle(abs(y), x + X(least_square<S>));
+    return select(rho < zero, zero - size, size);
 }
 
 /// What a face adds to the coordinates of points: H, the height of its plane above them, ρ_k, the
@@ -151,7 +150,8 @@ struct FaceIntegrals {
         }
         const X size = abs(height);
         angle = zero;
-        for (std::size_t k = 0; k < 3; ++k) angle += edge_angle<S>(cage, seen, face.edge[k], size, rho[k]);
+        for (std::size_t k = 0; k < 3; ++k)
+            angle += edge_angle<S>(cage.edges[face.edge[k]], seen, *edges[k], size, rho[k]);
         const X inmost = (min)(rho[0], (min)(rho[1], rho[2]));
         touched = (max)(edges[0]->touched, (max)(edges[1]->touched, edges[2]->touched));
         touched = select(both(size <= reach, zero <= inmost), one, touched);
