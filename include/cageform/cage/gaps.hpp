@@ -16,17 +16,28 @@ struct HalfEdge {
     auto edge() const noexcept { return std::pair(std::min(from, to), std::max(from, to)); }
 };
 
-/// The half-edges of all faces, those of an edge in a row.
+/// The half-edges of all faces, those of an edge in a row, by the edges' lesser vertices. O(#F + #V)
+/// where vertices have few faces.
 inline std::vector<HalfEdge> half_edges_of(std::span<const std::array<std::uint32_t, 3>> faces) {
-    std::vector<HalfEdge> all;
-    all.reserve(3 * faces.size());
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        for (std::size_t k = 0; k < 3; ++k)
-            all.push_back({faces[f][k], faces[f][(k + 1) % 3], std::uint32_t(f)});
+    std::size_t size = 0;
+    for (const auto& [a, b, c] : faces) size = std::max<std::size_t>(size, std::max({a, b, c}));
+    std::vector<std::size_t> end(size + 2); // of the half-edges of a lesser vertex, once they are placed
+    const auto for_each = [&](const auto& f) {
+        for (std::size_t n = 0; n < 3 * faces.size(); ++n) {
+            const auto& face = faces[n / 3];
+            f(HalfEdge{face[n % 3], face[(n + 1) % 3], std::uint32_t(n / 3)});
+        }
+    };
+    for_each([&](const HalfEdge& half_edge) { ++end[half_edge.edge().first + 1]; });
+    for (std::size_t i = 0; i < size; ++i) end[i + 1] += end[i];
+    std::vector<HalfEdge> all(3 * faces.size());
+    for_each([&](const HalfEdge& half_edge) { all[end[half_edge.edge().first]++] = half_edge; });
+    for (std::size_t i = 0, begin = 0; i <= size; begin = end[i++]) {
+        std::sort(all.begin() + std::ptrdiff_t(begin), all.begin() + std::ptrdiff_t(end[i]),
+                  [](const HalfEdge& a, const HalfEdge& b) {
+                      return std::tuple(a.edge(), a.from, a.face) < std::tuple(b.edge(), b.from, b.face);
+                  });
     }
-    std::sort(all.begin(), all.end(), [](const HalfEdge& a, const HalfEdge& b) {
-        return std::tuple(a.edge(), a.from, a.face) < std::tuple(b.edge(), b.from, b.face);
-    });
     return all;
 }
 

@@ -158,12 +158,12 @@ public:
     }
 
     /// Solves for the fields whose sources stand in `values`. With negative conductances pivots are
-    /// differences: then once more for what is left, and not_converged where that is much.
+    /// differences: then once more for what rounding has left, and not_converged where that is much.
     Status solve(std::vector<double>& values, std::size_t fields) const {
         const std::vector<double> sources = negative_ ? values : std::vector<double>();
         factors_.solve(values, fields);
         if (negative_) {
-            constexpr double most = 1e-6; // of the largest value: the next would be its square
+            constexpr double most = 1e-6; // of the largest value
             std::vector<double> change = left(sources, values, fields);
             factors_.solve(change, fields);
             std::vector<double> size(fields), moved(fields);
@@ -222,7 +222,7 @@ inline Status prepare(GraphEquations& equations, SolverReport& report) {
 ///   values   fields of #nodes each, one after the other; given values are read, unknown ones are
 ///            written when the status is ok, and not before
 ///   returns  values right to some roundings of the largest given one, however far conductances
-///            differ; with negative ones to 1e-12 of the largest, unless that fails
+///            differ; with negative ones as well as doubles can, and to 1e-6 of the largest
 ///   cost     one factorisation, O(n^1.5) for planar graphs of n unknown nodes; 16 fields cost one
 ///            pass over the factors. The progress is asked before each
 ///   fails    index_out_of_range, input_malformed (a link from a node to itself) and

@@ -21,6 +21,7 @@ struct SurfaceReport {
     /// The faults by index, and in warnings the unused vertices. Of CageFaultKind those are
     /// vertex_not_finite, face_without_vertex, face_without_area, edge_not_manifold, vertex_unused.
     CageReport mesh;
+    std::size_t rim_edges = 0; ///< of one face only
     std::size_t flips = 0;
     /// Where there are any, values may leave the range of those given: edges on a rim that an
     /// obtuse angle faces, and with MeshWeights::own those within.
@@ -71,6 +72,7 @@ inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<co
     for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
         const auto [low, high] = edge[0].edge();
         if (edge.size() > 2) report.add(CageFaultKind::edge_not_manifold, low, high);
+        if (edge.size() == 1) ++result.report.rim_edges;
     });
     for (std::size_t i = 0; i < result.unused.size(); ++i) {
         if (result.unused[i] != 0) report.add(CageFaultKind::vertex_unused, i);

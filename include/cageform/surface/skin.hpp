@@ -165,14 +165,17 @@ public:
         return Status::ok;
     }
 
-    /// A vertex's side by side.
+    /// A vertex's side by side. Negative cotangents may leave sums that are 1e-6 off 1.
     template <Scalar T>
     std::vector<T> weights() const {
         const std::size_t size = places_.size(), bones = bones_.size();
         std::vector<T> result(size * bones);
         for (std::size_t i = 0; i < size; ++i) {
+            if (mesh_.unused[i] != 0) continue;
+            double sum = 0;
+            for (std::size_t b = 0; b < bones; ++b) sum += values_[b * size + i];
             for (std::size_t b = 0; b < bones; ++b)
-                result[i * bones + b] = static_cast<T>(values_[b * size + i]);
+                result[i * bones + b] = static_cast<T>(values_[b * size + i] / sum);
         }
         return result;
     }
@@ -213,13 +216,13 @@ private:
     /// The nearest bones of every vertex, without those that it does not see.
     Status find_bones(const Running& running, std::vector<NearestBones>& nearest) {
         const bool looks = options_.visibility == BoneVisibility::inside;
-        if (looks) {
+        if (looks && mesh_.report.rim_edges > 0) {
             const auto half_edges = half_edges_of(faces_);
             for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
                 const auto [low, high] = edge[0].edge();
                 if (edge.size() == 1) report_.mesh.mesh.add(CageFaultKind::open_edge, low, high);
             });
-            if (report_.mesh.mesh.status != Status::ok) return report_.mesh.mesh.status;
+            return report_.mesh.mesh.status;
         }
         const FaceTree tree(places_, looks ? std::span<const MeshFace>(faces_) : std::span<const MeshFace>());
         return for_each_block(places_.size(), running, [&](std::size_t begin, std::size_t end) {
