@@ -86,6 +86,70 @@ TEST_CASE("orientation is that of whole numbers", "[cage][orientation][property]
     CHECK(zeros > 10);
 }
 
+TEST_CASE("orientation in space is that of whole numbers", "[cage][orientation][property]") {
+    using Place = Vec<double, 3>;
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    constexpr int places = 38; // coordinates below 4: their determinants have 126 bits
+    const auto lattice = [&](double reach) {
+        Place p;
+        for (double& x : p.v)
+            x = std::ldexp(std::round(std::ldexp(random.uniform(-reach, reach), places)), -places);
+        return p;
+    };
+    const auto exact = [](const std::array<Place, 4>& p) {
+        std::array<std::array<Whole, 3>, 3> d{};
+        for (std::size_t n = 0; n < 3; ++n) {
+            for (std::size_t k = 0; k < 3; ++k)
+                d[n][k] = Whole(std::ldexp(p[n + 1][k], places)) - Whole(std::ldexp(p[0][k], places));
+        }
+        Whole sum = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            sum += d[0][k] * (d[1][(k + 1) % 3] * d[2][(k + 2) % 3] - d[1][(k + 2) % 3] * d[2][(k + 1) % 3]);
+        return sum > 0 ? 1 : sum < 0 ? -1 : 0;
+    };
+    std::size_t zeros = 0, near = 0;
+    const Place start = lattice(1), u = lattice(0.05), v = lattice(0.05);
+    for (int n = 0; n < 500; ++n) {
+        std::array<Place, 4> p; // in a plane, a step of the lattice off it, or anywhere
+        for (auto& each : p)
+            each = start + (double(random.below(21)) - 10) * u + (double(random.below(21)) - 10) * v;
+        if (n % 3 == 1) p[random.below(4)][random.below(3)] += std::ldexp(1.0, -places);
+        if (n % 3 == 2) p[random.below(4)] = lattice(2);
+        const int expected = exact(p);
+        zeros += expected == 0;
+        near += n % 3 == 1 && expected != 0;
+        CHECK(orientation(p[0], p[1], p[2], p[3]) == expected);
+        CHECK(orientation(p[1], p[0], p[2], p[3]) == -expected);
+        CHECK(orientation(p[3], p[1], p[2], p[0]) == -expected);
+        for (const int exponent : {-900, 900}) {
+            const double scale = std::ldexp(1.0, exponent);
+            CHECK(orientation(scale * p[0], scale * p[1], scale * p[2], scale * p[3]) == expected);
+        }
+    }
+    CHECK(zeros > 100);
+    CHECK(near > 100);
+}
+
+TEST_CASE("pierces: a segment that ends on a triangle touches it from both sides", "[cage][orientation]") {
+    using cageform::detail::pierces;
+    const cageform::detail::Corners<3> up{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, down{{up[0], up[2], up[1]}};
+    for (const auto& corner : {up, down}) {
+        for (const double height : {-1.0, 1.0}) {
+            for (const Vec<double, 3>& p : {Vec<double, 3>{0.25, 0.25, 0}, {0.5, 0.5, 0}, {0, 0, 0}}) {
+                const Vec<double, 3> above{0.1, 0.2, height}, behind = p + 0.5 * (p - above);
+                CHECK(pierces(above, p, corner));
+                CHECK(pierces(p, above, corner));
+                CHECK(pierces(above, behind, corner));
+                CHECK(!pierces(above, p + 0.125 * (above - p), corner));
+            }
+            CHECK(!pierces({0.1, 0.2, height}, {0.75, 0.75, 0}, corner));
+        }
+        CHECK(!pierces({-1, 0.25, 0}, {1, 0.25, 0}, corner)); // in its plane
+    }
+}
+
 TEST_CASE("segments meet exactly where those of whole numbers do", "[cage][orientation][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
