@@ -208,19 +208,25 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
 /// little aside, the same for all faces.
 class FaceAcross {
 public:
-    FaceAcross(const PlacedFacet<3>& face, std::size_t axis) noexcept
-        : face_(face) {
+    /// `fraction`: bits of a coordinate behind the point; with those before it at most 30, as
+    /// products then take 61.
+    FaceAcross(const PlacedFacet<3>& face, std::size_t axis, int fraction = 20) noexcept
+        : face_(face)
+        , fraction_(fraction) {
         const auto [u, v] = other_axes[axis];
         for (std::size_t k = 0; k < 3; ++k) {
-            corners_[k] = {std::llround(face.corner[k][u] * double(one)),
-                           std::llround(face.corner[k][v] * double(one))};
+            corners_[k] = {std::llround(face.corner[k][u] * double(one())),
+                           std::llround(face.corner[k][v] * double(one()))};
         }
         area_ = side(corners_[0], corners_[1], corners_[2]);
     }
 
     bool is_edge_on() const noexcept { return area_ == 0; } ///< and crossed by no line
     bool crosses_line(std::int64_t x, std::int64_t y) const noexcept {
-        const Whole p{x * one, y * one};
+        return crosses({x * one(), y * one()});
+    }
+    /// The line at a place given in the rounding's units.
+    bool crosses(const std::array<std::int64_t, 2>& p) const noexcept {
         const bool left = area_ > 0;
         return is_left(0, 1, p) == left && is_left(1, 2, p) == left && is_left(2, 0, p) == left;
     }
@@ -228,14 +234,13 @@ public:
     /// cross the face lie.
     std::pair<std::int64_t, std::int64_t> lines(std::size_t k, std::size_t count) const noexcept {
         const auto [low, high] = std::minmax({corners_[0][k], corners_[1][k], corners_[2][k]});
-        return {std::max<std::int64_t>((low + one - 1) >> fraction, 0),
-                std::min<std::int64_t>(high >> fraction, std::int64_t(count) - 1)};
+        return {std::max<std::int64_t>((low + one() - 1) >> fraction_, 0),
+                std::min<std::int64_t>(high >> fraction_, std::int64_t(count) - 1)};
     }
 
 private:
     using Whole = std::array<std::int64_t, 2>;
-    static constexpr int fraction = 20; // bits; with 1024 cells a side, products take 61
-    static constexpr std::int64_t one = std::int64_t{1} << fraction;
+    std::int64_t one() const noexcept { return std::int64_t{1} << fraction_; }
 
     /// Positive where `p` is to the left of the line from `a` to `b`.
     static std::int64_t side(const Whole& a, const Whole& b, const Whole& p) noexcept {
@@ -255,6 +260,7 @@ private:
     }
 
     const PlacedFacet<3>& face_;
+    int fraction_;
     std::array<Whole, 3> corners_;
     std::int64_t area_; ///< twice
 };

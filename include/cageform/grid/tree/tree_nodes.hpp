@@ -1,0 +1,146 @@
+// The unknowns of a problem on a tree of cells: the corners of its leaves that lie inside.
+#pragma once
+
+#include <cageform/grid/tree/cut_tree.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
+
+/// Places numbered along the Morton curve, and back from a place to its number.
+template <std::size_t D>
+class TreeNodes {
+public:
+    using Index = std::array<std::int32_t, D>;
+    using Key = std::uint64_t; ///< the bits of the coordinates in turn, 21 of each
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    TreeNodes() = default;
+    /// From keys, ascending and different.
+    explicit TreeNodes(Buffer<Key> keys)
+        : keys_(std::move(keys)) {
+        keys_.shrink_to_fit();
+        while ((std::size_t{1} << bits_) < 2 * keys_.size()) ++bits_;
+        table_ = Buffer<std::uint32_t>(std::size_t{1} << bits_, none);
+        for (std::uint32_t n = 0; n < keys_.size(); ++n) {
+            std::size_t at = slot(keys_[n]);
+            while (table_[at] != none) at = (at + 1) & (table_.size() - 1);
+            table_[at] = n;
+        }
+    }
+
+    std::uint32_t count() const noexcept { return std::uint32_t(keys_.size()); }
+    std::size_t bytes() const noexcept {
+        return keys_.capacity() * sizeof(Key) + table_.capacity() * sizeof(std::uint32_t);
+    }
+    Index index(std::uint32_t node) const noexcept { return index_of(keys_[node]); }
+    /// `none` where no node is.
+    std::uint32_t find(const Index& index) const noexcept {
+        const Key wanted = key(index);
+        for (std::size_t at = slot(wanted);; at = (at + 1) & (table_.size() - 1)) {
+            if (table_[at] == none || keys_[table_[at]] == wanted) return table_[at];
+        }
+    }
+
+    static Index index_of(Key key) noexcept {
+        Index index{};
+        for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(gathered(key >> k));
+        return index;
+    }
+    /// Of coordinates in [0, 2^20].
+    static Key key(const Index& index) noexcept {
+        Key key = 0;
+        for (std::size_t k = 0; k < D; ++k) key |= spread(std::uint64_t(std::uint32_t(index[k]))) << k;
+        return key;
+    }
+
+private:
+    /// Bit n to bit D · n, for D = 2 and 3 by halves (Warren, Hacker's Delight (2002), sec. 7-2).
+    static Key spread(Key x) noexcept {
+        if constexpr (D == 2) {
+            x = (x | x << 16) & 0x0000ffff0000ffff;
+            x = (x | x << 8) & 0x00ff00ff00ff00ff;
+            x = (x | x << 4) & 0x0f0f0f0f0f0f0f0f;
+            x = (x | x << 2) & 0x3333333333333333;
+            x = (x | x << 1) & 0x5555555555555555;
+        } else if constexpr (D == 3) {
+            x = (x | x << 32) & 0x001f00000000ffff;
+            x = (x | x << 16) & 0x001f0000ff0000ff;
+            x = (x | x << 8) & 0x100f00f00f00f00f;
+            x = (x | x << 4) & 0x10c30c30c30c30c3;
+            x = (x | x << 2) & 0x1249249249249249;
+        }
+        return x;
+    }
+    static Key gathered(Key x) noexcept {
+        if constexpr (D == 2) {
+            x &= 0x5555555555555555;
+            x = (x | x >> 1) & 0x3333333333333333;
+            x = (x | x >> 2) & 0x0f0f0f0f0f0f0f0f;
+            x = (x | x >> 4) & 0x00ff00ff00ff00ff;
+            x = (x | x >> 8) & 0x0000ffff0000ffff;
+            x = (x | x >> 16) & 0x00000000ffffffff;
+        } else if constexpr (D == 3) {
+            x &= 0x1249249249249249;
+            x = (x | x >> 2) & 0x10c30c30c30c30c3;
+            x = (x | x >> 4) & 0x100f00f00f00f00f;
+            x = (x | x >> 8) & 0x001f0000ff0000ff;
+            x = (x | x >> 16) & 0x001f00000000ffff;
+            x = (x | x >> 32) & 0x00000000001fffff;
+        }
+        return x;
+    }
+    std::size_t slot(Key key) const noexcept { // Fibonacci hashing (Knuth, TAOCP 3, sec. 6.4)
+        return bits_ == 0 ? 0 : std::size_t((key * 0x9e3779b97f4a7c15u) >> (64 - bits_));
+    }
+
+    Buffer<Key> keys_;
+    unsigned bits_ = 0;
+    Buffer<std::uint32_t> table_{1, none}; ///< numbers by the hash of the key; at most half full
+};
+
+/// A node nearer to a facet than this, in units, is on the boundary and no unknown.
+inline constexpr double on_facet_distance = 1e-6;
+
+/// The corners inside of all leaves that are not outside. Corners of leaves that no facet passes are
+/// inside as these are; of the others whole numbers decide.
+template <std::size_t D>
+TreeNodes<D> nodes_of(const CutTree<D>& tree) {
+    using Cell = typename CellTree<D>::Cell;
+    struct Corner {
+        typename TreeNodes<D>::Key key;
+        std::uint32_t cut; ///< the leaf, if facets pass it; 0: inside
+    };
+    Buffer<Corner> corners;
+    tree.cells().for_each_leaf([&](const Cell& leaf) {
+        const CellState state = tree.state(leaf.number);
+        if (state == CellState::out) return;
+        for (std::size_t n = 0; n < CellTree<D>::children; ++n) {
+            auto corner = leaf.low;
+            for (std::size_t k = 0; k < D; ++k) corner[k] += ((n >> k) & 1u) != 0 ? leaf.size : 0;
+            // Of a tree that is one leaf the number would be 0; facets pass it then.
+            corners.push_back({TreeNodes<D>::key(corner), state == CellState::cut ? leaf.number + 1 : 0});
+        }
+    });
+    std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
+        return a.key != b.key ? a.key < b.key : a.cut < b.cut;
+    });
+    Buffer<typename TreeNodes<D>::Key> keys;
+    const auto is_inside = [&](const Corner& corner) {
+        if (corner.cut == 0) return true;
+        const auto index = TreeNodes<D>::index_of(corner.key);
+        std::array<std::int64_t, D> line{};
+        for (std::size_t k = 0; k < D; ++k) line[k] = std::int64_t(index[k]) << tree.boundary().fraction();
+        if (!tree.is_inside(line)) return false;
+        const auto facets = tree.facets(corner.cut - 1);
+        return tree.boundary().nearest(facets, node_position<D>(index)).distance > on_facet_distance;
+    };
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+        const bool first = n == 0 || corners[n].key != corners[n - 1].key; // its least `cut`
+        if (first && is_inside(corners[n])) keys.push_back(corners[n].key);
+    }
+    return TreeNodes<D>(std::move(keys));
+}
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,235 @@
+// Trees of cells about a boundary: cells, unknowns, sizes, against a look at every place.
+#include "../catch.hpp"
+#include "../support/cages.hpp"
+#include "../support/meshes.hpp"
+
+#include <cageform/cage/cell_complex.hpp>
+#include <cageform/grid/tree/sizing.hpp>
+#include <cageform/grid/tree/tree_nodes.hpp>
+
+#include <map>
+
+namespace tree_tests {
+
+using namespace cageform;
+using namespace cageform::grid;
+using cageform_tests::Random;
+
+namespace {
+
+template <std::size_t D>
+std::vector<typename CellTree<D>::Cell> leaves_of(const CellTree<D>& tree) {
+    std::vector<typename CellTree<D>::Cell> leaves;
+    tree.for_each_leaf([&](const auto& leaf) { leaves.push_back(leaf); });
+    return leaves;
+}
+/// Whether the closed cells have a place in common.
+template <std::size_t D>
+bool touch(const typename CellTree<D>::Cell& a, const typename CellTree<D>::Cell& b) {
+    bool touch = true;
+    for (std::size_t k = 0; k < D; ++k)
+        touch = touch && a.low[k] <= b.low[k] + b.size && b.low[k] <= a.low[k] + a.size;
+    return touch;
+}
+
+template <std::size_t D>
+void check_cells(int seed) {
+    CAPTURE(seed, D);
+    Random random{std::uint64_t(seed)};
+    CellTree<D> tree(7);
+    const auto split_at_random = [&](std::size_t times) {
+        for (std::size_t n = 0; n < times; ++n) {
+            typename CellTree<D>::Index place{};
+            for (auto& x : place) x = std::int32_t(random.below(std::size_t(2 * tree.size())));
+            for (int depth = 0; depth < 7; ++depth) {
+                const auto leaf = tree.leaf_at(place);
+                if (leaf.size > 1 && random.below(8) != 0) tree.split(leaf);
+            }
+        }
+    };
+    split_at_random(4);
+    // Cells of the lower half along the last axis take no part, nor do what they are split into.
+    const auto counts = [&](std::uint32_t number) {
+        const auto cell = tree.cell(number);
+        return cell.low[D - 1] + cell.size > tree.size() / 2;
+    };
+    const auto before = leaves_of(tree);
+    balance(tree, counts, [&](const auto& leaf) {
+        CHECK(counts(leaf.number));
+        tree.split(leaf);
+    });
+    const auto leaves = leaves_of(tree);
+    CHECK(leaves.size() == tree.leaves());
+    CHECK(leaves.size() >= before.size());
+    double volume = 0;
+    for (const auto& leaf : leaves) {
+        volume += std::pow(double(leaf.size), double(D));
+        auto middle = leaf.low, upper = leaf.low;
+        for (std::size_t k = 0; k < D; ++k) {
+            middle[k] = 2 * leaf.low[k] + leaf.size;
+            upper[k] = 2 * (leaf.low[k] + leaf.size) - 1;
+        }
+        CHECK(tree.leaf_at(middle).number == leaf.number);
+        CHECK(tree.leaf_at(upper).number == leaf.number);
+        const auto same = tree.cell(leaf.number);
+        CHECK((same.low == leaf.low && same.size == leaf.size));
+    }
+    CHECK(volume == std::pow(double(tree.size()), double(D)));
+    std::size_t unbalanced = 0;
+    for (const auto& a : leaves) {
+        for (const auto& b : leaves) {
+            if (counts(a.number) && counts(b.number) && a.size > 2 * b.size && touch<D>(a, b)) ++unbalanced;
+        }
+    }
+    CHECK(unbalanced == 0);
+}
+
+template <std::size_t D>
+void check_nodes(int seed) {
+    CAPTURE(seed, D);
+    Random random{std::uint64_t(seed)};
+    using Nodes = TreeNodes<D>;
+    std::map<typename Nodes::Key, typename Nodes::Index> all;
+    for (int n = 0; n < 300; ++n) {
+        typename Nodes::Index index{};
+        for (auto& x : index) x = std::int32_t(random.below(n < 100 ? 4 : (std::size_t{1} << 20) + 1));
+        all[Nodes::key(index)] = index;
+    }
+    Buffer<typename Nodes::Key> keys;
+    for (const auto& [key, index] : all) {
+        if (random.below(2) == 0) keys.push_back(key);
+    }
+    const Nodes nodes{Buffer<typename Nodes::Key>(keys)};
+    REQUIRE(nodes.count() == keys.size());
+    std::uint32_t next = 0;
+    for (const auto& [key, index] : all) {
+        const bool there = next < keys.size() && keys[next] == key;
+        CHECK(nodes.find(index) == (there ? next : Nodes::none));
+        if (!there) continue;
+        CHECK(nodes.index(next) == index);
+        ++next;
+    }
+    CHECK(next == nodes.count());
+}
+
+TEST_CASE("trees are balanced across faces, edges and corners", "[grid][tree][property]") {
+    const int seed = GENERATE(range(0, 8));
+    check_cells<1>(seed);
+    check_cells<2>(seed);
+    if (seed < 3) check_cells<3>(seed);
+}
+TEST_CASE("nodes of a tree are found by their place", "[grid][tree][property]") {
+    const int seed = GENERATE(range(0, 5));
+    check_nodes<1>(seed);
+    check_nodes<2>(seed);
+    check_nodes<3>(seed);
+    CHECK(TreeNodes<2>().find({0, 0}) == TreeNodes<2>::none);
+}
+
+// ---- boundaries -----------------------------------------------------------------------------------
+
+template <std::size_t D>
+std::span<const SizeSample<D>> view(const SizeSamples<D>& samples) {
+    return {samples.list.data(), samples.list.size()};
+}
+
+template <class Cage>
+void check_states(const Cage& cage, double across, std::uint64_t seed) {
+    constexpr std::size_t D = Cage::dimension;
+    REQUIRE(check(cage).status == Status::ok);
+    const TreeBoundary<D> boundary(cage, 10);
+    const SizingOptions options{.across = across, .largest = 1.0 / 16};
+    const auto samples = size_samples(boundary, options, 1000000);
+    CutTree<D> tree(boundary);
+    REQUIRE(refine(tree, view(samples), options, 1000000));
+    // Leaves that no facet passes are on one side, which is that of any place in them.
+    Random random(seed);
+    std::size_t inside = 0, beyond = 0;
+    const auto state_at = [&](const Vec<double, D>& p) { return locate(cage, boundary.in_cage(p), 0.0); };
+    tree.cells().for_each_leaf([&](const auto& leaf) {
+        const CellState state = tree.state(leaf.number);
+        REQUIRE(state != CellState::unknown);
+        REQUIRE((state == CellState::cut) == !tree.facets(leaf.number).empty());
+        if (state == CellState::cut || random.below(3) != 0) return;
+        Vec<double, D> p{};
+        for (std::size_t k = 0; k < D; ++k) p[k] = leaf.low[k] + leaf.size * random.uniform(0.01, 0.99);
+        CHECK(state_at(p) == (state == CellState::in ? PointState::inside : PointState::outside));
+        ++(state == CellState::in ? inside : beyond);
+    });
+    CHECK(inside > 0);
+    CHECK(beyond > 0);
+    // Nodes are inside, and corners of leaves that are no nodes are not.
+    const auto nodes = nodes_of(tree);
+    REQUIRE(nodes.count() > 0);
+    for (std::uint32_t node = 0; node < nodes.count(); node += 1 + std::uint32_t(random.below(8)))
+        CHECK(state_at(node_position<D>(nodes.index(node))) == PointState::inside);
+    tree.cells().for_each_leaf([&](const auto& leaf) {
+        if (tree.state(leaf.number) == CellState::in) CHECK(nodes.find(leaf.low) != TreeNodes<D>::none);
+        if (tree.state(leaf.number) != CellState::cut || random.below(8) != 0) return;
+        if (nodes.find(leaf.low) != TreeNodes<D>::none) return;
+        const auto p = node_position<D>(leaf.low);
+        const bool on_facet = boundary.nearest(tree.facets(leaf.number), p).distance < 1e-5;
+        CHECK((on_facet || state_at(p) == PointState::outside));
+    });
+    // Facets have the inside behind them.
+    for (std::size_t n = 0; n < boundary.size(); ++n) {
+        auto p = 1e-4 * boundary.normal(n);
+        for (const auto& corner : boundary[n].corner) p = p + (1 / double(D)) * corner;
+        const auto q = p - 2e-4 * boundary.normal(n);
+        CHECK(state_at(p) == PointState::outside);
+        CHECK(state_at(q) == PointState::inside);
+    }
+    // Every sample has its size.
+    for (const auto& sample : samples.list) {
+        typename CellTree<D>::Index doubled{};
+        for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.place[k]));
+        CHECK(tree.cells().leaf_at(doubled).size <= std::max(1.0, sample.size));
+    }
+}
+
+TEST_CASE("trees know what is inside, of polygons", "[grid][tree][property]") {
+    const int seed = GENERATE(range(0, 6));
+    CAPTURE(seed);
+    check_states(Polygon<double>(cageform_tests::random_star<double>(std::uint64_t(seed))), 3,
+                 std::uint64_t(seed));
+}
+TEST_CASE("trees know what is inside, of meshes", "[grid][tree][property]") {
+    const int seed = GENERATE(range(0, 3));
+    CAPTURE(seed);
+    check_states(cageform_tests::random_mesh(std::uint64_t(seed)).mesh<double>(), 1, std::uint64_t(seed));
+    if (seed == 0) check_states(cageform_tests::divided_box({2, 1, 1}, 0.5).mesh<double>(), 2, 0);
+}
+
+/// A sharp wedge in the plane, its sides of many edges.
+Polygon<double> tessellated_wedge(int edges, double height) {
+    std::vector<Vec<double, 2>> points;
+    for (int n = 0; n <= edges; ++n) points.push_back({double(n) / edges, 0});
+    for (int n = edges; n > 0; --n) points.push_back({double(n) / edges, height * n / edges});
+    return Polygon<double>(points);
+}
+TEST_CASE("sizes are bounded at wedges and narrow gaps", "[grid][tree][sizing]") {
+    const SizingOptions options;
+    for (const double height : {0.3, 0.01, 1e-4, 1e-6}) {
+        CAPTURE(height);
+        const TreeBoundary<2> boundary(tessellated_wedge(200, height), 12);
+        const auto samples = size_samples(boundary, options, 200000);
+        CHECK(samples.count < 200000);
+        CHECK(double(samples.list.size()) == samples.count);
+        CutTree<2> tree(boundary);
+        CHECK(refine(tree, view(samples), options, 200000));
+    }
+    // Two plates 1e-6 apart: more cells than allowed are counted, not made.
+    const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0);
+    auto vertices = box.vertices;
+    for (auto& p : vertices) p[2] *= 1e-6;
+    const TreeBoundary<3> boundary(TriangleMesh<double>(vertices, box.faces), 12);
+    const auto samples = size_samples(boundary, options, 100000);
+    CHECK(samples.list.size() == 100000);
+    CHECK(samples.count > 1e6);
+    CutTree<3> tree(boundary);
+    CHECK(!refine(tree, view(samples), options, 5000));
+    CHECK(tree.cells().leaves() < 6000);
+}
+
+} // namespace
+} // namespace tree_tests
