@@ -111,11 +111,28 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     return text;
 }
 
+/// The poses of all handles, one after the other, from those of the cage's vertices.
+SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
+                                                const SampledPoses& poses) {
+    std::vector<double> numbers;
+    std::vector<Point3> handles(binding.handle_count());
+    const std::size_t vertices = binding.handle_count() - binding.handle_view().vector_count();
+    for (std::size_t p = 0; p < poses.times.size(); ++p) {
+        const cageform::StridedPoints<const double, 3> pose(poses.numbers.data() + 3 * vertices * p,
+                                                            vertices);
+        const auto report = cageform::pose_handles(binding, pose, handles);
+        if (report.status != Status::ok) return SvgError{cageform::to_string(report.status)};
+        cageform::append_pose(numbers, handles);
+    }
+    return numbers;
+}
+
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
                 const std::vector<std::string>& labels) {
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps("bind_mesh", cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) std::cerr << "bind_mesh: note: " << coordinates->note << '\n';
     std::vector<cageform::PiecewiseCubic<float>> curves;
     SampledPoses poses;
     if (!given.clip.empty() || !given.poses.empty()) {
@@ -134,7 +151,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     {
         ProgressBar bar("binding");
         bound =
-            bind_figure(*coordinates, {figure.vertices, normals}, bind_options, {.progress = bar.callback()});
+            coordinates->bind_figure({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
     }
     const cageform::BindReport& of_points = bound.report.points;
     if (bound.report.status != Status::ok) {
@@ -151,13 +168,17 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                   << still.size() << " vertices, first " << name_points(figure.vertices, still) << '\n';
     }
     if (!labels.empty()) {
-        const Status status = bound.figure.set_labels(labels);
+        auto of_handles = labels; // faces have none
+        of_handles.resize(bound.figure.points.handle_count());
+        const Status status = bound.figure.set_labels(of_handles);
         if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
     }
     cageform::FigurePackOptions options;
     options.weights.format = given.format;
     options.weights.largest = given.largest;
-    options.weights.poses = poses.numbers;
+    const auto posed = poses_of_handles(bound.figure.points, poses);
+    if (!posed) return fail(to_string(posed.error()));
+    options.weights.poses = *posed;
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
     options.weights.tolerance = given.distance * size;
     const std::vector<std::byte> clip = clip_part(curves);
@@ -214,6 +235,7 @@ int run_program(int argc, char** argv) {
     line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
     line.add("--labels", given.labels, "names of the cage's vertices, kept in the file: a text file");
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
+    given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_option(line);
     line.add("--largest", given.largest,
@@ -232,7 +254,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + pose_clip_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.choice.name == "barycentric")
-        return fail("--coordinates barycentric: normals are bound by mean-value or harmonic alone");
+        return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
     if (given.choice.name == "harmonic" &&
         given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
         return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");

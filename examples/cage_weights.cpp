@@ -125,6 +125,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
                                                                       : cageform::LinearPrecision::leave;
     const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
     warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report);
+    if (!coordinates.note.empty()) std::cerr << "cage_weights: note: " << coordinates.note << '\n';
     cageform::BindReport total;
     if (!coordinates.closed_form) {
         ProgressBar bar("solving");
@@ -262,6 +263,7 @@ int run_program(int argc, char** argv) {
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report");
     settings.choice.in_plane = settings.choice.with_sites = settings.choice.with_normals = true;
+    settings.choice.in_space = true;
     settings.choice.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);

@@ -104,6 +104,7 @@ SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
     warn_of_closed_gaps("deform_mesh", cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) std::cerr << "deform_mesh: note: " << coordinates->note << '\n';
     cageform::BindOptions options;
     options.outside = given.outside.policy(*coordinates);
     cageform::BindResult<double, 3> bound;
@@ -178,6 +179,7 @@ int run_program(int argc, char** argv) {
     line.add("--pose", given.pose, "the same mesh with its vertices moved, or the points").required();
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
     given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;
+    given.choice.in_space = true;
     given.outside.add_option(line);
     given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")

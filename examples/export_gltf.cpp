@@ -74,44 +74,71 @@ SkinWeights stored(const SkinWeights& skin, const std::string& weights) {
     return result;
 }
 
+/// The largest distances between the vertices of a figure as it ought to be and as it is.
+class LossMeter {
+public:
+    explicit LossMeter(const ObjFile& figure)
+        : distances_(figure.vertices.size(), 0.0) {
+        loss_.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    }
+
+    /// Over all poses in which no vertex of the cage bends farther.
+    void set_reach(double reach) { loss_.reach = reach; }
+    void raise(std::size_t i, double distance, std::optional<double> time) {
+        distances_[i] = std::max(distances_[i], distance);
+        if (distance <= loss_.largest) return;
+        loss_.largest = distance;
+        loss_.vertex = i;
+        loss_.time = time;
+    }
+    void add_pose(std::span<const Point3> a, std::span<const Point3> b, double time) {
+        ++loss_.poses;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const Point3 d = a[i] - b[i];
+            raise(i, std::hypot(d[0], d[1], d[2]), time);
+        }
+    }
+    StoredLoss loss() const {
+        StoredLoss loss = loss_;
+        for (const double distance : distances_) loss.mean += distance / double(distances_.size());
+        return loss;
+    }
+
+private:
+    StoredLoss loss_;
+    std::vector<double> distances_; // the largest of every vertex
+};
+
+/// One of the poses.
+cageform::StridedPoints<const double, 3> pose_of(const SampledPoses& poses, std::size_t p) {
+    const std::size_t numbers = poses.numbers.size() / poses.times.size();
+    return {poses.numbers.data() + p * numbers, numbers / 3};
+}
+
 /// The distance between the figure as bound and as it is played from a skin, over the motion. Without a motion, over
 /// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
 StoredLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
-    StoredLoss loss;
-    loss.size = cageform::bounds_of(std::span<const Point3>(scene.figure.vertices)).diagonal();
-    std::vector<double> distances(bound.point_count(), 0.0);
-    const auto raise = [&](std::size_t i, double distance, std::optional<double> time) {
-        distances[i] = std::max(distances[i], distance);
-        if (distance <= loss.largest) return;
-        loss.largest = distance;
-        loss.vertex = i;
-        loss.time = time;
-    };
+    LossMeter meter(scene.figure);
     if (scene.clip.keys.empty()) {
-        loss.reach = 0.1 * cageform::bounds_of(std::span<const Point3>(scene.cage.vertices)).diagonal();
-        for (std::size_t i = 0; i < distances.size(); ++i) {
+        const double reach =
+            0.1 * cageform::bounds_of(std::span<const Point3>(scene.cage.vertices)).diagonal();
+        meter.set_reach(reach);
+        for (std::size_t i = 0; i < bound.point_count(); ++i) {
             double error = 0;
             for (std::size_t h = 0; h < bound.handle_count(); ++h)
                 error += std::fabs(played.weight(i, h) - bound.weight(i, h));
-            raise(i, loss.reach * error, {});
+            meter.raise(i, reach * error, {});
         }
     } else {
         const SampledPoses poses = sample_poses(scene.clip);
         std::vector<Point3> a(bound.point_count()), b(a);
-        loss.poses = poses.times.size();
-        for (std::size_t p = 0; p < loss.poses; ++p) {
-            const std::size_t numbers = 3 * bound.handle_count();
-            const cageform::StridedPoints<const double, 3> pose(poses.numbers.data() + p * numbers,
-                                                                bound.handle_count());
-            if (clone(bound, pose, a) != Status::ok || clone(played, pose, b) != Status::ok) continue;
-            for (std::size_t i = 0; i < a.size(); ++i) {
-                const Point3 d = a[i] - b[i];
-                raise(i, std::hypot(d[0], d[1], d[2]), poses.times[p]);
-            }
+        for (std::size_t p = 0; p < poses.times.size(); ++p) {
+            const auto pose = pose_of(poses, p);
+            if (clone(bound, pose, a) == Status::ok && clone(played, pose, b) == Status::ok)
+                meter.add_pose(a, b, poses.times[p]);
         }
     }
-    for (const double distance : distances) loss.mean += distance / double(distances.size());
-    return loss;
+    return meter.loss();
 }
 
 std::string stem(const std::string& path) {
@@ -240,6 +267,34 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     return add_animation(document, scene.clip, channels);
 }
 
+/// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how far that is
+/// from the vectors of a moving face.
+SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
+    PoseClip motion = scene.clip;
+    std::string warning;
+    for (PoseKey& key : motion.keys) {
+        auto posed = pose_of_handles(binding, key.places, scene.clip.name, warning);
+        if (!posed) return posed.error();
+        if (!warning.empty()) std::cerr << "export_gltf: warning: " << warning << '\n';
+        key.places = std::move(*posed);
+    }
+    if (binding.handle_view().vector_count() == 0) return motion;
+    const SampledPoses exact = sample_poses(scene.clip), linear = sample_poses(motion);
+    std::vector<Point3> a(binding.point_count()), b(a), handles(binding.handle_count());
+    LossMeter meter(scene.figure);
+    for (std::size_t p = 0; p < exact.times.size(); ++p) {
+        if (pose_handles(binding, pose_of(exact, p), handles).status == Status::ok &&
+            clone(binding, handles, a) == Status::ok && clone(binding, pose_of(linear, p), b) == Status::ok)
+            meter.add_pose(a, b, exact.times[p]);
+    }
+    const StoredLoss loss = meter.loss();
+    if (loss.share() > StoredLoss::worth_a_warning) {
+        std::cerr << "export_gltf: warning: " << scene.figure.name << ": between the keys targets are off by "
+                  << describe(loss) << "; more keys bring them nearer\n";
+    }
+    return motion;
+}
+
 /// Morph targets: one for every key whose pose is not that at rest.
 std::string add_targets(GltfDocument& document, const Scene& scene, const Arguments& given,
                         const Binding<double, 3>& binding) {
@@ -254,12 +309,14 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
         return a;
     };
     GltfJson names, zeros;
+    const auto motion = clip_of_handles(scene, binding);
+    if (!motion) return motion.error().message;
+    const PoseClip& of_handles = *motion;
     std::vector<std::size_t> keys; // of the targets
     std::vector<Point3> moved(scene.figure.vertices.size());
     for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
-        const auto& places = scene.clip.keys[k].places;
-        if (places == scene.cage.vertices) continue;
-        const Status status = clone(binding, places, moved);
+        if (scene.clip.keys[k].places == scene.cage.vertices) continue;
+        const Status status = clone(binding, of_handles.keys[k].places, moved);
         if (status != Status::ok) return scene.clip.name + ": " + cageform::to_string(status);
         for (const Point3& p : moved) {
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
@@ -313,6 +370,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     warn_of_closed_gaps("export_gltf", cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) std::cerr << "export_gltf: note: " << coordinates->note << '\n';
     cageform::BindOptions options;
     options.outside = given.outside.policy(*coordinates);
     cageform::BindResult<double, 3> bound;
@@ -416,6 +474,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
         .ends_with({".glb", ".gltf"});
+    given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_option(line);
     line.add_flag("--report", given.report, "print the bind report, and what the skin loses");
@@ -427,6 +486,8 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!given.morph && given.influences == 0 && given.distance == 0)
         return fail("--skin, --max-distance or --morph says what to write");
+    if (!given.morph && given.choice.takes_normals())
+        return fail("--coordinates green: joints carry no normals of faces; --morph writes targets");
     if (given.morph && given.clip.empty() && given.poses.empty())
         return fail("morph targets are made of poses: --clip or --pose");
 

@@ -4,7 +4,8 @@
 //     ogre_client character.figure --pictures out/ogre_ --count 6
 //     ogre_client character.figure --width 320 --height 240 --frames 10000
 //
-// Every frame the clip gives a pose of the cage, and `clone` writes vertices and normals where the graphics card reads
+// Every frame the clip gives a pose of the cage, `pose_handles` the vectors of its faces where Green coordinates have
+// them for handles, and `clone` writes vertices and normals where the graphics card reads
 // them: into the locked vertex buffer. With --frames it measures that and watches the memory of the process.
 
 #include "figure_parts.hpp"
@@ -93,11 +94,20 @@ public:
 
     std::size_t vertex_count() const { return figure_.point_count(); }
     std::span<const std::array<std::uint32_t, 3>> triangles() const { return parts_.triangles; }
-    std::span<const Vec3> pose() const { return pose_; }
+    /// Of the cage's vertices.
+    std::span<const Vec3> pose() const {
+        return std::span(pose_).first(cageform_examples::vertices_of(figure_));
+    }
     float length() const { return parts_.clip.end(); }
 
-    /// Moves the cage to a time of the clip, which begins again at its end.
-    void play(float time) { parts_.clip.sample(time, cursor_, pose_); }
+    /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go along.
+    void play(float time) {
+        const std::span vertices = std::span(pose_).first(cageform_examples::vertices_of(figure_));
+        parts_.clip.sample(time, cursor_, vertices);
+        const auto report = cageform::pose_handles(figure_, vertices, pose_);
+        if (report.status != cageform::Status::ok)
+            throw std::runtime_error(cageform::to_string(report.status));
+    }
 
     /// Writes the figure as the cage has it to `out` (#vertices), which is only written to.
     void write(std::span<Vertex> out) const {

@@ -33,6 +33,8 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::loops_do_not_match:
     case Kind::duplicate_vertices:
     case Kind::edges_cross:
+    case Kind::face_not_planar:
+    case Kind::face_crosses_itself:
     case Kind::open_edge:
     case Kind::edge_not_manifold:
     case Kind::face_flipped:
@@ -157,11 +159,10 @@ std::string describe(const cageform::BindReport& report) {
              << ", " << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
         const auto worst = report.solver.worst_corner();
         const std::string coarse = describe_corners(report.solver);
-        text << "corners and edges: ";
-        if (coarse.empty()) {
-            text << "weights there are off by up to " << worst.error << " (an estimate)\n";
-        } else {
-            text << coarse << '\n';
+        if (!coarse.empty()) {
+            text << "corners and edges: " << coarse << '\n';
+        } else if (!report.solver.corners.empty()) {
+            text << "corners and edges: weights there are off by up to " << worst.error << " (an estimate)\n";
         }
     } else if (report.solver.solves > 0) {
         text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "

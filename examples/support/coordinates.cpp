@@ -57,6 +57,13 @@ void CoordinatesChoice::add_options(CommandLine& line) {
     line.add("--coordinates", name, help)
         .check([known](const std::string& given) { return name_fault(given, known); })
         .show_default();
+    if (in_space) {
+        line.add("--faces", faces,
+                 "mean-value and harmonic in space, faces of more than three corners: polygons, with the "
+                 "coordinates in the plane of each, where they are planar; or triangles")
+            .one_of({"polygons", "triangles"})
+            .show_default();
+    }
     if (with_sites) {
         line.add("--gradients", gradients,
                  "sibson-c1: how gradients at the points are estimated: facets, gentle (less negative "

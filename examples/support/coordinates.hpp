@@ -26,6 +26,8 @@ struct CoordinatesChoice {
     /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
     std::string name = "mean-value";
     bool in_plane = false;            // whether the program takes polygons as cages
+    bool in_space = false;            // whether it takes meshes
+    std::string faces = "polygons";   // of meshes: polygons or triangles
     bool with_sites = false;          // whether the program takes control points without a cage
     bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1
@@ -104,6 +106,7 @@ public:
 
     bool has_extension = false, closed_form = false; // as the library's types say
     bool takes_sites = false;                        // control points without a cage
+    std::string note;                                // on the cage's faces; empty where there is none
     std::size_t handles = 0;
     cageform::CageReport cage_report;
 
@@ -111,6 +114,12 @@ public:
     virtual cageform::Evaluation solve(const cageform::Running& running = {}) = 0;
     virtual cageform::BindResult<T, D> bind(Points points, const cageform::BindOptions& options = {},
                                             const cageform::Running& running = {}) const = 0;
+
+    using PointsAndNormals = cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>;
+    /// Of float in space, of types that have gradients; solver_not_supported of others.
+    virtual cageform::FigureBindResult<T, D> bind_figure(const PointsAndNormals& figure,
+                                                         const cageform::BindOptions& options,
+                                                         const cageform::Running& running) const = 0;
 };
 
 template <class T>
@@ -164,11 +173,5 @@ struct OutsideChoice {
                   typename AnyCoordinates<T, D>::Points points, const std::string& figure,
                   const std::string& cage) const;
 };
-
-/// Binds points and normals; mean value and harmonic coordinates only.
-cageform::FigureBindResult<float, 3>
-bind_figure(const AnyCoordinates<float, 3>& coordinates,
-            const cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>& figure,
-            const cageform::BindOptions& options, const cageform::Running& running);
 
 } // namespace cageform_examples

@@ -1,8 +1,10 @@
 #include "coordinates_model.hpp"
+#include "mesh_cage.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/green_3d.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/harmonic_polyhedral.hpp>
+#include <cageform/coordinates/mean_value_polyhedral.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
 
 namespace cageform_examples {
@@ -17,25 +19,37 @@ using Harmonic = cageform::HarmonicCoordinates<T, 3, cageform::TriangleMesh<T>,
 
 template <class T>
 std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
-    const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
-    if (choice.name == "harmonic") return model_of(Harmonic<T>(cage, choice.harmonic_options(3)));
-    if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 3>(cage));
-    if (choice.name == "green") return model_of(cageform::GreenCoordinates<T, 3>(cage));
-    return model_of(cageform::BarycentricCoordinates<T, 3>(cage.vertices()));
+    const cageform::HarmonicOptions options = choice.harmonic_options(3);
+    const bool harmonic = choice.name == "harmonic";
+    const bool papers = harmonic && options.solver == cageform::HarmonicSolver::averaging_pyramid;
+    const bool takes_polygons = (harmonic && !papers) || choice.name == "mean-value";
+    const CageFaces faces = faces_of(file, takes_polygons && choice.faces == "polygons");
+    std::unique_ptr<AnyCoordinates<T, 3>> made;
+    if (choice.name == "barycentric")
+        return model_of(cageform::BarycentricCoordinates<T, 3>(std::span(file.vertices)));
+    if (faces.polygons > 0) {
+        cageform::PolyhedralMesh<T> cage(file.vertices, faces.loops, T(faces.off_plane));
+        if (harmonic)
+            made = model_of(cageform::HarmonicCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage, options));
+        else
+            made = model_of(cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage));
+    } else {
+        const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
+        if (harmonic)
+            made = model_of(Harmonic<T>(cage, options));
+        else if (choice.name == "mean-value")
+            made = model_of(cageform::MeanValueCoordinates<T, 3>(cage));
+        else
+            made = model_of(cageform::GreenCoordinates<T, 3>(cage));
+    }
+    made->note = describe_faces(file, faces,
+                                !takes_polygons ? choice.name + (papers ? " by the papers' solver" : "") +
+                                                      " takes triangles"
+                                                : std::string());
+    return made;
 }
 template std::unique_ptr<AnyCoordinates<float, 3>> make_coordinates(const CoordinatesChoice&, const ObjFile&);
 template std::unique_ptr<AnyCoordinates<double, 3>> make_coordinates(const CoordinatesChoice&,
                                                                      const ObjFile&);
-
-cageform::FigureBindResult<float, 3>
-bind_figure(const AnyCoordinates<float, 3>& coordinates,
-            const cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>& figure,
-            const cageform::BindOptions& options, const cageform::Running& running) {
-    using HarmonicModel = CoordinatesModel<Harmonic<float>>;
-    using MeanValue = CoordinatesModel<cageform::MeanValueCoordinates<float, 3>>;
-    if (const auto* harmonic = dynamic_cast<const HarmonicModel*>(&coordinates))
-        return cageform::bind_figure(harmonic->own, figure, options, running);
-    return cageform::bind_figure(dynamic_cast<const MeanValue&>(coordinates).own, figure, options, running);
-}
 
 } // namespace cageform_examples

@@ -36,6 +36,20 @@ public:
         return cageform::bind(own, points, options, running);
     }
 
+    cageform::FigureBindResult<T, D>
+    bind_figure([[maybe_unused]] const typename AnyCoordinates<T, D>::PointsAndNormals& figure,
+                [[maybe_unused]] const cageform::BindOptions& options,
+                [[maybe_unused]] const cageform::Running& running) const override {
+        if constexpr (std::is_same_v<T, float> && D == 3 && cageform::GradientCoordinates<C>) {
+            return cageform::bind_figure(own, figure, options, running);
+        } else {
+            cageform::FigureBindResult<T, D> none;
+            none.report.status = cageform::Status::solver_not_supported;
+            return none;
+        }
+    }
+
+private:
     C own;
 };
 

@@ -31,6 +31,11 @@ struct FigureParts {
     cageform::CageClip<float, 3> clip;                       ///< of no vertices where there is none
 };
 
+/// Of the cage: the handles that are points, the first of all.
+inline std::size_t vertices_of(const cageform::PackedFigureView<float, 3>& figure) {
+    return figure.handle_count() - figure.handle_view().vector_count();
+}
+
 /// Checks everything that could make playing read or write out of bounds.
 inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure) {
     const auto refused = [](const std::string& why) { return FigureParts{why, {}, {}}; };
@@ -51,7 +56,7 @@ inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure
         return true;
     };
     ClipHeader header;
-    if (!take(&header, sizeof header) || header.curves != 3 * figure.handle_count())
+    if (!take(&header, sizeof header) || header.curves != 3 * vertices_of(figure))
         return refused("the clip is one of another cage");
     std::vector<std::uint32_t> counts(header.curves);
     if (!take(counts.data(), counts.size() * sizeof counts[0])) return refused("the clip is cut short");

@@ -1,5 +1,7 @@
 #include "mesh_cage.hpp"
 
+#include <cageform/cage/polyhedral_mesh.hpp>
+
 #include <algorithm>
 #include <iostream>
 #include <sstream>
@@ -17,9 +19,60 @@ SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
     return file;
 }
 
+CageFaces faces_of(const ObjFile& cage, bool keep_polygons) {
+    CageFaces faces;
+    const auto bounds = cageform::bounds_of(std::span<const Point3>(cage.vertices));
+    faces.off_plane = 1e-6 * bounds.diagonal();
+    std::vector<std::vector<std::uint32_t>> loops(cage.faces.size());
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        for (const ObjCorner& corner : cage.faces[f].corners) loops[f].push_back(corner.vertex);
+    }
+    const cageform::PolyhedralMesh<double> whole(cage.vertices, loops, faces.off_plane);
+    std::size_t triangle = 0;
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        auto& loop = loops[f];
+        const std::size_t first = triangle;
+        while (triangle < cage.triangles.size() && cage.triangle_faces[triangle] == f) ++triangle;
+        bool keep = keep_polygons || loop.size() == 3;
+        if (keep && loop.size() > 3) {
+            keep = !face_fault(whole, f);
+            if (!keep) faces.bent.push_back(f);
+        }
+        if (keep) {
+            faces.polygons += loop.size() > 3 ? 1 : 0;
+            faces.loops.push_back(std::move(loop));
+            continue;
+        }
+        faces.cut.push_back(f);
+        for (std::size_t t = first; t < triangle; ++t)
+            faces.loops.emplace_back(cage.triangles[t].begin(), cage.triangles[t].end());
+    }
+    return faces;
+}
+
+std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why) {
+    std::string text;
+    const auto count = [](std::size_t n) { return std::to_string(n) + (n == 1 ? " face" : " faces"); };
+    if (faces.polygons > 0) {
+        text = count(faces.polygons) +
+               " of more than three corners taken as polygons, by the coordinates in " +
+               (faces.polygons == 1 ? "its plane" : "their planes") + " (--faces triangles cuts them)";
+    }
+    if (!faces.cut.empty()) {
+        text += (text.empty() ? "" : "; ") + count(faces.cut.size()) + " cut into triangles, first in line " +
+                std::to_string(cage.faces[faces.cut.front()].line) +
+                (!faces.bent.empty() ? ": not in a plane"
+                 : why.empty()       ? ""
+                                     : ": " + why);
+    }
+    return text.empty() ? text : cage.name + ": " + text;
+}
+
 std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report) {
     return describe_faults(name, report) +
-           (report.cage.faults.empty() ? "" : "\n  (vertices and triangles are counted from 0)");
+           (report.cage.faults.empty()
+                ? ""
+                : "\n  (vertices and faces are counted from 0, faces as they are cut)");
 }
 
 void warn_of_closed_gaps(const char* program, const std::string& name, const cageform::CageReport& report) {

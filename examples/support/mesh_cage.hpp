@@ -16,6 +16,24 @@ namespace cageform_examples {
 /// A cage from an OBJ file; fails also where a face cannot be cut into triangles.
 SvgResult<ObjFile> load_mesh_cage(const std::string& path);
 
+/// The faces of a cage as coordinates get them.
+struct CageFaces {
+    std::vector<std::vector<std::uint32_t>> loops;
+    std::size_t polygons = 0;      // of the file's faces with more than three corners, those that are kept
+    std::vector<std::size_t> cut;  // the others, cut into the file's triangles
+    std::vector<std::size_t> bent; // of those, the ones that lie in no plane or cross themselves
+    double off_plane = 0;          // as far as corners of a kept face may lie off its plane
+};
+
+/// All faces, of which those of more than three corners are kept where that is wanted and they are planar, to a
+/// millionth of the cage's diagonal: what six digits of a file leave of a plane.
+CageFaces faces_of(const ObjFile& cage, bool keep_polygons);
+
+/// What has become of faces with more than three corners; empty where there are none.
+///
+///   why   none of them is kept; empty where the user wants it so
+std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why);
+
 /// describe_faults() of a mesh, whose file counts otherwise.
 std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report);
 

@@ -387,6 +387,45 @@ report $ok "the paint is seen"
 refuses 'there is no vertex 112: character_cage.obj has 112' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --picture out.png --weight 112
 refuses '--weight is painted on the --picture' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --weight 1
 printf 'v 0 1 0\nv 0 1 0.01\nv 0 1.01 0\nv 0.01 1 0\n' >points.obj
+# Faces of more than three corners: kept as polygons where they are planar and the coordinates know what to do with
+# them; what becomes of them is said.
+printf 'v %s %s %s\n' 0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 >box.obj
+cat >>box.obj <<END
+f 1 3 4 2
+f 5 6 8 7
+f 1 2 6 5
+f 2 4 8 6
+f 4 3 7 8
+f 3 1 5 7
+END
+sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
+printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
+for type in mean-value harmonic; do
+  works "polygons, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type -o polygons.obj --report
+  grep -q 'note: box.obj: 6 faces of more than three corners taken as polygons' log && ok=yes || ok=no
+  report $ok "what becomes of faces of four corners is said, $type"
+  works "triangles, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type --faces triangles -o triangles.obj
+  grep -q 'note: box.obj: 6 faces cut into triangles, first in line 9$' log && ok=yes || ok=no
+  report $ok "the cut is said, $type"
+  cmp -s polygons.obj triangles.obj && ok=no || ok=yes
+  report $ok "the choice is heard, $type"
+done
+works "polygons that coordinates do not take" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates green -o polygons.obj
+grep -q 'note: box.obj: 6 faces cut into triangles, first in line 9: green takes triangles' log && ok=yes || ok=no
+report $ok "why they are cut is said"
+works "polygons for the papers' solver" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --solver averaging-pyramid -o polygons.obj
+grep -q "first in line 9: harmonic by the papers' solver takes triangles" log && ok=yes || ok=no
+report $ok "that they are cut for it is said"
+works "faces that are not planar" "$mesh" inner.obj --cage bent_box.obj --pose box.obj -o polygons.obj
+grep -q 'note: bent_box.obj: 3 faces of more.*; 3 faces cut into triangles, first in line 10: not in a plane' log && ok=yes || ok=no
+report $ok "which of them is cut, and why, is said"
+head -n 11 box.obj >open_box.obj
+refuses 'the cage is not closed' "$mesh" inner.obj --cage open_box.obj --pose open_box.obj -o out.obj
+refuses '--faces: ' "$mesh" inner.obj --cage box.obj --pose box.obj --faces quads -o out.obj
+echo 0.25,0.5,0.75 >inner.csv
+works "weights of a box of polygons" "$programs/cage_weights" --cage box.obj --points inner.csv --coordinates harmonic -o polygons.csv
+grep -q 'note: box.obj: 6 faces' log && ok=yes || ok=no
+report $ok "cage_weights says what becomes of them too"
 # What a game loads: sizes told, no half-written file.
 bind="$programs/bind_mesh"
 works "a packed character" "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv \
@@ -418,8 +457,11 @@ refuses '--pose' "$bind" character.obj --cage character_cage.obj --clip folder/c
 refuses 'the pose character.obj has 8066 vertices, the cage character_cage.obj has 112' "$bind" character.obj --cage character_cage.obj --pose character.obj -o out.figure
 refuses 'no normals' "$bind" points.obj --cage character_cage.obj -o out.figure
 refuses 'points.obj: holds no faces (lines "f a b c"); a cage is a closed mesh' "$bind" character.obj --cage points.obj -o out.figure
+works "a packed character by Green coordinates" "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates green --max-distance 0.005 -o green.figure --report
+[ "$(grep -c '^  off by at most .* 8 poses of the motion' log)" = 3 ] && ok=yes || ok=no
+report $ok "poses of the faces are among those that the distance is over"
 refuses 'normals are bound by the multigrid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
-refuses 'normals are bound by mean-value or harmonic alone' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
+refuses 'normals are bound by mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
 # Vertices outside are treated as in all programs.
 sed '0,/^v /s/^v .*/v 9 9 9/' character.obj >stray_character.obj
@@ -470,6 +512,11 @@ rm labels.txt
 refuses_labels ': no such file' ': no such file'
 printf 'w1\n\n\n\n' >labels.txt
 refuses_labels ': two columns would have the name "w1"'
+awk '$1 == "v" { print "v", 2 - $3, $2, $4 - 1; next } { print }' box.obj >turned_box.obj # by a right angle
+works "targets by Green coordinates" "$programs/export_gltf" inner.obj --cage box.obj --pose turned_box.obj --morph --coordinates green -o green.glb
+grep -q 'warning: inner.obj: between the keys targets are off by ' log && ok=yes || ok=no
+report $ok "what targets lose between the keys is said"
+refuses 'joints carry no normals of faces; --morph writes targets' "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --coordinates green -o out.glb
 refuses '--labels' "$programs/export_gltf" character.obj --cage character_cage.obj --pose character_pose.obj --morph --labels character.txt -o out.glb
 # A figure file and glTF hold single precision.
 huge() { # LINE FILE   the line's first 0.xxx, or the number at its beginning, is 1e39 in huge.*

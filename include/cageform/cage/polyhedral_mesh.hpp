@@ -5,6 +5,8 @@
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
+#include <optional>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Loops of vertices that can be read by index: `faces[f]` has a size, and `faces[f][k]` is a whole
@@ -39,7 +41,7 @@ public:
     template <PointRange R, LoopRange F>
         requires(range_dimension<R> == 3)
     PolyhedralMesh(const R& vertices, const F& faces, T off_plane = 0)
-        : off_plane_(off_plane)
+        : off_plane_(double(off_plane))
         , status_(detail::guard_memory([&] { return fill(vertices, faces); })) {
         if (status_ != Status::ok) *this = PolyhedralMesh(status_);
     }
@@ -69,9 +71,7 @@ public:
                            triangle_ends_.begin());
     }
     /// How far a corner may lie off its face's plane.
-    double off_plane() const noexcept {
-        return std::fmax(double(off_plane_), 8 * double(coincidence_tolerance(bounds_of(vertices()))));
-    }
+    double off_plane() const noexcept { return off_plane_; }
 
 private:
     explicit PolyhedralMesh(Status status) noexcept
@@ -93,6 +93,7 @@ private:
             triangle_ends_.push_back(triangles.size());
         }
         triangles_ = TriangleMesh<T>(at, triangles);
+        off_plane_ = std::fmax(off_plane_, 8 * double(coincidence_tolerance(bounds_of(std::span<const Vec<T, 3>>(at)))));
         return triangles_.status();
     }
 
@@ -115,7 +116,7 @@ private:
     std::vector<std::uint32_t> corners_;            ///< of all faces
     std::vector<std::size_t> ends_, triangle_ends_; ///< of each face, in corners_ and triangles
     TriangleMesh<T> triangles_;
-    T off_plane_ = 0;
+    double off_plane_ = 0;
     Status status_ = Status::ok; // last: what fills the others is its initialiser
 };
 
@@ -160,31 +161,6 @@ Polygon<double> flat_face(const PolyhedralMesh<T>& mesh, std::size_t f, const Fa
     return Polygon<double>(flat);
 }
 
-/// Whether a face of more than three corners lies in a plane and is a simple polygon there.
-template <Scalar T>
-void check_face(const PolyhedralMesh<T>& mesh, std::size_t f, CageReport& report) {
-    const auto loop = mesh.face(f);
-    const FacePlane plane = plane_of(mesh, f);
-    if (!plane.has_area) return report.add(CageFaultKind::face_without_area, f);
-    std::uint32_t farthest = loop[0];
-    double most = 0;
-    for (const std::uint32_t i : loop) {
-        const double height = std::fabs(plane.height(vec_cast<double>(mesh[i])));
-        if (height > most) farthest = i;
-        most = std::fmax(most, height);
-    }
-    if (most > mesh.off_plane()) return report.add(CageFaultKind::face_not_planar, f, farthest);
-    const CageReport in_plane = check(flat_face(mesh, f, plane));
-    if (in_plane.status == Status::ok) return;
-    for (const CageFault& fault : in_plane.faults) {
-        if (status_of(fault.kind) == Status::ok) continue;
-        const bool flat = fault.kind == CageFaultKind::no_area;
-        if (flat) return report.add(CageFaultKind::face_without_area, f);
-        return report.add(CageFaultKind::face_crosses_itself, f, loop[fault.a]);
-    }
-    report.add(CageFaultKind::face_crosses_itself, f, loop[0]); // which there was no memory to list
-}
-
 /// The faults of the triangles, which name faces by number, as faults of the faces.
 template <Scalar T>
 void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) {
@@ -208,6 +184,37 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
 
 } // namespace detail
 
+/// What is wrong with a face by itself: too_few_vertices, face_without_vertex, and of more than three
+/// corners face_without_area, face_not_planar, face_crosses_itself; none where it can serve. Finite
+/// vertices are assumed. O(m log m) for m corners, O(m²) at worst.
+template <Scalar T>
+std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
+    using Kind = CageFaultKind;
+    const auto loop = mesh.face(f);
+    if (loop.size() < 3) return CageFault{Kind::too_few_vertices, f, loop.size()};
+    if (std::find(loop.begin(), loop.end(), no_vertex) != loop.end())
+        return CageFault{Kind::face_without_vertex, f};
+    if (loop.size() == 3) return std::nullopt;
+    const auto plane = detail::plane_of(mesh, f);
+    if (!plane.has_area) return CageFault{Kind::face_without_area, f};
+    std::uint32_t farthest = loop[0];
+    double most = 0;
+    for (const std::uint32_t i : loop) {
+        const double height = std::fabs(plane.height(vec_cast<double>(mesh[i])));
+        if (height > most) farthest = i;
+        most = std::fmax(most, height);
+    }
+    if (most > mesh.off_plane()) return CageFault{Kind::face_not_planar, f, farthest};
+    const CageReport in_plane = check(detail::flat_face(mesh, f, plane));
+    for (const CageFault& fault : in_plane.faults) {
+        if (fault.kind == Kind::no_area) return CageFault{Kind::face_without_area, f};
+        if (status_of(fault.kind) != Status::ok)
+            return CageFault{Kind::face_crosses_itself, f, loop[fault.a]};
+    }
+    if (in_plane.status != Status::ok) return CageFault{Kind::face_crosses_itself, f, loop[0]};
+    return std::nullopt;
+}
+
 /// Whether a mesh can serve as a cage: every face has three corners or more, that are there and
 /// finite, in a plane (see off_plane), and is a simple polygon; the rest as for a TriangleMesh. Faces
 /// are named by their numbers. Cost as there, and O(m log m) for a face of m corners, O(m²) at worst.
@@ -217,15 +224,9 @@ CageReport check(const PolyhedralMesh<T>& mesh) {
         for (std::size_t i = 0; i < mesh.size(); ++i) {
             if (!is_finite(mesh[i])) report.add(CageFaultKind::vertex_not_finite, i);
         }
-        for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-            const auto loop = mesh.face(f);
-            if (loop.size() < 3) report.add(CageFaultKind::too_few_vertices, f, loop.size());
-            if (std::find(loop.begin(), loop.end(), no_vertex) != loop.end())
-                report.add(CageFaultKind::face_without_vertex, f);
-        }
         if (report.status != Status::ok) return;
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-            if (mesh.face(f).size() > 3) detail::check_face(mesh, f, report);
+            if (const auto fault = face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
         }
         if (report.status != Status::ok) return;
         detail::add_faults_of_triangles(mesh, report);
