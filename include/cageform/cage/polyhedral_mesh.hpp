@@ -93,7 +93,8 @@ private:
             triangle_ends_.push_back(triangles.size());
         }
         triangles_ = TriangleMesh<T>(at, triangles);
-        off_plane_ = std::fmax(off_plane_, 8 * double(coincidence_tolerance(bounds_of(std::span<const Vec<T, 3>>(at)))));
+        off_plane_ = std::fmax(off_plane_,
+                               8 * double(coincidence_tolerance(bounds_of(std::span<const Vec<T, 3>>(at)))));
         return triangles_.status();
     }
 
