@@ -1,27 +1,26 @@
-#!/ bin / sh
-#Usage : command_line.sh PROGRAMS DATA FAILING_READ.so
-#Runs the example programs as a newcomer would, wrong arguments and broken files included.A failure must
-#exit with 1, name the culprit and leave no output behind.
-set - u programs = $1 data = $2 failing_read = $3 work =
-    $(mktemp - d) trap 'rm -rf "$work"' EXIT cd "$work" || exit 1 passed = 0 failed = 0
+#!/bin/sh
+# Usage: command_line.sh PROGRAMS DATA FAILING_READ.so
+# Runs the example programs as a newcomer would, wrong arguments and broken files included. A failure must
+# exit with 1, name the culprit and leave no output behind.
+set -u
+programs=$1
+data=$2
+failing_read=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+passed=0
+failed=0
 
-    report() {
-#OK ? WHAT if["$1" = yes];
-    then passed = $((passed + 1));
-    else failed = $((failed + 1));
-    echo "FAILED: $2";
-    cat log 2 > / dev / null;
-    fi
+report() { # OK? WHAT
+  if [ "$1" = yes ]; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $2"; cat log 2>/dev/null; fi
 }
-works() {
-#WHAT COMMAND… what = $1;
-    shift if "$@" > log 2 > &1;
-    then report yes "$what";
-    else report no "$what (exit $?)";
-    fi
+works() { # WHAT COMMAND…
+  what=$1; shift
+  if "$@" >log 2>&1; then report yes "$what"; else report no "$what (exit $?)"; fi
 }
-refuses() {
-#MESSAGE COMMAND… exits 1, says MESSAGE, writes neither out.*nor a temporary file message = $1; shift
+refuses() { # MESSAGE COMMAND…   exits 1, says MESSAGE, writes neither out.* nor a temporary file
+  message=$1; shift
   rm -f out.* ./*.tmp*
   "$@" >log 2>&1
   code=$?
@@ -401,8 +400,7 @@ f 3 1 5 7
 END
 sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
 printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
-for type in mean-value harmonic;
-    do
+for type in mean-value harmonic; do
   works "polygons, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type -o polygons.obj --report
   grep -q 'note: box.obj: 6 faces of more than three corners taken as polygons' log && ok=yes || ok=no
   report $ok "what becomes of faces of four corners is said, $type"
@@ -428,7 +426,7 @@ echo 0.25,0.5,0.75 >inner.csv
 works "weights of a box of polygons" "$programs/cage_weights" --cage box.obj --points inner.csv --coordinates harmonic -o polygons.csv
 grep -q 'note: box.obj: 6 faces' log && ok=yes || ok=no
 report $ok "cage_weights says what becomes of them too"
-#What a game loads : sizes told, no half - written file.
+# What a game loads: sizes told, no half-written file.
 bind="$programs/bind_mesh"
 works "a packed character" "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv \
   --largest 8 --format int16 -o character.figure --report
@@ -465,85 +463,39 @@ report $ok "poses of the faces are among those that the distance is over"
 refuses 'normals are bound by the multigrid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
 refuses 'normals are bound by mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
-#Vertices outside are treated as in all programs.
+# Vertices outside are treated as in all programs.
 sed '0,/^v /s/^v .*/v 9 9 9/' character.obj >stray_character.obj
-for type in mean-value harmonic;
-    do
-        [$type = harmonic]&& follows =
-            'the nearest points of the boundary' || follows =
-                'the extension of the coordinates' works
-                "a vertex outside a game's cage, $type"
-                "$bind" stray_character.obj-- cage character_cage.obj-- coordinates $type-- resolution 16 -
-                o stray.figure ["$(grep -c "
-                    warning:1 of 8066 vertices of stray_character.obj lie outside the cage character_cage.obj,
-                            first v 1(9, 9, 9);
-                    they follow $follows " log)" = 1]&& ok =
-                    yes || ok =
-                        no report $ok "it is told of, $type" done grep -
-                        q 'the grid is coarse for the edge between vertices .* (counted from 1, as in the file)' log&& ok =
-                            yes || ok =
-                                no report $ok
-                                "edges are named as the file counts" works "it is kept in place"
-                                "$bind" stray_character.obj-- cage character_cage.obj-- outside keep -
-                                o stray.figure !grep - q warning log&& ok =
-                                    yes || ok =
-                                        no report $ok
-                                            "what was asked for is not warned "
-                                            "o"
-                                            "f" refuses '1 of 8066 vertices of stray_character.obj lie outside the cage' "$bind" stray_character
-                                                .obj-- cage character_cage.obj-- outside refuse -
-                                            o out.figure refuses 'not defined outside' "$bind" stray_character
-                                                .obj-- cage character_cage
-                                                .obj-- coordinates harmonic-- resolution 16 --outside extend -
-                                            o out.figure
-#Labels of the cage 's vertices: columns of weights, joints, and a part of the figure' s file.
-                                                printf '# corners\r\nlow left\r\n\r\nhigh, "right"\r\nhigh left\r\n' >
-                                        labels.txt works "labels of columns"
-                                                         "$weights" --cage square.csv-- points points
-                                                             .csv-- labels labels.txt -
-                                            o labelled.csv
-                                                ["$(head -1 labelled.csv)" =
-                                                     'status,low left,w1,"high, ""right""",high left']&& ok =
-                                            yes || ok =
-                                                no report $ok
-                                                "columns have the labels, or "
-                                                "number"
-                                                "s" awk 'BEGIN { print "nose"; for (i = 1; i < 112; ++i) print (i % 2 ? "" : "vertex " i) }' >
-                                                character
-                                                        .txt works "labels of a figure"
-                                                                   "$bind" character.obj-- cage character_cage
-                                                        .obj-- labels character.txt -
-                                                    o labelled.figure-- report grep -
-                                                    q '^labels: of 56 of 112 vertices of the cage$' log&& grep -
-                                                    aq 'nosevertex 2vertex 4vertex 6' labelled.figure&& ok =
-                                                    yes || ok =
-                                                        no report $ok
-                                                            "labels are kept" works "labels of joints"
-                                                            "$programs/export_gltf" character
-                                                                .obj-- cage character_cage
-                                                                .obj-- skin 4 --labels character.txt -
-                                                            o labelled
-                                                                .gltf["$(grep -c '" name ": " nose "\|" name
-                                                                      ": " vertex[0 - 9]* "' labelled.gltf)" =
-                                                                          56] &&
-                                                        ["$(grep -c '" name
-                                                         ": " handle[0 - 9]* "' labelled.gltf)" = 56]&& ok =
-                                                            yes || ok = no report $ok
-            "joints have the labels, or numbers" refuses_labels() {
-#MESSAGE[MESSAGE] of labels.txt, for the square,
-                     and for the character refuses
-                         "labels.txt$1"
-                         "$weights" --cage square.csv-- points points.csv-- labels labels.txt -
-                         o out.csv[$ # - gt 1] ||
-                                   return 0 refuses "labels.txt$2"
-                                                    "$bind" character.obj-- cage character_cage
-                                                        .obj-- labels labels.txt -
-                                          o out
-                                              .figure refuses "labels.txt$2"
-                                                              "$programs/export_gltf" character
-                                              .obj-- cage character_cage.obj-- skin 4 --labels labels.txt -
-                                          o out.glb
-        }
+for type in mean-value harmonic; do
+  [ $type = harmonic ] && follows='the nearest points of the boundary' || follows='the extension of the coordinates'
+  works "a vertex outside a game's cage, $type" "$bind" stray_character.obj --cage character_cage.obj --coordinates $type --resolution 16 -o stray.figure
+  [ "$(grep -c "warning: 1 of 8066 vertices of stray_character.obj lie outside the cage character_cage.obj, first v 1 (9, 9, 9); they follow $follows" log)" = 1 ] && ok=yes || ok=no
+  report $ok "it is told of, $type"
+done
+grep -q 'the grid is coarse for the edge between vertices .* (counted from 1, as in the file)' log && ok=yes || ok=no
+report $ok "edges are named as the file counts"
+works "it is kept in place" "$bind" stray_character.obj --cage character_cage.obj --outside keep -o stray.figure
+! grep -q warning log && ok=yes || ok=no
+report $ok "what was asked for is not warned of"
+refuses '1 of 8066 vertices of stray_character.obj lie outside the cage' "$bind" stray_character.obj --cage character_cage.obj --outside refuse -o out.figure
+refuses 'not defined outside' "$bind" stray_character.obj --cage character_cage.obj --coordinates harmonic --resolution 16 --outside extend -o out.figure
+# Labels of the cage's vertices: columns of weights, joints, and a part of the figure's file.
+printf '# corners\r\nlow left\r\n\r\nhigh, "right"\r\nhigh left\r\n' >labels.txt
+works "labels of columns" "$weights" --cage square.csv --points points.csv --labels labels.txt -o labelled.csv
+[ "$(head -1 labelled.csv)" = 'status,low left,w1,"high, ""right""",high left' ] && ok=yes || ok=no
+report $ok "columns have the labels, or numbers"
+awk 'BEGIN { print "nose"; for (i = 1; i < 112; ++i) print (i % 2 ? "" : "vertex " i) }' >character.txt
+works "labels of a figure" "$bind" character.obj --cage character_cage.obj --labels character.txt -o labelled.figure --report
+grep -q '^labels: of 56 of 112 vertices of the cage$' log && grep -aq 'nosevertex 2vertex 4vertex 6' labelled.figure && ok=yes || ok=no
+report $ok "labels are kept"
+works "labels of joints" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --labels character.txt -o labelled.gltf
+[ "$(grep -c '"name": "nose"\|"name": "vertex [0-9]*"' labelled.gltf)" = 56 ] && [ "$(grep -c '"name": "handle [0-9]*"' labelled.gltf)" = 56 ] && ok=yes || ok=no
+report $ok "joints have the labels, or numbers"
+refuses_labels() { # MESSAGE [MESSAGE]   of labels.txt, for the square, and for the character
+  refuses "labels.txt$1" "$weights" --cage square.csv --points points.csv --labels labels.txt -o out.csv
+  [ $# -gt 1 ] || return 0
+  refuses "labels.txt$2" "$bind" character.obj --cage character_cage.obj --labels labels.txt -o out.figure
+  refuses "labels.txt$2" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --labels labels.txt -o out.glb
+}
 printf 'a\nb\nc\n' >labels.txt
 refuses_labels ': has 3 lines of labels, the cage 4 vertices' ': has 3 lines of labels, the cage 112 vertices'
 printf 'a\nb\nc\n\n\n' >labels.txt
@@ -566,7 +518,7 @@ grep -q 'warning: inner.obj: between the keys targets are off by ' log && ok=yes
 report $ok "what targets lose between the keys is said"
 refuses 'joints carry no normals of faces; --morph writes targets' "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --coordinates green -o out.glb
 refuses '--labels' "$programs/export_gltf" character.obj --cage character_cage.obj --pose character_pose.obj --morph --labels character.txt -o out.glb
-#A figure file and glTF hold single precision.
+# A figure file and glTF hold single precision.
 huge() { # LINE FILE   the line's first 0.xxx, or the number at its beginning, is 1e39 in huge.*
   sed "$1s/-\\{0,1\\}[0-9.]*[0-9]/-1e39/" "$2" >"huge.${2##*.}"
 }
@@ -623,8 +575,7 @@ report $ok "the gap is reported"
 refuses 'open edge (0, 1)' "$mesh" figure.obj --cage box_wide_open.obj --pose box_wide_open.obj -o out.obj
 refuses 'box_bow_tie.obj: a face cannot be cut into triangles' "$mesh" figure.obj --cage box_bow_tie.obj --pose box_bow_tie.obj -o out.obj
 refuses '1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2)' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside refuse -o out.obj
-for type in mean-value harmonic;
-do
+for type in mean-value harmonic; do
   works "a vertex outside, $type" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates $type -o auto_$type.obj
   grep -q 'warning: 1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2); they follow' log && ok=yes || ok=no
   report $ok "a warning of the vertex outside, $type"
@@ -634,8 +585,7 @@ works "a vertex on the boundary" "$mesh" stray.obj --cage box.obj --pose box_pos
 cmp -s auto_mean-value.obj extended.obj && cmp -s auto_harmonic.obj nearest.obj && ok=yes || ok=no
 report $ok "auto extends where it can, else takes the nearest boundary"
 refuses 'not defined outside' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates harmonic --outside extend -o out.obj
-for policy in keep nearest extend;
-do
+for policy in keep nearest extend; do
   works "vertices outside: $policy" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside $policy -o kept.obj
 done
 refuses 'not a simplex (8, 4)' "$mesh" figure.obj --cage box.obj --pose box.obj --coordinates barycentric -o out.obj
@@ -646,11 +596,8 @@ refuses 'missing/out.obj' "$mesh" figure.obj --cage box.obj --pose box.obj -o mi
 refuses 'missing/out.png' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.obj --picture missing/out.png
 
 printf '2,2,2\n4,2,1\n1,1,3\n' >points.csv
-for scalar in float double;
-do
-  for
-      type in mean - value harmonic;
-do
+for scalar in float double; do
+  for type in mean-value harmonic; do
     works "weights of a box, $scalar $type" "$weights" --cage box.obj --points points.csv --coordinates $type --scalar $scalar --resolution 16 --report -o w_$type.csv
     [ "$(head -1 w_$type.csv)" = status,w0,w1,w2,w3,w4,w5,w6,w7 ] && ok=yes || ok=no
     report $ok "a box has eight handles"
@@ -662,9 +609,7 @@ printf '%s\n' 'v 0 0 0' 'v 4 0 0' 'v 0 4 0' 'v 0 0 4' 'f 1 3 2' 'f 1 2 4' 'f 2 3
 printf 'x,y,z\n1,0.5,2\n' >point.csv
 works "weights of a tetrahedron" "$weights" --cage tetrahedron.obj --points point.csv --coordinates barycentric -o w.csv
 sed -n 2p w.csv | awk -F, '{ split("0.125 0.25 0.125 0.5", w, " "); for (k = 1; k <= 4; k++) if (($(k + 1) - w[k]) ^ 2 > 1e-30) bad = 1 }
-  END {
-        exit bad || NR != 1 || NF != 5 || $1 != "inside"
-    }' && ok=yes || ok=no # to rounding: a solve by orthonormal rows
+  END { exit bad || NR != 1 || NF != 5 || $1 != "inside" }' && ok=yes || ok=no # to rounding: a solve by orthonormal rows
 report $ok "barycentric coordinates of a tetrahedron"
 refuses 'not a simplex (8, 4)' "$weights" --cage box.obj --points points.csv --coordinates barycentric -o out.csv
 refuses 'middle.csv:1: 2 columns where space takes three: x,y,z' "$weights" --cage box.obj --points middle.csv -o out.csv
@@ -676,7 +621,7 @@ works "weights of a box with a gap" "$weights" --cage box_open.obj --points poin
 grep -qF 'cage_weights: warning: box_open.obj: 4 open edges were closed, first between vertices 1 and 4 (counted from 1, as in the file)' log && ok=yes || ok=no
 report $ok "the gap is reported"
 
-#-- -- coordinate_field, figure_table, contact_sheet -- --
+# ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
 works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --surface surface.png --turn 35 -100 0 --height 1
 [ -s surface.png ] && ok=yes || ok=no
@@ -703,8 +648,7 @@ refuses 'nowhere.svg' "$programs/paths" --cage nowhere.svg --point 0,0 -o out.sv
 printf '0,0\n0,4\n4,4\n4,0\n' >square_4.csv
 formula="$programs/boundary_formula"
 works "a function on the boundary" "$formula" --cage square_4.csv --vertex 0 --at 1,0
-for words in 'h_0(x, 0) = 1 - x/4, 0 <= x <= 4' 'x = 0, y = 4 t, 0 <= t <= 1:  h_0 = 1 - t' 'on all other edges it is 0' 'h_0(1, 0) = 0.75';
-do
+for words in 'h_0(x, 0) = 1 - x/4, 0 <= x <= 4' 'x = 0, y = 4 t, 0 <= t <= 1:  h_0 = 1 - t' 'on all other edges it is 0' 'h_0(1, 0) = 0.75'; do
   grep -qF "$words" log && ok=yes || ok=no
   report $ok "the formula says: $words"
 done
@@ -760,7 +704,7 @@ refuses 'outside the cage' "$table" "$cat" "$data/man_cage.svg" "$data/man_pose.
 refuses 'alternate' "$programs/contact_sheet" -o out.svg lonely
 refuses 'nowhere.svg' "$programs/contact_sheet" -o out.svg caption nowhere.svg
 
-#-- -- fit_curve, bezier_tables -- --
+# ---- fit_curve, bezier_tables ----
 curve="$programs/fit_curve"
 cases="$(dirname "$data")/../tests/data/bezier-cases.json"
 works "help of fit_curve" "$curve" --help
@@ -774,19 +718,15 @@ report $ok "the errors are those of the case s01"
 works "a plot and a JSON file" "$curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.001 --plot fit.svg --png --json fit.json
 [ -s fit.svg ] && [ -s fit.png ] && [ -s fit.json ] && ok=yes || ok=no
 report $ok "plot, picture and JSON are there"
-for knots in uniform arcs optimal 0,0.3,0.7,1;
-do
-  for
-      degree in 3 4 5;
-do
+for knots in uniform arcs optimal 0,0.3,0.7,1; do
+  for degree in 3 4 5; do
     pieces='--pieces 3'
     [ $knots != 0,0.3,0.7,1 ] || pieces=
-#shellcheck disable = SC2086
+    # shellcheck disable=SC2086
     works "knots $knots, degree $degree" "$curve" --css 0.2,1.3,0.8,1.3 $pieces --knots $knots --degree $degree --conditions end_value,c0,c1
   done
 done
-for norm in w12 l2 1,0.01;
-do
+for norm in w12 l2 1,0.01; do
   works "norm $norm" "$curve" --bezier 24,0,31,12,39,9,48,10 --pieces 3 --norm $norm --in-units --plot fit.svg
 done
 works "a vertical tangent" "$curve" --css 0,1,1,0 --tolerance 0.01 --json fit.json
@@ -795,352 +735,194 @@ report $ok "an infinite error is null"
 works "the cases" "$curve" --cases "$cases" --json results.json
 [ "$(grep -c '"result"' results.json)" = "$(grep -c '"expected"' "$cases")" ] && ok=yes || ok=no
 report $ok "a result for every case"
-for easing in linear ease ease-in ease-out ease-in-out 'cubic-bezier(0.8, -0.3, 0.2, 1.3)' ' EASE ';
-do
-    works "the easing $easing"
-          "$curve" --css "$easing" --pieces 2 done works "an easing by its name"
-                                                         "$curve" --css ease -
-        in -
-        out-- pieces 3 --json named.json works "and by its numbers"
-                                               "$curve" --css 0.42,
-        0, 0.58,
-        1 --pieces 3 --json numbers.json["$(sed 1,2d named.json)" = "$(sed 1,2d numbers.json)"]
-            &&ok =
-            yes || ok =
-                no report $ok
-                "the name says the numbers" refuses '"ease-inout" is no easing: linear, ease,' "$curve" --css
-                    ease -
-                inout-- pieces 3 --json out
-                    .json
-                        refuses 'steps(4): holds and straight lines are no curve' "$curv"
-                                                                                  "e" --css 'steps(4)' --pieces 3 --json
-                                                                                      out
-                    .json
-                        refuses 'x1 and x2 lie between 0 and 1' "$curv"
-                                                                "e" --css 'cubic-bezier(0, 0, 1.2, 1)' --pieces 3 --json
-                                                                    out
-                    .json
-                        refuses 'character 17 is not expected' "$curv"
-                                                               "e" --css 'cubic-bezier(0, x, 1, 1)' --pieces 3 --json
-                                                                   out
-                    .json refuses '--css: number out of range: "1e999"' "$curve" --css 0,
-           1e999, 1,
-           1 --pieces 3 --json out
-               .json refuses '--css: a given value is not a finite number, or too large' "$curve" --css 0,
-           1e308, 1,
-           1 --pieces 3 --json out.json cat >
-               ball.json
-                   << 'END' {
-                          "layers" : [ {
-                              "nm" : "ball",
-                              "ks" : {
-                                  "r" : {
-                                      "a" : 1,
-                                      "k" : [
-                                          {
-                                              "t" : 0,
-                                              "s" : [0],
-                                              "o" : {"x" : [0.42], "y" : [0]},
-                                              "i" : {"x" : [0.58], "y" : [1]}
-                                          },
-                                          {"t" : 30, "s" : [90], "h" : 1}, {"t" : 40, "s" : [10]}
-                                      ]
-                                  },
-                                  "s" : {
-                                      "a" : 1,
-                                      "k" : [
-                                          {
-                                              "t" : 0,
-                                              "s" : [ 100, 100 ],
-                                              "o" : {"x" : 0.3, "y" : 0},
-                                              "i" : {"x" : [ 0.6, 0.6 ], "y" : [ 1, 1.4 ]}
-                                          },
-                                          {"t" : 20, "s" : [ 120, 80 ]}
-                                      ]
-                                  },
-                                  "p" : {
-                                      "a" : 1,
-                                      "k" : [
-                                          {
-                                              "t" : 0,
-                                              "s" : [ 0, 0 ],
-                                              "to" : [ 9, 0 ],
-                                              "ti" : [ 0, 0 ],
-                                              "o" : {"x" : 0.3, "y" : 0},
-                                              "i" : {"x" : 0.6, "y" : 1}
-                                          },
-                                          {"t" : 20, "s" : [ 50, 80 ]}
-                                      ]
-                                  },
-                                  "o" : {"a" : 0, "k" : 100}
-                              }
-                          } ]
-                      } END works
-                      "what a Lottie file has"
-                      "$curve" --lottie ball
-                          .json{echo 'layers/0/ks/r/k/0:0  frames 0 to 30, 0 to 90  (ball)' echo 'layers/0/ks/r/k/1:0  frames 30 to 40, held at 90  (ball)' echo 'layers/0/ks/s/k/0:0  frames 0 to 20, 100 to 120  (ball)' echo 'layers/0/ks/s/k/0:1  frames 0 to 20, 100 to 80  (ball)' echo 'layers/0/ks/p/k/0:path  frames 0 to 20, 0 to 1  (ball)'} >
-               expected cmp - s expected log &&ok =
-               yes || ok = no report $ok "the list of its curves" works "a curve of it"
-                                         "$curve" --lottie ball.json-- curve layers /
-                           0 / ks / r / k /
-                           0 : 0 --pieces 3 --json lottie.json works "the same curve by its handles"
-                                                                     "$curve" --bezier 0,
-           0, 12.6, 0, 17.4, 90, 30,
-           90 --pieces 3 --json bezier.json["$(sed -n '/" knots_x "/,/\]/p' lottie.json)" =
-                                                "$(sed -n '/" knots_x "/,/\]/p' bezier.json)"]&&ok =
-               yes || ok =
-                   no report $ok "is fitted as that" refuses 'the value is held' "$curve" --lottie ball
-                           .json-- curve layers /
-                       0 / ks / r / k /
-                       1 : 0 --pieces 3 --json out.json refuses 'no curve is "layers"' "$curve" --lottie ball
-                           .json-- curve layers-- pieces 3 --json out
-                           .json refuses '--lottie needs --curve' "$curve" --lottie ball
-                           .json-- pieces 3 --json out
-                           .json refuses '--curve needs --lottie' "$curve" --css ease-- curve
-                               x-- pieces 3 --json out
-                           .json
-                               awk 'BEGIN { for (i = 0; i < 100000; ++i) printf "["; for (i = 0; i < 100000; ++i) printf "]" }' >
-                   deep.json refuses 'deep.json: nested too deeply' "$curve" --lottie deep
-                           .json refuses 'bad.json: no number in it is animated' sh -
-                       c "echo '{}' >bad.json; '$curve' --lottie bad.json" sed 's/"t": 30/"t": null/' ball
-                           .json >
-                   bad.json
-                       refuses 'bad.json: a keyframe is not as Lottie has it: type must be number, but is null' "$curve" --lottie
-                           bad.json sed 's/120/1e999/' ball.json >
-                   bad.json refuses
-                   "bad.json: number overflow parsing '1e999'"
-                   "$curve" --lottie bad.json refuses 'given by one of' "$curve" --pieces 3 --json out
-                       .json refuses 'given by one of' "$curve" --css 0,
-           0, 1, 1 --bezier 0, 0, 0, 0, 1, 1, 1,
-           1 --pieces 3 --json out.json refuses '--css: 3 numbers' "$curve" --css 0, 0,
-           1 --pieces 3 --json out.json refuses '--bezier: not a number: "x"' "$curve" --bezier 0, 0, 0, x, 1,
-           1, 1, 1 --pieces 3 --json out.json refuses '--bezier: 9 numbers' "$curve" --bezier 0, 0, 0, 0, 1,
-           1, 1, 1,
-           1 --pieces 3 --json out
-               .json refuses '--css: a given value is not a finite number' "$curve" --css 0,
-           nan, 1, 1 --pieces 3 --json out.json refuses '--css: time turns back' "$curve" --css 1.5, 0, 0,
-           1 --pieces 3 --json out.json refuses '--bezier: the second key is not later' "$curve" --bezier 1,
-           0, 0.5, 0, 0.5, 1, 0, 1 --pieces 3 --json out.json refuses 'how many pieces' "$curve" --css 0.4, 0,
-           0.6, 1 --json out.json refuses 'how many pieces' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 3 --tolerance 0.1 --json out.json refuses '--pieces' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 0 --json out.json refuses '--pieces' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces few-- json out.json refuses '--tolerance' "$curve" --css 0.4, 0, 0.6,
-           1 --tolerance 0 --json out.json refuses '--tolerance' "$curve" --css 0.4, 0, 0.6,
-           1 --tolerance nan-- json out.json refuses 'cannot be met' "$curve" --css 0.85, 0, 0.15,
-           1 --tolerance 1e-9 --json out.json refuses 'unknown condition "smooth"' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 3 --conditions end_value,
-           smooth-- json out.json refuses 'unknown condition ""' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 3 --conditions end_value,
-           --json out.json refuses 'too many conditions' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 2 --conditions end_value, knot_value, end_d1, end_d2, knot_d1,
-           knot_d2-- json out.json refuses 'degree' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 3 --degree 7 --json out.json refuses 'weights' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 3 --norm 0, 1 --json out.json refuses '--norm: not a number: "most"' "$curve" --css 0.4,
-           0, 0.6,
-           1 --pieces 3 --norm most-- json out
-               .json refuses '--knots: not a number: "even"' "$curve" --css 0.4,
-           0, 0.6,
-           1 --knots even-- json out.json refuses '--knots: the knots do not ascend' "$curve" --css 0.4, 0,
-           0.6, 1 --knots 0, 0.7, 0.3,
-           1 --json out.json refuses '--knots: knots begin at the first key' "$curve" --css 0.4, 0, 0.6,
-           1 --knots 0.1, 0.5, 1 --json out.json refuses 'slope' "$curve" --css 0, 1, 0.5,
-           1 --pieces 3 --knots uniform-- conditions end_value, knot_value,
-           end_d1-- json out.json refuses '--png needs --plot' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 3 --png-- json out.json refuses 'missing/out.svg' "$curve" --css 0.4, 0, 0.6,
-           1 --pieces 3 --json out.json-- plot missing /
-               out.svg refuses 'missing/out.json' "$curve" --css 0.4,
-           0, 0.6,
-           1 --pieces 3 --plot out.svg-- json missing /
-                   out.json refuses '--cases needs --json' "$curve" --cases
-                   "$cases" refuses 'nowhere.json: no such file' "$curve" --cases nowhere.json-- json out
-                       .json refuses 'folder.csv: is a folder' "$curve" --cases folder.csv-- json out
-                       .json refuses 'empty.csv: is empty' "$curve" --cases empty.csv-- json out
-                       .json echo '{"format": "bezier-sobolev-cases/1", "cases": [' >
-               bad.json refuses 'bad.json: ' "$curve" --cases bad.json-- json out.json echo '[]' >
-               bad.json refuses 'bad.json: is not of the format' "$curve" --cases bad.json-- json out
-                   .json echo '{"format": "bezier-sobolev-cases/2", "cases": []}' >
-               bad.json refuses 'bad.json: is not of the format' "$curve" --cases bad.json-- json out.json
-               faulty_case(){
-                   #MESSAGE SED - COMMAND the cases,
-                   changed sed "$2"
-                               "$cases" >
-                       bad.json refuses
-                       "$1"
-                       "$curve" --cases bad.json-- json out
-                           .json} faulty_case 'case s01-inout-two-pieces: unknown condition "end_valu"' '0,/"end_value"/s//"end_valu"/' faulty_case 'case s01-inout-two-pieces: weights: null where a number should be' '27s/1/null/' faulty_case 'case s01-inout-two-pieces: unknown mode of knots "uniform"' '0,/"uniform_x"/s//"uniform"/' faulty_case 'case s01-inout-two-pieces: control_points: time turns back' '0,/0\.4,/s//4,/' faulty_case 'case s01-inout-two-pieces: pieces has to be a whole number' '0,/"pieces": 2/s//"pieces": 0/' faulty_case 'case s01-inout-two-pieces: no fit: pieces are of degree' '0,/"degree": 3/s//"degree": 9/' faulty_case 'case s04-linear-inner-exact: knots.x: the knots do not ascend' 's/^ *1\.25,/4,/' faulty_case 'case number 1: ' '0,/"id"/s//"name"/' faulty_case 'case s01-inout-two-pieces: ' '0,/"degree"/s//"grade"/' faulty_case 'bad.json: ' '0,/0\.4,/s//NaN,/'
+for easing in linear ease ease-in ease-out ease-in-out 'cubic-bezier(0.8, -0.3, 0.2, 1.3)' ' EASE '; do
+  works "the easing $easing" "$curve" --css "$easing" --pieces 2
+done
+works "an easing by its name" "$curve" --css ease-in-out --pieces 3 --json named.json
+works "and by its numbers" "$curve" --css 0.42,0,0.58,1 --pieces 3 --json numbers.json
+[ "$(sed 1,2d named.json)" = "$(sed 1,2d numbers.json)" ] && ok=yes || ok=no
+report $ok "the name says the numbers"
+refuses '"ease-inout" is no easing: linear, ease,' "$curve" --css ease-inout --pieces 3 --json out.json
+refuses 'steps(4): holds and straight lines are no curve' "$curve" --css 'steps(4)' --pieces 3 --json out.json
+refuses 'x1 and x2 lie between 0 and 1' "$curve" --css 'cubic-bezier(0, 0, 1.2, 1)' --pieces 3 --json out.json
+refuses 'character 17 is not expected' "$curve" --css 'cubic-bezier(0, x, 1, 1)' --pieces 3 --json out.json
+refuses '--css: number out of range: "1e999"' "$curve" --css 0,1e999,1,1 --pieces 3 --json out.json
+refuses '--css: a given value is not a finite number, or too large' "$curve" --css 0,1e308,1,1 --pieces 3 --json out.json
+cat >ball.json <<'END'
+{"layers": [{"nm": "ball", "ks": {
+  "r": {"a": 1, "k": [{"t": 0, "s": [0], "o": {"x": [0.42], "y": [0]}, "i": {"x": [0.58], "y": [1]}},
+                      {"t": 30, "s": [90], "h": 1}, {"t": 40, "s": [10]}]},
+  "s": {"a": 1, "k": [{"t": 0, "s": [100, 100], "o": {"x": 0.3, "y": 0}, "i": {"x": [0.6, 0.6], "y": [1, 1.4]}},
+                      {"t": 20, "s": [120, 80]}]},
+  "p": {"a": 1, "k": [{"t": 0, "s": [0, 0], "to": [9, 0], "ti": [0, 0], "o": {"x": 0.3, "y": 0}, "i": {"x": 0.6, "y": 1}},
+                      {"t": 20, "s": [50, 80]}]},
+  "o": {"a": 0, "k": 100}}}]}
+END
+works "what a Lottie file has" "$curve" --lottie ball.json
+{
+  echo 'layers/0/ks/r/k/0:0  frames 0 to 30, 0 to 90  (ball)'
+  echo 'layers/0/ks/r/k/1:0  frames 30 to 40, held at 90  (ball)'
+  echo 'layers/0/ks/s/k/0:0  frames 0 to 20, 100 to 120  (ball)'
+  echo 'layers/0/ks/s/k/0:1  frames 0 to 20, 100 to 80  (ball)'
+  echo 'layers/0/ks/p/k/0:path  frames 0 to 20, 0 to 1  (ball)'
+} >expected
+cmp -s expected log && ok=yes || ok=no
+report $ok "the list of its curves"
+works "a curve of it" "$curve" --lottie ball.json --curve layers/0/ks/r/k/0:0 --pieces 3 --json lottie.json
+works "the same curve by its handles" "$curve" --bezier 0,0,12.6,0,17.4,90,30,90 --pieces 3 --json bezier.json
+[ "$(sed -n '/"knots_x"/,/\]/p' lottie.json)" = "$(sed -n '/"knots_x"/,/\]/p' bezier.json)" ] && ok=yes || ok=no
+report $ok "is fitted as that"
+refuses 'the value is held' "$curve" --lottie ball.json --curve layers/0/ks/r/k/1:0 --pieces 3 --json out.json
+refuses 'no curve is "layers"' "$curve" --lottie ball.json --curve layers --pieces 3 --json out.json
+refuses '--lottie needs --curve' "$curve" --lottie ball.json --pieces 3 --json out.json
+refuses '--curve needs --lottie' "$curve" --css ease --curve x --pieces 3 --json out.json
+awk 'BEGIN { for (i = 0; i < 100000; ++i) printf "["; for (i = 0; i < 100000; ++i) printf "]" }' >deep.json
+refuses 'deep.json: nested too deeply' "$curve" --lottie deep.json
+refuses 'bad.json: no number in it is animated' sh -c "echo '{}' >bad.json; '$curve' --lottie bad.json"
+sed 's/"t": 30/"t": null/' ball.json >bad.json
+refuses 'bad.json: a keyframe is not as Lottie has it: type must be number, but is null' "$curve" --lottie bad.json
+sed 's/120/1e999/' ball.json >bad.json
+refuses "bad.json: number overflow parsing '1e999'" "$curve" --lottie bad.json
+refuses 'given by one of' "$curve" --pieces 3 --json out.json
+refuses 'given by one of' "$curve" --css 0,0,1,1 --bezier 0,0,0,0,1,1,1,1 --pieces 3 --json out.json
+refuses '--css: 3 numbers' "$curve" --css 0,0,1 --pieces 3 --json out.json
+refuses '--bezier: not a number: "x"' "$curve" --bezier 0,0,0,x,1,1,1,1 --pieces 3 --json out.json
+refuses '--bezier: 9 numbers' "$curve" --bezier 0,0,0,0,1,1,1,1,1 --pieces 3 --json out.json
+refuses '--css: a given value is not a finite number' "$curve" --css 0,nan,1,1 --pieces 3 --json out.json
+refuses '--css: time turns back' "$curve" --css 1.5,0,0,1 --pieces 3 --json out.json
+refuses '--bezier: the second key is not later' "$curve" --bezier 1,0,0.5,0,0.5,1,0,1 --pieces 3 --json out.json
+refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --json out.json
+refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --pieces 3 --tolerance 0.1 --json out.json
+refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces 0 --json out.json
+refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces few --json out.json
+refuses '--tolerance' "$curve" --css 0.4,0,0.6,1 --tolerance 0 --json out.json
+refuses '--tolerance' "$curve" --css 0.4,0,0.6,1 --tolerance nan --json out.json
+refuses 'cannot be met' "$curve" --css 0.85,0,0.15,1 --tolerance 1e-9 --json out.json
+refuses 'unknown condition "smooth"' "$curve" --css 0.4,0,0.6,1 --pieces 3 --conditions end_value,smooth --json out.json
+refuses 'unknown condition ""' "$curve" --css 0.4,0,0.6,1 --pieces 3 --conditions end_value, --json out.json
+refuses 'too many conditions' "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_value,end_d1,end_d2,knot_d1,knot_d2 --json out.json
+refuses 'degree' "$curve" --css 0.4,0,0.6,1 --pieces 3 --degree 7 --json out.json
+refuses 'weights' "$curve" --css 0.4,0,0.6,1 --pieces 3 --norm 0,1 --json out.json
+refuses '--norm: not a number: "most"' "$curve" --css 0.4,0,0.6,1 --pieces 3 --norm most --json out.json
+refuses '--knots: not a number: "even"' "$curve" --css 0.4,0,0.6,1 --knots even --json out.json
+refuses '--knots: the knots do not ascend' "$curve" --css 0.4,0,0.6,1 --knots 0,0.7,0.3,1 --json out.json
+refuses '--knots: knots begin at the first key' "$curve" --css 0.4,0,0.6,1 --knots 0.1,0.5,1 --json out.json
+refuses 'slope' "$curve" --css 0,1,0.5,1 --pieces 3 --knots uniform --conditions end_value,knot_value,end_d1 --json out.json
+refuses '--png needs --plot' "$curve" --css 0.4,0,0.6,1 --pieces 3 --png --json out.json
+refuses 'missing/out.svg' "$curve" --css 0.4,0,0.6,1 --pieces 3 --json out.json --plot missing/out.svg
+refuses 'missing/out.json' "$curve" --css 0.4,0,0.6,1 --pieces 3 --plot out.svg --json missing/out.json
+refuses '--cases needs --json' "$curve" --cases "$cases"
+refuses 'nowhere.json: no such file' "$curve" --cases nowhere.json --json out.json
+refuses 'folder.csv: is a folder' "$curve" --cases folder.csv --json out.json
+refuses 'empty.csv: is empty' "$curve" --cases empty.csv --json out.json
+echo '{"format": "bezier-sobolev-cases/1", "cases": [' >bad.json
+refuses 'bad.json: ' "$curve" --cases bad.json --json out.json
+echo '[]' >bad.json
+refuses 'bad.json: is not of the format' "$curve" --cases bad.json --json out.json
+echo '{"format": "bezier-sobolev-cases/2", "cases": []}' >bad.json
+refuses 'bad.json: is not of the format' "$curve" --cases bad.json --json out.json
+faulty_case() { # MESSAGE SED-COMMAND   the cases, changed
+  sed "$2" "$cases" >bad.json
+  refuses "$1" "$curve" --cases bad.json --json out.json
+}
+faulty_case 'case s01-inout-two-pieces: unknown condition "end_valu"' '0,/"end_value"/s//"end_valu"/'
+faulty_case 'case s01-inout-two-pieces: weights: null where a number should be' '27s/1/null/'
+faulty_case 'case s01-inout-two-pieces: unknown mode of knots "uniform"' '0,/"uniform_x"/s//"uniform"/'
+faulty_case 'case s01-inout-two-pieces: control_points: time turns back' '0,/0\.4,/s//4,/'
+faulty_case 'case s01-inout-two-pieces: pieces has to be a whole number' '0,/"pieces": 2/s//"pieces": 0/'
+faulty_case 'case s01-inout-two-pieces: no fit: pieces are of degree' '0,/"degree": 3/s//"degree": 9/'
+faulty_case 'case s04-linear-inner-exact: knots.x: the knots do not ascend' 's/^ *1\.25,/4,/'
+faulty_case 'case number 1: ' '0,/"id"/s//"name"/'
+faulty_case 'case s01-inout-two-pieces: ' '0,/"degree"/s//"grade"/'
+faulty_case 'bad.json: ' '0,/0\.4,/s//NaN,/'
 
-#-- -- icons that nobody here drew, where they are installed(package tango - icon - theme) -- --
-               icons = / usr / share / icons / Tango / scalable if[-d $icons];
-then printf '%s\n' - 12, -12 24, -12 60, -12 60, 24 60, 60 24, 60 - 12, 60 - 12,
-    24 > icon_cage.csv printf '%s\n' - 12, -16 24, 6 60, -12 52, 24 66, 60 24, 50 - 12, 64 - 20,
-    24 > icon_pose.csv ids() {
-    grep - oE ' id="[^"]*"' "$1" | sort;
-}
-elements() {
-    grep - oE '<[a-zA-Z]+' "$1" | grep - cv Gradient;
-}
-#shapes may get gradients of their own for icon in apps / internet - web - browser places / user -
-    trash emotes / face - smile devices / camera - photo apps / system - users;
-do
-    works "icon $icon"
-          "$deform" $icons /
-                    $icon.svg-- cage icon_cage.csv-- pose icon_pose.csv-- outside extend -
-                o icon.svg ids $icons / $icon.svg >
-            before ids icon.svg |
-        comm - 23 before - | grep - q.&& ok = no || ok = yes report $ok
-        "icon $icon keeps every id"["$(elements $icons/$icon.svg)" = "$(elements icon.svg)"]&& ok =
-            yes || ok =
-                no report $ok "icon $icon keeps every element" cmp - s $icons / $icon.svg icon.svg&& ok =
-                    no || ok = yes report $ok "icon $icon is deformed" done fi
+# ---- icons that nobody here drew, where they are installed (package tango-icon-theme) ----
+icons=/usr/share/icons/Tango/scalable
+if [ -d $icons ]; then
+  printf '%s\n' -12,-12 24,-12 60,-12 60,24 60,60 24,60 -12,60 -12,24 >icon_cage.csv
+  printf '%s\n' -12,-16 24,6 60,-12 52,24 66,60 24,50 -12,64 -20,24 >icon_pose.csv
+  ids() { grep -oE ' id="[^"]*"' "$1" | sort; }
+  elements() { grep -oE '<[a-zA-Z]+' "$1" | grep -cv Gradient; } # shapes may get gradients of their own
+  for icon in apps/internet-web-browser places/user-trash emotes/face-smile devices/camera-photo apps/system-users; do
+    works "icon $icon" "$deform" $icons/$icon.svg --cage icon_cage.csv --pose icon_pose.csv --outside extend -o icon.svg
+    ids $icons/$icon.svg >before
+    ids icon.svg | comm -23 before - | grep -q . && ok=no || ok=yes
+    report $ok "icon $icon keeps every id"
+    [ "$(elements $icons/$icon.svg)" = "$(elements icon.svg)" ] && ok=yes || ok=no
+    report $ok "icon $icon keeps every element"
+    cmp -s $icons/$icon.svg icon.svg && ok=no || ok=yes
+    report $ok "icon $icon is deformed"
+  done
+fi
 
-#-- -- points without a cage : sibson, sibson - c1 -- --
-                    row_is() {
-#WHAT STATE "w0 w1 …" the first
-                point's row in w.csv, to 1e-12; the reference values are those of tests/data/sibson sed -
-            n 2p w.csv> log awk - F,
-            -v state = "$2" - v expected = "$3" '{ n = split(expected, w, " ") bad =
-                           $1 != state || NF != n + 1 for (i = 1; i <= n; ++i) {
-            d = $(i + 1) - w[i];
-            if (d * d > 1e-24) bad = 1
-        }
-    }
-END {
-    exit bad || NR != 1
+# ---- points without a cage: sibson, sibson-c1 ----
+row_is() { # WHAT STATE "w0 w1 …"   the first point's row in w.csv, to 1e-12; the reference values are those of tests/data/sibson
+  sed -n 2p w.csv >log
+  awk -F, -v state="$2" -v expected="$3" '{ n = split(expected, w, " ")
+    bad = $1 != state || NF != n + 1
+    for (i = 1; i <= n; ++i) { d = $(i + 1) - w[i]; if (d * d > 1e-24) bad = 1 } }
+    END { exit bad || NR != 1 }' log && ok=yes || ok=no
+  report $ok "$1"
 }
-' log && ok=yes || ok=no report $ok "$1"
-}
-printf '# a square\n0,0\n1,0\n\n1,1\n0,1\n0.5,0.5\n' > sites.csv printf '0.25,0.375\n3,3\n' >
-    point.csv works "weights of sites"
-                    "$weights" --cage sites.csv-- points point.csv-- coordinates sibson -
-        o w.csv-- report grep - q '^amplification (largest sum |w|): 1 at point 0$' log&& ok =
-    yes || ok = no report $ok "degree 1 amplifies nothing" row_is "Sibson's coordinates" inside
-                              "0.375 0.006521739130434782 0 0.13152173913043477 0.48695652173913045" sed -
-                    n 3p w.csv >
-                log grep - q '^outside,nan,nan,nan,nan,nan$' log&& ok =
-                    yes || ok =
-                        no report $ok "no weights outside the hull" works "weights of sites, smooth"
-                                      "$weights" --cage sites.csv-- points point.csv-- coordinates sibson -
-                        c1 - o w.csv-- report grep - q '^amplification (largest sum |w|): 1.1357' log&& ok =
-                            yes || ok = no report $ok
-                                        "the report has the amplification" row_is "Farin's interpolant" inside
-                                        "0.321624200792444 -0.014479358870304923 -0.05337579920755596 "
-                                        "0.11052064112969508 0.6357103161557217" works
-                                        "weights of sites, single precision"
-                                        "$weights" --cage sites.csv-- points point.csv-- coordinates sibson -
-                                        c1-- scalar float - o w.csv {
-    echo x, y, z; for
-        x in 0 1;
-    do for
-            y in 0 1;
-    do for
-            z in 0 1;
-    do echo $x, $y, $z;
-    done;
-    done;
-    done;
-    echo 0.5, 0.5, 0.5;
-} >sites_3d.csv
+printf '# a square\n0,0\n1,0\n\n1,1\n0,1\n0.5,0.5\n' >sites.csv
+printf '0.25,0.375\n3,3\n' >point.csv
+works "weights of sites" "$weights" --cage sites.csv --points point.csv --coordinates sibson -o w.csv --report
+grep -q '^amplification (largest sum |w|): 1 at point 0$' log && ok=yes || ok=no
+report $ok "degree 1 amplifies nothing"
+row_is "Sibson's coordinates" inside "0.375 0.006521739130434782 0 0.13152173913043477 0.48695652173913045"
+sed -n 3p w.csv >log
+grep -q '^outside,nan,nan,nan,nan,nan$' log && ok=yes || ok=no
+report $ok "no weights outside the hull"
+works "weights of sites, smooth" "$weights" --cage sites.csv --points point.csv --coordinates sibson-c1 -o w.csv --report
+grep -q '^amplification (largest sum |w|): 1.1357' log && ok=yes || ok=no
+report $ok "the report has the amplification"
+row_is "Farin's interpolant" inside "0.321624200792444 -0.014479358870304923 -0.05337579920755596 0.11052064112969508 0.6357103161557217"
+works "weights of sites, single precision" "$weights" --cage sites.csv --points point.csv --coordinates sibson-c1 --scalar float -o w.csv
+{ echo x,y,z; for x in 0 1; do for y in 0 1; do for z in 0 1; do echo $x,$y,$z; done; done; done; echo 0.5,0.5,0.5; } >sites_3d.csv
 awk -F, 'NR > 1 { print "v", $1, $2, $3 }' sites_3d.csv >sites.obj
 echo 0.625,0.5,0.4375 >point_3d.csv
-for sites in sites_3d.csv sites.obj;
-do
-    works "weights of $sites"
-          "$weights" --cage $sites-- points point_3d.csv-- coordinates sibson -
-            c1 -
-            o w.csv row_is "Farin's interpolant, $sites" inside
-                           "-0.006034235353040686 -0.027254366194391165 -0.006034235353040686 "
-                           "-0.027254366194391165 0.06649563380560883 0.025215764646959314 "
-                           "0.06649563380560883 0.025215764646959314 0.8831544061897274" done
-#Convex polygons by a function of the distance : exact values of tests / data / oracle / family2d_kite.json; \
-    vertices named.
-                               printf '0,0\n2,-1\n3,0\n2,1\n' >
-        kite.csv printf '2,0.5\n5,0\n' >
-        kite_points
-                .csv works
-            "weights by Wachspress"
-            "$weights" --cage kite.csv-- points kite_points.csv-- coordinates wachspress-- outside keep -
-            o w.csv row_is "Wachspress coordinates" inside "0.125 0.0625 0.25 0.5625" works
-                           "discrete harmonic weights"
-                           "$weights" --cage kite.csv-- points kite_points.csv-- coordinates discrete -
-            harmonic -
-            o w.csv row_is "discrete harmonic coordinates" inside
-                           "0.08333333333333333 0.125 0.16666666666666666 0.625" sed -
-            n 3p w.csv >
-        log grep -
-            q '^outside,nan,nan,nan,nan$' log &&
-                ok = yes ||
-                     ok = no report $ok
-                          "no discrete harmonic weights outside the cage" printf '0,0\n2,-1\n1,0\n2,1\n' >
-                          arrow.csv refuses 'vertex not convex (2)' "$weights" --cage arrow
-                                  .csv-- points kite_points.csv-- coordinates discrete -
-                              harmonic - o out.csv printf '0,0\n4,0\n4,4\n0,4\n\n# point 0.5\n2,2\n' >
-                          cell.csv refuses 'interior cells not supported (1)' "$weights" --cage cell
-                                  .csv-- points kite_points.csv-- coordinates wachspress -
-                              o out.csv
-#Green coordinates : vertices,                                                                               \
-    then edges or faces(tests / data / oracle / green2d_unit_square.json, green3d_tetrahedron.json).
-                                  printf '0,0\n1,0\n1,1\n0,1\n' >
-                          green.csv printf '0.25,0.75\n2,0.25\n' >
-                          green_points
-                                  .csv works
-                              "weights by Green"
-                              "$weights" --cage green.csv-- points green_points.csv-- coordinates green -
-                              o w.csv row_is
-                              "Green coordinates" inside
-                              "0.210041913056813301 0.158265960489395451 0.210041913056813301 "
-                              "0.421650213396977937 0.0844784677307639 0.0844784677307639 0.2027863412769719 "
-                              "0.2027863412769719"["$(sed -n 3p w.csv | cut -d, -f1)" = outside]&&!grep -
-                              q nan
-                                  w.csv &&ok = yes || ok = no report $ok "Green coordinates go on "
-                                                                         "outsid"
-                                                                         "e" printf 'v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' >
-                                                           green.obj echo 0.25,
-              0.5,
-              0.25 >
-                  green_point
-                          .csv works
-                      "weights by Green in space"
-                      "$weights" --cage green.obj-- points green_point.csv-- coordinates green -
-                      o w.csv row_is
-                      "Green coordinates in space" inside
-                      "0.3913023332146537 0.15655371735261814 0.17218713831014207 0.27995681112258614 "
-                      "0.17984160580831229 0.11040741074782118 0.17556978173465604 "
-                      "0.16646440674593613" refuses 'interior cells not supported (1)' "$weights" --cage cell
-                          .csv-- points kite_points.csv-- coordinates green -
-                      o out.csv works "a Green field"
-                                      "$field" --cage
-                      "$data/biped_cage.svg" --vertex 2 --coordinates green-- size 64 -
-                      o field_green
-                          .png refuses '--values: green coordinates do not interpolate' "$field" --cage green
-                          .csv-- values 1,
-              2, 3,
-              4 --coordinates green -
-                  o out.png works "a cat by Green"
-                                  "$deform"
-                                  "$cat" --cage "$cage" --pose
-                  "$data/cat_pose_stretch.svg" --coordinates green -
-                  o cat_green.svg works "a cat by Green at rest"
-                                        "$deform"
-                                        "$cat" --cage "$cage" --pose
-                  "$cage" --coordinates green-- flatness 0.01 -
-                  o rest_green.svg works "a cat by mean value at rest"
-                                         "$deform"
-                                         "$cat" --cage "$cage" --pose "$cage" --flatness 0.01 -
-                  o rest_mean.svg cmp - s rest_green.svg rest_mean.svg &&!cmp -
-                  s rest_green.svg cat_green.svg &&ok =
-                  yes || ok =
-                      no report $ok "at rest every type leaves the cat as it is"
-#Turned by a right angle and twice as large; then an edge and a face without size.
-                      printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 8 8"><path d="M0.25 0.25L0.75 0.5L0.25 0.75Z"/></svg>' >
-                      green.svg printf '5,1\n5,3\n3,3\n3,1\n' >
-                      green_pose
-                              .csv works
-                          "a similarity by Green"
-                          "$deform" green.svg-- cage green.csv-- pose green_pose.csv-- coordinates green -
-                          o turned.svg grep - q 'M4.5 1.5 L4 2.5 L3.5 1.5 Z' turned.svg &&ok = yes || {
-        ok = no;
-        cat turned.svg >> log;
-    }
+for sites in sites_3d.csv sites.obj; do
+  works "weights of $sites" "$weights" --cage $sites --points point_3d.csv --coordinates sibson-c1 -o w.csv
+  row_is "Farin's interpolant, $sites" inside "-0.006034235353040686 -0.027254366194391165 -0.006034235353040686 -0.027254366194391165 0.06649563380560883 0.025215764646959314 0.06649563380560883 0.025215764646959314 0.8831544061897274"
+done
+# Convex polygons by a function of the distance: exact values of tests/data/oracle/family2d_kite.json; vertices named.
+printf '0,0\n2,-1\n3,0\n2,1\n' >kite.csv
+printf '2,0.5\n5,0\n' >kite_points.csv
+works "weights by Wachspress" "$weights" --cage kite.csv --points kite_points.csv --coordinates wachspress --outside keep -o w.csv
+row_is "Wachspress coordinates" inside "0.125 0.0625 0.25 0.5625"
+works "discrete harmonic weights" "$weights" --cage kite.csv --points kite_points.csv --coordinates discrete-harmonic -o w.csv
+row_is "discrete harmonic coordinates" inside "0.08333333333333333 0.125 0.16666666666666666 0.625"
+sed -n 3p w.csv >log
+grep -q '^outside,nan,nan,nan,nan$' log && ok=yes || ok=no
+report $ok "no discrete harmonic weights outside the cage"
+printf '0,0\n2,-1\n1,0\n2,1\n' >arrow.csv
+refuses 'vertex not convex (2)' "$weights" --cage arrow.csv --points kite_points.csv --coordinates discrete-harmonic -o out.csv
+printf '0,0\n4,0\n4,4\n0,4\n\n# point 0.5\n2,2\n' >cell.csv
+refuses 'interior cells not supported (1)' "$weights" --cage cell.csv --points kite_points.csv --coordinates wachspress -o out.csv
+# Green coordinates: vertices, then edges or faces (tests/data/oracle/green2d_unit_square.json, green3d_tetrahedron.json).
+printf '0,0\n1,0\n1,1\n0,1\n' >green.csv
+printf '0.25,0.75\n2,0.25\n' >green_points.csv
+works "weights by Green" "$weights" --cage green.csv --points green_points.csv --coordinates green -o w.csv
+row_is "Green coordinates" inside "0.210041913056813301 0.158265960489395451 0.210041913056813301 0.421650213396977937 0.0844784677307639 0.0844784677307639 0.2027863412769719 0.2027863412769719"
+[ "$(sed -n 3p w.csv | cut -d, -f1)" = outside ] && ! grep -q nan w.csv && ok=yes || ok=no
+report $ok "Green coordinates go on outside"
+printf 'v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' >green.obj
+echo 0.25,0.5,0.25 >green_point.csv
+works "weights by Green in space" "$weights" --cage green.obj --points green_point.csv --coordinates green -o w.csv
+row_is "Green coordinates in space" inside "0.3913023332146537 0.15655371735261814 0.17218713831014207 0.27995681112258614 0.17984160580831229 0.11040741074782118 0.17556978173465604 0.16646440674593613"
+refuses 'interior cells not supported (1)' "$weights" --cage cell.csv --points kite_points.csv --coordinates green -o out.csv
+works "a Green field" "$field" --cage "$data/biped_cage.svg" --vertex 2 --coordinates green --size 64 -o field_green.png
+refuses '--values: green coordinates do not interpolate' "$field" --cage green.csv --values 1,2,3,4 --coordinates green -o out.png
+works "a cat by Green" "$deform" "$cat" --cage "$cage" --pose "$data/cat_pose_stretch.svg" --coordinates green -o cat_green.svg
+works "a cat by Green at rest" "$deform" "$cat" --cage "$cage" --pose "$cage" --coordinates green --flatness 0.01 -o rest_green.svg
+works "a cat by mean value at rest" "$deform" "$cat" --cage "$cage" --pose "$cage" --flatness 0.01 -o rest_mean.svg
+cmp -s rest_green.svg rest_mean.svg && ! cmp -s rest_green.svg cat_green.svg && ok=yes || ok=no
+report $ok "at rest every type leaves the cat as it is"
+# Turned by a right angle and twice as large; then an edge and a face without size.
+printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 8 8"><path d="M0.25 0.25L0.75 0.5L0.25 0.75Z"/></svg>' >green.svg
+printf '5,1\n5,3\n3,3\n3,1\n' >green_pose.csv
+works "a similarity by Green" "$deform" green.svg --cage green.csv --pose green_pose.csv --coordinates green -o turned.svg
+grep -q 'M4.5 1.5 L4 2.5 L3.5 1.5 Z' turned.svg && ok=yes || { ok=no; cat turned.svg >>log; }
 report $ok "Green coordinates take a similarity along"
 printf '0,0\n1,0\n1,0\n0,1\n' >green_pose.csv
 works "an edge without length" "$deform" green.svg --cage green.csv --pose green_pose.csv --coordinates green -o turned.svg
@@ -1154,49 +936,35 @@ refuses 'takes a cage in the plane' "$weights" --cage sites.obj --points point_3
 refuses '"wachspress" is not one of barycentric, mean-value, harmonic' "$mesh" character.obj --cage character_cage.obj --pose character_cage.obj --coordinates wachspress -o out.obj
 sed 's/^0.5,0.5$/0.3,0.4/' sites.csv >uneven.csv
 works "weights of uneven sites" "$weights" --cage uneven.csv --points point.csv --coordinates sibson-c1 -o w.csv
-for rule in gentle mirrored;
-do
-    works "weights of sites, $rule"
-          "$weights" --cage uneven.csv-- points point.csv-- coordinates sibson -
-        c1-- gradients $rule - o w_$rule.csv cmp - s w.csv w_$rule.csv&& ok =
-        no ||
-        ok = yes report $ok "$rule is another rule" done refuses 'steep not in' "$weights" --cage
-                     sites.csv-- points point.csv-- coordinates sibson -
-                 c1-- gradients steep - o out.csv printf '# two\n0,0\n1,0\n' >
-             bad.csv refuses 'bad.csv: holds too few points, 2: the plane takes three' "$weights" --cage
-                     bad.csv-- points point.csv-- coordinates sibson -
-                 o out.csv printf 'x,y\n0,0\n1,0\n\n1,1\n1,0\n' >
-             bad.csv refuses 'line 3 and line 6' "$weights" --cage bad.csv-- points point.csv-- coordinates
-                     sibson -
-                 o out.csv printf '0,0\n# a hole\n1,nan\n1,1\n' >
-             bad.csv refuses 'line 3' "$weights" --cage bad.csv-- points point.csv-- coordinates sibson -
-                 o out.csv printf '0,0\n1,1\n2,2\n7,7\n' >
-             bad.csv refuses 'bad.csv: all sites lie in a plane, or in the plane on a line' "$weights" --cage
-                     bad.csv-- points point.csv-- coordinates sibson -
-                 o out.csv printf '0,0\n1,0\n0,1e39\n' >
-             bad.csv refuses 'bad.csv: line 3: 1e+39 is beyond single precision' "$weights" --cage
-                     bad.csv-- points point.csv-- coordinates sibson-- scalar float -
-                 o out.csv printf '0,0\n1,0\n0,1,2\n' >
-             bad.csv refuses 'bad.csv:3: 3 columns' "$weights" --cage bad.csv-- points point.csv-- coordinates
-                     sibson -
-                 o out.csv printf '# nothing\n' >
-             bad.csv refuses 'bad.csv: holds no points' "$weights" --cage bad.csv-- points
-                     point.csv-- coordinates sibson -
-                 o out.csv
-        : >
-          bad.csv refuses 'bad.csv' "$weights" --cage bad.csv-- points point.csv-- coordinates sibson -
-              o out.csv refuses 'is not one of barycentric, mean-value, harmonic' "$field" --cage
-              "$cage" --vertex 0 --coordinates sibson -
-              o out.png
-#circles of an SVG; what lies outside their hull stays, with a warning
-              circles() {
-        printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><rect width="9" height="9"/><g transform="translate(1 1)"><circle r="1"/><circle id="b" cx="6" r="1"/><circle cx="6" cy="%s" r="2"/><circle cy="6" r="1"/></g></svg>' "$1";
-    }
+for rule in gentle mirrored; do
+  works "weights of sites, $rule" "$weights" --cage uneven.csv --points point.csv --coordinates sibson-c1 --gradients $rule -o w_$rule.csv
+  cmp -s w.csv w_$rule.csv && ok=no || ok=yes
+  report $ok "$rule is another rule"
+done
+refuses 'steep not in' "$weights" --cage sites.csv --points point.csv --coordinates sibson-c1 --gradients steep -o out.csv
+printf '# two\n0,0\n1,0\n' >bad.csv
+refuses 'bad.csv: holds too few points, 2: the plane takes three' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf 'x,y\n0,0\n1,0\n\n1,1\n1,0\n' >bad.csv
+refuses 'line 3 and line 6' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '0,0\n# a hole\n1,nan\n1,1\n' >bad.csv
+refuses 'line 3' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '0,0\n1,1\n2,2\n7,7\n' >bad.csv
+refuses 'bad.csv: all sites lie in a plane, or in the plane on a line' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '0,0\n1,0\n0,1e39\n' >bad.csv
+refuses 'bad.csv: line 3: 1e+39 is beyond single precision' "$weights" --cage bad.csv --points point.csv --coordinates sibson --scalar float -o out.csv
+printf '0,0\n1,0\n0,1,2\n' >bad.csv
+refuses 'bad.csv:3: 3 columns' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+printf '# nothing\n' >bad.csv
+refuses 'bad.csv: holds no points' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+: >bad.csv
+refuses 'bad.csv' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+refuses 'is not one of barycentric, mean-value, harmonic' "$field" --cage "$cage" --vertex 0 --coordinates sibson -o out.png
+# circles of an SVG; what lies outside their hull stays, with a warning
+circles() { printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><rect width="9" height="9"/><g transform="translate(1 1)"><circle r="1"/><circle id="b" cx="6" r="1"/><circle cx="6" cy="%s" r="2"/><circle cy="6" r="1"/></g></svg>' "$1"; }
 circles 6 >circles.svg
 circles 8 >circles_pose.svg
 echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M7 7 L4 4 L1 1"/></svg>' >line.svg
-for type in sibson sibson-c1;
-do
+for type in sibson sibson-c1; do
   works "deform by circles, $type" "$deform" line.svg --cage circles.svg --pose circles_pose.svg --coordinates $type -o circled.svg --show-cage
   [ ! -s log ] && grep -q 'd="M7 9' circled.svg && grep -q '<circle cx="7" cy="9" r="0.1' circled.svg && ok=yes || ok=no
   report $ok "the end of the line follows its circle, $type"
@@ -1224,62 +992,33 @@ works "tiny circles" "$deform" line.svg --cage tiny.svg --pose circles_pose.svg 
 report $ok "a circle has its place, however small"
 printf '0,0\n1,0\n1,1\n0,1\n0.5,inf\n' >bad.csv
 refuses 'bad.csv: line 5: a number is not finite' "$deform" line.svg --cage sites.csv --pose bad.csv --coordinates sibson -o out.svg
-#vertices of an OBJ
+# vertices of an OBJ
 sed 's/0.5 0.5 0.5/0.5 0.5 0.75/' sites.obj >sites_pose.obj
 printf 'v 0.5 0.5 0.5\nv 2 2 2\nv 0 0 1\nf 1 2 3\n' >figure.obj
-for type in sibson sibson-c1;
-do
-    works "deform by vertices, $type"
-          "$mesh" figure.obj-- cage sites.obj-- pose sites_pose.obj-- coordinates $type -
-            o moved.obj-- picture moved.png printf 'v 0.5 0.5 0.75\nv 2 2 2\nv 0 0 1\nf 1 2 3\n' |
-        cmp - s - moved.obj&& grep -
-            q '1 of 3 vertices of figure.obj lie outside the convex hull of sites.obj, first v 2 (2, 2, 2); they stay in place' log&&
-                ok =
-        yes || ok =
-            no report $ok
-            "a vertex at a site goes with it, one outside stays, $type" done printf 'v 0 0 0\nv 1 0 0\n' >
-            bad.obj refuses 'bad.obj: the pose has 2 points, sites.obj 9' "$mesh" figure.obj-- cage sites
-                    .obj-- pose bad.obj-- coordinates sibson -
-                o out.obj refuses 'bad.obj: holds too few points, 2: space takes four' "$mesh" figure
-                    .obj-- cage bad.obj-- pose bad.obj-- coordinates sibson -
-                o out.obj sed '5s/.*/v 0 1 1/' sites.obj >
-            bad.obj refuses 'line 4 and line 5' "$mesh" figure.obj-- cage bad.obj-- pose bad
-                    .obj-- coordinates sibson -
-                o out.obj refuses 'sites.obj: holds no faces' "$mesh" figure.obj-- cage sites.obj-- pose sites
-                    .obj -
-                o out.obj
-                    echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M9 9 L7 7"/></svg>' >
-            half_out.svg works "surrounded in the plane"
-                               "$deform" half_out.svg-- cage circles.svg-- pose circles_pose
-                                   .svg-- coordinates sibson-- surround 0.25 -
-                o circled.svg !grep - q 'outside' log&& !grep - q 'd="M9 9' circled.svg&& grep -
-                q '7 9"' circled.svg&& ok =
-                yes || ok =
-                    no report $ok
-                    "with points around all nothing is outside, and a site still has its figure point" works
-                    "surrounded in space"
-                    "$mesh" figure.obj-- cage sites.obj-- pose sites_pose
-                        .obj-- coordinates sibson-- surround 0.1 -
-                    o moved.obj-- picture moved.png-- report !grep - q 'outside the convex hull' log&& grep -
-                    q '^control points: 17$' log&& !grep - q 'triangles' log&& ok =
-                        yes || ok =
-                            no report $ok
-                                "the report has points, not "
-                                "triangles" printf 'v 0.3 0.3 0.3\nv 0.4 0.3 0.3\nv 0.3 0.4 0.3\nf 1 2 3\n' >
-                                still.obj seq 9 |
-                            sed 's/.*/2/' > even_weights
-                                                    .txt works
-                                                "even weights"
-                                                "$mesh" still.obj-- cage sites.obj-- pose sites_pose
-                                                    .obj-- coordinates sibson-- weights even_weights.txt -
-                                                o even.obj "$mesh" still.obj-- cage sites
-                                                    .obj-- pose sites_pose.obj-- coordinates sibson -
-                                                o moved.obj&& cmp - s even.obj moved.obj&& ok =
-                                yes || ok = no report $ok "even weights change nothing" {
-        echo '# the last';
-        seq 8 | sed 's/.*/1/';
-        echo 3;
-    } >weights.txt
+for type in sibson sibson-c1; do
+  works "deform by vertices, $type" "$mesh" figure.obj --cage sites.obj --pose sites_pose.obj --coordinates $type -o moved.obj --picture moved.png
+  printf 'v 0.5 0.5 0.75\nv 2 2 2\nv 0 0 1\nf 1 2 3\n' | cmp -s - moved.obj && grep -q '1 of 3 vertices of figure.obj lie outside the convex hull of sites.obj, first v 2 (2, 2, 2); they stay in place' log && ok=yes || ok=no
+  report $ok "a vertex at a site goes with it, one outside stays, $type"
+done
+printf 'v 0 0 0\nv 1 0 0\n' >bad.obj
+refuses 'bad.obj: the pose has 2 points, sites.obj 9' "$mesh" figure.obj --cage sites.obj --pose bad.obj --coordinates sibson -o out.obj
+refuses 'bad.obj: holds too few points, 2: space takes four' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
+sed '5s/.*/v 0 1 1/' sites.obj >bad.obj
+refuses 'line 4 and line 5' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
+refuses 'sites.obj: holds no faces' "$mesh" figure.obj --cage sites.obj --pose sites.obj -o out.obj
+echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M9 9 L7 7"/></svg>' >half_out.svg
+works "surrounded in the plane" "$deform" half_out.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson --surround 0.25 -o circled.svg
+! grep -q 'outside' log && ! grep -q 'd="M9 9' circled.svg && grep -q '7 9"' circled.svg && ok=yes || ok=no
+report $ok "with points around all nothing is outside, and a site still has its figure point"
+works "surrounded in space" "$mesh" figure.obj --cage sites.obj --pose sites_pose.obj --coordinates sibson --surround 0.1 -o moved.obj --picture moved.png --report
+! grep -q 'outside the convex hull' log && grep -q '^control points: 17$' log && ! grep -q 'triangles' log && ok=yes || ok=no
+report $ok "the report has points, not triangles"
+printf 'v 0.3 0.3 0.3\nv 0.4 0.3 0.3\nv 0.3 0.4 0.3\nf 1 2 3\n' >still.obj
+seq 9 | sed 's/.*/2/' >even_weights.txt
+works "even weights" "$mesh" still.obj --cage sites.obj --pose sites_pose.obj --coordinates sibson --weights even_weights.txt -o even.obj
+"$mesh" still.obj --cage sites.obj --pose sites_pose.obj --coordinates sibson -o moved.obj && cmp -s even.obj moved.obj && ok=yes || ok=no
+report $ok "even weights change nothing"
+{ echo '# the last'; seq 8 | sed 's/.*/1/'; echo 3; } >weights.txt
 works "weights in space" "$mesh" still.obj --cage sites.obj --pose sites.obj --coordinates sibson --weights weights.txt --surround 0.1 -o heavy.obj
 cmp -s still.obj heavy.obj && ok=no || ok=yes
 report $ok "a heavy point draws the figure to it"
@@ -1287,8 +1026,7 @@ printf '1\n1\n3\n1\n' >weights.txt
 works "weights in the plane" "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson --weights weights.txt -o heavy.svg
 cmp -s line.svg heavy.svg && ok=no || ok=yes
 report $ok "a heavy circle draws the figure to it"
-for weight in 0 -1 nan inf word;
-do
+for weight in 0 -1 nan inf word; do
   printf '1\n1\n%s\n1\n' $weight >bad.txt
   refuses 'bad.txt:3: ' "$deform" line.svg --cage circles.svg --pose circles.svg --coordinates sibson --weights bad.txt -o out.svg
 done
@@ -1303,7 +1041,7 @@ refuses 'points without a cage' "$deform" line.svg --cage "$cage" --pose "$cage"
 refuses '--surround' "$mesh" still.obj --cage sites.obj --pose sites.obj --coordinates sibson --surround -1 -o out.obj
 sed 's/cx="6" cy="6" r="2"/cx="6" cy="6" r="0"/' circles.svg >bad.svg
 refuses 'bad.svg: circle (line 1): has no radius above 0' "$deform" line.svg --cage bad.svg --pose bad.svg --coordinates sibson -o out.svg
-#-- -- a hand -- --
+# ---- a hand ----
 works "a hand" "$programs/make_hand" folder/hand
 grep -q 'hand_poses.csv: 7 poses$' log && ok=yes || ok=no
 report $ok "the hand has seven poses"
@@ -1336,87 +1074,58 @@ refuses '--kappa' "$programs/pose_hand" --pose fist --kappa -1 --picture out.png
 refuses 'missing/out.png' "$programs/pose_hand" --pose fist --picture missing/out.png
 echo '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,bent,0,0,0,0' >word_pose.csv
 refuses 'word_pose.csv:1: ' "$programs/pose_hand" --pose word_pose.csv --picture out.png
-for program in make_hand hand_sheet;
-do
+for program in make_hand hand_sheet; do
   refuses 'folder is required' "$programs/$program"
   refuses 'spare' "$programs/$program" folder/hand spare
 done
 
-#-- -- what all programs have -- --
+# ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation;
-do
-    works "version of $program"
-          "$programs/$program" --version["$(cat log)" = "$program (cageform) $version"]&& ok =
-              yes || ok = no report $ok "$program tells its version" works "help of $program"
-                                        "$programs/$program" --help grep -
-                          q 'support/\|\.hpp' log&& ok =
-                              no || ok = yes report $ok "the help of $program names no source file" if grep -
-                                         q-- '--coordinates' log;
-then grep - q-- '--coordinates .*=mean-value' log&& grep -
-    q-- '--resolution .*=128 in the plane, 64 in space' log&& grep - q-- '--tolerance .*=1e-06' log&& grep -
-    q-- '--solver .*=multigrid' log&& ok =
-    yes || ok = no report $ok "the defaults of $program are those of all" fi if grep - q-- '--cage' log;
-then grep -
-    q 'A cage in the plane is the first closed polygon\|A cage is a closed mesh' log &&
-        ok =
-    yes ||
-    ok = no report $ok "the help of $program says how a cage looks" fi
-             done refuses '"out.png" does not end with .svg' "$deform"
-                                                             "$cat" --cage "$cage" --pose "$pose" -
-         o out.png refuses '"out" does not end with .svg' "$animate"
-                                                          "$cat" --cage "$cage" --clip "$data/cat_walk.csv" -
-         o out refuses '"out.svg" does not end with .png' "$field" --cage "$cage" --vertex 8 -
-         o out.svg refuses '"out.ply" does not end with .obj' "$mesh" figure.obj-- cage box.obj-- pose
-             box.obj -
-         o out.ply refuses '"out.jpg" does not end with .png' "$mesh" figure.obj-- cage box.obj-- pose
-             box.obj -
-         o out.obj-- picture out.jpg refuses '"out.txt" does not end with .csv' "$weights" --cage
-             square.csv-- points middle.csv -
-         o out.txt refuses '"out.bin" does not end with .figure' "$bind" character.obj-- cage
-             character_cage.obj -
-         o out.bin refuses '"out.png" does not end with .svg' "$curve" --css 0,
-      0, 1,
-      1 --pieces 2 --plot out.png works "an ending in capitals"
-                                        "$deform"
-                                        "$cat" --cage "$cage" --pose "$pose" -
-              o CAT.SVG
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation; do
+  works "version of $program" "$programs/$program" --version
+  [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
+  report $ok "$program tells its version"
+  works "help of $program" "$programs/$program" --help
+  grep -q 'support/\|\.hpp' log && ok=no || ok=yes
+  report $ok "the help of $program names no source file"
+  if grep -q -- '--coordinates' log; then
+    grep -q -- '--coordinates .*=mean-value' log && grep -q -- '--resolution .*=128 in the plane, 64 in space' log &&
+      grep -q -- '--tolerance .*=1e-06' log && grep -q -- '--solver .*=multigrid' log && ok=yes || ok=no
+    report $ok "the defaults of $program are those of all"
+  fi
+  if grep -q -- '--cage' log; then
+    grep -q 'A cage in the plane is the first closed polygon\|A cage is a closed mesh' log && ok=yes || ok=no
+    report $ok "the help of $program says how a cage looks"
+  fi
+done
+refuses '"out.png" does not end with .svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o out.png
+refuses '"out" does not end with .svg' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" -o out
+refuses '"out.svg" does not end with .png' "$field" --cage "$cage" --vertex 8 -o out.svg
+refuses '"out.ply" does not end with .obj' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.ply
+refuses '"out.jpg" does not end with .png' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.obj --picture out.jpg
+refuses '"out.txt" does not end with .csv' "$weights" --cage square.csv --points middle.csv -o out.txt
+refuses '"out.bin" does not end with .figure' "$bind" character.obj --cage character_cage.obj -o out.bin
+refuses '"out.png" does not end with .svg' "$curve" --css 0,0,1,1 --pieces 2 --plot out.png
+works "an ending in capitals" "$deform" "$cat" --cage "$cage" --pose "$pose" -o CAT.SVG
 
-#-- -- animate_svg -- --
-                  works "a cat that walks and keeps angles"
-                        "$animate"
-                        "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 6 --coordinates green -
-              o walk.svg works "a cat that walks"
-                               "$animate"
-                               "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 12 -
-              o walk.svg-- stills still_-- still - count 2 ["$(grep -c '<animate ' walk.svg)" - ge 1] &&
-          [-s still_01.svg] && [-s still_02.svg]&&ok =
-          yes || ok =
-              no report $ok "the walk and two stills are there"
-#the gradient of the fur : the product of its four animations begins as its gradientTransform
-                  grep -
-                  o '<linearGradient id="fur-2".*' walk
-                      .svg |
-              head - 1 |
-              tr '<' '\n' | grep - oE 'gradientTransform="[^"]*"|type="[a-zA-Z]*"|values="[^;]*' |
-              tr - d '"' >
-                  gradient
-                          awk -
-                      F '[=() ]' '/^gradientTransform=m/ { for (k = 1; k < 7; k++) m[k] = $(k + 2) } /^type/ { type = $2 } /^values/ { u[type] = $2; v[type] = $3; n++ } function
-                      off(x, y){return (x - y) ^ 2 > 1e-6} END {
-    r = u["rotate"] * atan2(0, -1) / 180;
-    t = u["skewX"] * atan2(0, -1) / 180;
-    t = sin(t) / cos(t) exit n != 4 || off(m[1], u["scale"] * cos(r)) || off(m[2], u["scale"] * sin(r)) ||
-        off(m[3], v["scale"] * (t * cos(r) - sin(r))) || off(m[4], v["scale"] * (t * sin(r) + cos(r))) ||
-        off(m[5], u["translate"]) || off(m[6], v["translate"])
-}' gradient && ok=yes || ok=no
+# ---- animate_svg ----
+works "a cat that walks and keeps angles" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 6 --coordinates green -o walk.svg
+works "a cat that walks" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 12 -o walk.svg --stills still_ --still-count 2
+[ "$(grep -c '<animate ' walk.svg)" -ge 1 ] && [ -s still_01.svg ] && [ -s still_02.svg ] && ok=yes || ok=no
+report $ok "the walk and two stills are there"
+# the gradient of the fur: the product of its four animations begins as its gradientTransform
+grep -o '<linearGradient id="fur-2".*' walk.svg | head -1 | tr '<' '\n' | grep -oE 'gradientTransform="[^"]*"|type="[a-zA-Z]*"|values="[^;]*' | tr -d '"' >gradient
+awk -F'[=() ]' '/^gradientTransform=m/ { for (k = 1; k < 7; k++) m[k] = $(k + 2) } /^type/ { type = $2 } /^values/ { u[type] = $2; v[type] = $3; n++ }
+  function off(x, y) { return (x - y) ^ 2 > 1e-6 }
+  END { r = u["rotate"] * atan2(0, -1) / 180; t = u["skewX"] * atan2(0, -1) / 180; t = sin(t) / cos(t)
+        exit n != 4 || off(m[1], u["scale"] * cos(r)) || off(m[2], u["scale"] * sin(r)) || off(m[3], v["scale"] * (t * cos(r) - sin(r))) ||
+             off(m[4], v["scale"] * (t * sin(r) + cos(r))) || off(m[5], u["translate"]) || off(m[6], v["translate"]) }' gradient && ok=yes || ok=no
 report $ok "gradients are animated"
 grep -q 'gradientTransform="matrix' still_02.svg && ok=yes || ok=no
 report $ok "gradients follow in stills"
 sed 's|</svg>|<path d="M -900 0 L -800 0 L -800 50 Z"/></svg>|' "$cat" >stray.svg
-for type in mean-value harmonic;
-do
+for type in mean-value harmonic; do
   works "a stray shape, $type" "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 --coordinates $type -o walk.svg
   grep -q 'warning: .* points of stray.svg lie outside the cage .*, first (-900, 0), .* they follow' log && ok=yes || ok=no
   report $ok "points outside are named, $type"
@@ -1425,169 +1134,118 @@ refuses 'stray.svg lie outside the cage' "$animate" stray.svg --cage "$cage" --c
 refuses 'not defined outside' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --coordinates harmonic --outside extend -o out.svg
 refuses 'the same file as ' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 -o out.01.svg --stills out. --still-count 1
 
-#Films, by a stand - in for ffmpeg that writes down what it is given : its last word is the file.
+# Films, by a stand-in for ffmpeg that writes down what it is given: its last word is the file.
 mkdir -p stand_in none
 cat >stand_in/ffmpeg <<'END'
-#!/ bin / sh
-for word in "$@";
-do out = ${word #file : }; done
+#!/bin/sh
+for word in "$@"; do out=${word#file:}; done
 printf '%s\n' "$*" >words
 cat >"$out"
 END
 chmod +x stand_in/ffmpeg
-for kind in gif apng mp4;
-do
-    works "a $kind" env PATH =
-        "$work/stand_in:$PATH"
-        "$animate"
-        "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 --width 64 -
-            o walk.svg-- $kind "a \$(touch stray) film.$kind"["$(tr -d '\0' <" a \$(touch stray) film.$kind
-                                                              " | grep -ac 'IHDR')" = 5] &&
-        [!-e stray]&& grep - q-- "-framerate 2.08333 .* -f $kind file:" words&& ok =
-            yes || ok =
-                no report $ok "its five frames are pictures, and its name is no command" done 2 >
-                / dev / null ln - s "$(command -v rsvg-convert)" none / rsvg -
-                    convert refuses 'ffmpeg (ffmpeg) is not installed' env PATH =
-                    "$work/none"
-                    "$animate"
-                    "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -
-                    o out.svg-- gif out.gif rm none / rsvg - convert ln -
-                    s "$work/stand_in/ffmpeg" none /
-                        ffmpeg refuses 'rsvg-convert (librsvg2-bin) is not installed' env PATH =
-                        "$work/none"
-                        "$animate"
-                        "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -
-                            o out.svg-- gif out.gif printf '#!/bin/sh\nexit 1\n' >
-                        stand_in / ffmpeg refuses 'cannot write out.mp4: ' env PATH =
-                            "$work/stand_in:$PATH"
-                            "$animate"
-                            "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -
-                            o out.svg-- mp4 out.mp4 refuses '"out.avi" does not end with .mp4' "$animate"
-                                                                                               "$cat" --cage
-                            "$cage" --clip "$data/cat_walk.csv" -
-                            o out.svg-- mp4 out.avi clip() {
-#LENGTH TIMES… a control whose keys have these times echo "length,$1";
-        shift echo 'control,a'; echo 'vertices,0'
-  for time in "$@";
-        do echo "$time,0,0,0,linear";
-        done
-    }
-clip 1e9 0 1 > many.csv refuses 'many.csv: "a": repeated through the clip it has 1e+09 keys' "$animate"
-                                                                                             "$cat" --cage
-                   "$cage" --clip many.csv -
-                   o out.svg clip 1e300 0 1e-300 >
-        many.csv refuses 'many.csv: "a": its time is no part of the clip' "$animate"
-                                                                          "$cat" --cage
-            "$cage" --clip many.csv -
-            o out.svg clip 1 1e9 1000000001 >
-        many.csv refuses 'many.csv: "a": its first key, at 1e+09, is a million of its periods' "$animate"
-                                                                                               "$cat" --cage
-            "$cage" --clip many.csv -
-            o out.svg clip 1e9 0 1e9 >
-        many.csv refuses 'many.csv: its length takes 6e+10 frames' "$animate"
-                                                                   "$cat" --cage "$cage" --clip many.csv -
-            o out.svg clip 1 0 1 |
-    sed '1aground,1,1e-300' >
-        many.csv
-                refuses 'many.csv: in the clip' "'" 's length the ground passes by 1e-300 units' "$animate"
-                                                                                                 "$cat" --cage
-            "$cage" --clip many.csv -
-            o out.svg clip 1 0 0.25 0.5 1 |
-    sed 's/^0.25,0/0.25,1e308/; s/linear/automatic/' >
-        many.csv refuses 'many.csv: "a": the key at 0: a given value' "$animate"
-                                                                      "$cat" --cage "$cage" --clip many.csv -
-            o out
-                .svg
+for kind in gif apng mp4; do
+  works "a $kind" env PATH="$work/stand_in:$PATH" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 --width 64 -o walk.svg --$kind "a \$(touch stray) film.$kind"
+  [ "$(tr -d '\0' <"a \$(touch stray) film.$kind" | grep -ac 'IHDR')" = 5 ] && [ ! -e stray ] && grep -q -- "-framerate 2.08333 .* -f $kind file:" words && ok=yes || ok=no
+  report $ok "its five frames are pictures, and its name is no command"
+done 2>/dev/null
+ln -s "$(command -v rsvg-convert)" none/rsvg-convert
+refuses 'ffmpeg (ffmpeg) is not installed' env PATH="$work/none" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --gif out.gif
+rm none/rsvg-convert
+ln -s "$work/stand_in/ffmpeg" none/ffmpeg
+refuses 'rsvg-convert (librsvg2-bin) is not installed' env PATH="$work/none" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --gif out.gif
+printf '#!/bin/sh\nexit 1\n' >stand_in/ffmpeg
+refuses 'cannot write out.mp4: ' env PATH="$work/stand_in:$PATH" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --mp4 out.mp4
+refuses '"out.avi" does not end with .mp4' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" -o out.svg --mp4 out.avi
+clip() { # LENGTH TIMES…   a control whose keys have these times
+  echo "length,$1"; shift
+  echo 'control,a'; echo 'vertices,0'
+  for time in "$@"; do echo "$time,0,0,0,linear"; done
+}
+clip 1e9 0 1 >many.csv
+refuses 'many.csv: "a": repeated through the clip it has 1e+09 keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1e300 0 1e-300 >many.csv
+refuses 'many.csv: "a": its time is no part of the clip' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1 1e9 1000000001 >many.csv
+refuses 'many.csv: "a": its first key, at 1e+09, is a million of its periods' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1e9 0 1e9 >many.csv
+refuses 'many.csv: its length takes 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1 0 1 | sed '1aground,1,1e-300' >many.csv
+refuses 'many.csv: in the clip'"'"'s length the ground passes by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+clip 1 0 0.25 0.5 1 | sed 's/^0.25,0/0.25,1e308/; s/linear/automatic/' >many.csv
+refuses 'many.csv: "a": the key at 0: a given value' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 
-#-- -- outputs : all or none, none twice, nothing left behind -- --
-                    cp figure.obj kept.obj ln -
-            s../ kept.obj folder /
-                link.png
-                    refuses 'cannot write folder/link.png: it is the same file as ./kept.obj' "$mesh" figure
-                        .obj-- cage box.obj-- pose box_pose.obj -
-            o./ kept.obj-- picture folder / link.png cmp - s figure.obj kept.obj&& ok =
-    yes || ok =
-        no report $ok "neither of two outputs of one name is written" echo precious >
-        kept.svg mkdir -
-            p kept.png no_programs refuses 'cannot write kept.png: it is not a regular file' "$deform"
-                                                                                             "$cat" --cage
-            "$cage" --pose "$pose" -
-            o kept.svg-- png rmdir kept
-                .png refuses 'cannot write kept.png: rsvg-convert (librsvg2-bin) is not installed' env PATH =
-            no_programs "$deform"
-                        "$cat" --cage "$cage" --pose "$pose" -
-                o kept.svg-- png grep - q precious kept.svg &&
-            [!-e kept.png]&& ok =
-                yes || ok =
-                    no report $ok "the old SVG stays where the picture fails" works "a picture"
-                                  "$deform"
-                                  "$cat" --cage "$cage" --pose "$pose" -
-                    o kept.svg-- png-- png - width 120 ["$(head -c 4 kept.png | tail -c 3)" = PNG]&& !grep -
-                    q precious kept.svg&& ok =
-                        yes || ok = no report $ok "SVG and picture are there" if[-e / dev / full]; then
+# ---- outputs: all or none, none twice, nothing left behind ----
+cp figure.obj kept.obj
+ln -s ../kept.obj folder/link.png
+refuses 'cannot write folder/link.png: it is the same file as ./kept.obj' \
+  "$mesh" figure.obj --cage box.obj --pose box_pose.obj -o ./kept.obj --picture folder/link.png
+cmp -s figure.obj kept.obj && ok=yes || ok=no
+report $ok "neither of two outputs of one name is written"
+echo precious >kept.svg
+mkdir -p kept.png no_programs
+refuses 'cannot write kept.png: it is not a regular file' "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --png
+rmdir kept.png
+refuses 'cannot write kept.png: rsvg-convert (librsvg2-bin) is not installed' \
+  env PATH=no_programs "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --png
+grep -q precious kept.svg && [ ! -e kept.png ] && ok=yes || ok=no
+report $ok "the old SVG stays where the picture fails"
+works "a picture" "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --png --png-width 120
+[ "$(head -c 4 kept.png | tail -c 3)" = PNG ] && ! grep -q precious kept.svg && ok=yes || ok=no
+report $ok "SVG and picture are there"
+if [ -e /dev/full ]; then
   "$deform" "$cat" --cage "$cage" --pose "$pose" -o kept.svg --report >/dev/full 2>log && ok=no || ok=yes
   grep -q 'cannot write to standard output' log || ok=no
   report $ok "a report that cannot be written is a failure"
 fi
 refuses 'File too large' sh -c "ulimit -f 1; '$mesh' character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj"
 mkfifo pipe.csv
-for signal in INT TERM HUP PIPE;
-do
-#while it waits for more points
-#In a shell that puts programs behind it, INT is ignored : env sets it as it is otherwise.
-            env-- default -
-        signal = $signal "$weights" --cage square.csv-- points pipe.csv - o out.csv> log 2>& 1 & program =
-                     $ !exec 9> pipe.csv echo 1,
-        1>& 9 tries = 0 until ls out.csv.tmp*> / dev / null 2> & 1 || [$tries - eq 100];
-do sleep 0.1;
-tries = $((tries + 1));
-done[$tries - lt 100]&& ok = yes || ok = no kill - $signal $program wait $program&& ok =
-                                             no exec 9 > &-[-z "$(find . -name '*.tmp*')"] && [!-e out.csv] ||
-                                             ok = no report $ok "nothing is left behind after SIG$signal" done
+for signal in INT TERM HUP PIPE; do # while it waits for more points
+  # In a shell that puts programs behind it, INT is ignored: env sets it as it is otherwise.
+  env --default-signal=$signal "$weights" --cage square.csv --points pipe.csv -o out.csv >log 2>&1 &
+  program=$!
+  exec 9>pipe.csv
+  echo 1,1 >&9
+  tries=0
+  until ls out.csv.tmp* >/dev/null 2>&1 || [ $tries -eq 100 ]; do sleep 0.1; tries=$((tries + 1)); done
+  [ $tries -lt 100 ] && ok=yes || ok=no
+  kill -$signal $program
+  wait $program && ok=no
+  exec 9>&-
+  [ -z "$(find . -name '*.tmp*')" ] && [ ! -e out.csv ] || ok=no
+  report $ok "nothing is left behind after SIG$signal"
+done
 
-#-- -- a read that fails midway is no end of the file -- --
-                                             broken() {
-#FILE BYTES COMMAND… the file, in this folder, cannot be read beyond so many bytes file = $1;
-    bytes = $2;
-    shift 2 refuses "$file: cannot be read: Input/output error" env LD_PRELOAD =
-        "$failing_read" FAILING_FILE = "/$file" FAILING_AFTER = "$bytes"
-                                                                "$@"
+# ---- a read that fails midway is no end of the file ----
+broken() { # FILE BYTES COMMAND…   the file, in this folder, cannot be read beyond so many bytes
+  file=$1; bytes=$2; shift 2
+  refuses "$file: cannot be read: Input/output error" env LD_PRELOAD="$failing_read" FAILING_FILE="/$file" FAILING_AFTER="$bytes" "$@"
 }
 cp "$cat" "$cage" "$pose" "$data/cat_walk.csv" "$cases" folder/character/character_clip.csv .
 awk 'BEGIN { for (i = 0; i < 20000; ++i) print 0.1 + i / 10000 "," 1.5 }' >many.csv
 broken many.csv 100000 "$weights" --cage square.csv --points many.csv -o out.csv
 broken middle.csv 4 "$weights" --cage square.csv --points middle.csv -o out.csv
 broken split.csv 24 "$weights" --cage split.csv --points middle.csv -o out.csv
-for bytes in 0 200;
-do
-broken cat.svg $bytes "$deform" cat.svg-- cage cat_cage.svg-- pose cat_pose_step.svg -
-            o out.svg broken cat_cage.svg $bytes
-            "$deform" cat.svg-- cage cat_cage.svg-- pose cat_pose_step.svg -
-            o out.svg broken cat_pose_step.svg $bytes
-            "$deform" cat.svg-- cage cat_cage.svg-- pose cat_pose_step.svg -
-            o out.svg broken cat_walk.csv $bytes "$animate" cat.svg-- cage cat_cage.svg-- clip cat_walk.csv -
-            o out.svg broken character_clip.csv $bytes
-            "$bind" character.obj-- cage character_cage.obj-- clip character_clip.csv -
-            o out.figure broken character.txt $bytes
-            "$bind" character.obj-- cage character_cage.obj-- labels character.txt -
-            o out.figure broken character.obj $bytes
-            "$mesh" character.obj-- cage character_cage.obj-- pose character_pose.obj -
-            o out.obj broken character_cage.obj $bytes
-            "$mesh" character.obj-- cage character_cage.obj-- pose character_pose.obj -
-            o out.obj broken bezier - cases.json $bytes "$curve" --cases bezier -
-            cases.json-- json out.json broken field.png $bytes "$programs/contact_sheet" -
-            o out.svg caption field.png done mkdir -
-            p folder.svg folder.png refuses 'folder.csv: is a folder' "$animate" cat.svg-- cage cat_cage
-                .svg-- clip folder.csv -
-            o out.svg refuses 'folder.csv: is a folder' "$bind" character.obj-- cage character_cage
-                .obj-- clip folder.csv -
-            o out.figure refuses 'folder.svg: is a folder' "$deform" folder.svg-- cage cat_cage
-                .svg-- pose cat_pose_step.svg -
-            o out.svg refuses 'folder.png: is a folder' "$programs/contact_sheet" -
-            o out.svg caption folder.png printf '2,2\n' >
-        locked.csv chmod 0 locked.csv[-r locked.csv] ||
-    #a superuser reads it refuses 'locked.csv: cannot be opened: Permission denied' "$weights" --cage square
-            .csv-- points locked.csv -
-        o out.csv
+for bytes in 0 200; do
+  broken cat.svg $bytes "$deform" cat.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+  broken cat_cage.svg $bytes "$deform" cat.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+  broken cat_pose_step.svg $bytes "$deform" cat.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+  broken cat_walk.csv $bytes "$animate" cat.svg --cage cat_cage.svg --clip cat_walk.csv -o out.svg
+  broken character_clip.csv $bytes "$bind" character.obj --cage character_cage.obj --clip character_clip.csv -o out.figure
+  broken character.txt $bytes "$bind" character.obj --cage character_cage.obj --labels character.txt -o out.figure
+  broken character.obj $bytes "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj
+  broken character_cage.obj $bytes "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj
+  broken bezier-cases.json $bytes "$curve" --cases bezier-cases.json --json out.json
+  broken field.png $bytes "$programs/contact_sheet" -o out.svg caption field.png
+done
+mkdir -p folder.svg folder.png
+refuses 'folder.csv: is a folder' "$animate" cat.svg --cage cat_cage.svg --clip folder.csv -o out.svg
+refuses 'folder.csv: is a folder' "$bind" character.obj --cage character_cage.obj --clip folder.csv -o out.figure
+refuses 'folder.svg: is a folder' "$deform" folder.svg --cage cat_cage.svg --pose cat_pose_step.svg -o out.svg
+refuses 'folder.png: is a folder' "$programs/contact_sheet" -o out.svg caption folder.png
+printf '2,2\n' >locked.csv
+chmod 0 locked.csv
+[ -r locked.csv ] || # a superuser reads it
+  refuses 'locked.csv: cannot be opened: Permission denied' "$weights" --cage square.csv --points locked.csv -o out.csv
 
-            echo "$passed passed, $failed failed"["$failed" - eq 0]
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
