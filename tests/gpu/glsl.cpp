@@ -2,13 +2,17 @@
 #include "catch.hpp"
 #include "support/bindings.hpp"
 #include "support/gl_context.hpp"
+#include "support/meshes.hpp"
 
+#include <cageform/binding/bind_figure.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/tangents.hpp>
 #include <cageform/cage/primitives.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
 #include <cageform/clone/normals.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/coordinates/green_3d.hpp>
 
 #include <cstring>
 
@@ -217,6 +221,38 @@ TEST_CASE("the compute shader writes into vertices of others' making, from the s
     CHECK(touched == 0);
 }
 
+namespace {
+
+struct PointsAndNormals {
+    Points<3> points, normals;
+};
+
+/// By one dispatch, from three blobs in one buffer.
+PointsAndNormals clone_with_normals(const PackedBinding<float, 3>& of_points,
+                                    std::array<const PackedBinding<float, 3>*, 2> of_tangents,
+                                    const Points<3>& pose) {
+    std::vector<std::byte> blobs;
+    std::string defines = "#define CAGEFORM_OUT_STRIDE 6\n#define CAGEFORM_NORMAL_OFFSET 3\n";
+    for (const auto& [name, packed] :
+         {std::pair("BASE", &of_points), {"TANGENTS", of_tangents[0]}, {"BITANGENTS", of_tangents[1]}}) {
+        defines += std::string("#define CAGEFORM_") + name + " " + std::to_string(blobs.size() / 4) + "u\n";
+        blobs.insert(blobs.end(), packed->bytes().begin(), packed->bytes().end());
+    }
+    auto displacements = displacements_of(of_points.view(), pose);
+    const std::size_t count = of_points.view().point_count();
+    Points<3> interleaved(2 * count);
+    gl().run_compute("#version 430\n" + buffers + defines + compute_text, GLuint((count + 63) / 64),
+                     {{0, blobs}, {1, bytes_of(displacements)}, {2, bytes_of(interleaved)}});
+    PointsAndNormals found;
+    for (std::size_t i = 0; i < count; ++i) {
+        found.points.push_back(interleaved[2 * i]);
+        found.normals.push_back(interleaved[2 * i + 1]);
+    }
+    return found;
+}
+
+} // namespace
+
 TEST_CASE("the compute shader makes normals of three blobs in one buffer", "[gpu]") {
     const std::uint64_t seed = std::uint64_t(GENERATE(seeds(4)));
     CAPTURE(seed);
@@ -232,22 +268,40 @@ TEST_CASE("the compute shader makes normals of three blobs in one buffer", "[gpu
     const auto of_points = cageform::pack(bound<3>(points, handles, seed), options).binding;
     const auto of_tangents = cageform::pack(bound<3>(frames[0], handles, seed + 3), options).binding;
     const auto of_bitangents = cageform::pack(bound<3>(frames[1], handles, seed + 4), options).binding;
-    std::vector<std::byte> blobs;
-    std::string defines = "#define CAGEFORM_OUT_STRIDE 6\n#define CAGEFORM_NORMAL_OFFSET 3\n";
-    for (const auto& [name, packed] :
-         {std::pair("BASE", &of_points), {"TANGENTS", &of_tangents}, {"BITANGENTS", &of_bitangents}}) {
-        defines += std::string("#define CAGEFORM_") + name + " " + std::to_string(blobs.size() / 4) + "u\n";
-        blobs.insert(blobs.end(), packed->bytes().begin(), packed->bytes().end());
-    }
-    auto displacements = displacements_of(of_points.view(), pose);
-    Points<3> expected(points.size()), found(points.size()), interleaved(2 * points.size());
+    Points<3> expected(points.size());
     REQUIRE(clone_normals(std::array{of_tangents.view(), of_bitangents.view()}, pose, expected) ==
             Status::ok);
-    gl().run_compute("#version 430\n" + buffers + defines + compute_text, 2,
-                     {{0, blobs}, {1, bytes_of(displacements)}, {2, bytes_of(interleaved)}});
-    for (std::size_t i = 0; i < found.size(); ++i) found[i] = interleaved[2 * i + 1];
+    const auto found = clone_with_normals(of_points, {&of_tangents, &of_bitangents}, pose).normals;
     CHECK(found[5] == Vec<float, 3>{});
     CHECK(largest_difference(found, expected) <= 1e-3);
+}
+
+TEST_CASE("the compute shader takes poses of faces: Green coordinates, points and normals", "[gpu]") {
+    const auto format =
+        GENERATE(WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8);
+    CAPTURE(int(format));
+    const cageform::GreenCoordinates<float, 3> coordinates(sphere(2).mesh<float>());
+    const auto points = random_points<float, 3>(101, 0.5, 1), normals = random_points<float, 3>(101, 1, 2);
+    const auto made = bind_figure(coordinates, cageform::FigurePoints{points, normals});
+    REQUIRE(made.report.status == Status::ok);
+    const cageform::PackOptions options{.format = format};
+    const auto of_points = cageform::pack(made.figure.points, options).binding;
+    const auto of_tangents = cageform::pack(made.figure.tangents[0], options).binding;
+    const auto of_bitangents = cageform::pack(made.figure.tangents[1], options).binding;
+    const auto vertices = coordinates.cage().vertices();
+    const auto check_pose = [&](const Points<3>& pose, double tolerance) {
+        Points<3> handles(coordinates.handles().size()), placed(points.size()), turned(points.size());
+        REQUIRE(pose_handles(of_points.view(), pose, handles).status == Status::ok);
+        REQUIRE(clone(of_points.view(), handles, placed) == Status::ok);
+        REQUIRE(clone_normals(std::array{of_tangents.view(), of_bitangents.view()}, handles, turned) ==
+                Status::ok);
+        const auto found = clone_with_normals(of_points, {&of_tangents, &of_bitangents}, handles);
+        CHECK(largest_difference(found.points, placed) <= tolerance);
+        CHECK(largest_difference(found.normals, turned) <= 1e-3);
+    };
+    const Points<3> rest(vertices.begin(), vertices.end());
+    check_pose(rest, 0);
+    check_pose(moved<3>(rest, 0.05, 3), 2e-5); // sums of 194 products
 }
 
 TEST_CASE("a vertex shader reads the blob as well", "[gpu]") {
