@@ -1,11 +1,18 @@
 // How long does it take to make the weights of bones on a mesh?
 //
 // A bumpy torus of 10,240 and 163,840 vertices, twenty bones along its core. Harmonic weights, bone heat with and without
-// the question what a vertex sees, the cotangents and flips alone, and what it takes to read the factor of the equations
-// once for every bone: no direct solver can do with less.
+// the question what a vertex sees, the cotangents and flips alone. The equations of the heat alone: ours, by Eigen's
+// LDLT (which libigl's harmonic functions take) and by CHOLMOD where it is installed (OMP_THREAD_LIMIT=1 keeps it to one
+// thread, as the others). And what no solver of this order of elimination can do without: its multiplications, done by
+// one product of dense matrices, and reading the factors forwards and backwards for every 16 bones.
 #include <cageform/surface/skin.hpp>
 
+#include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>
+
+#if defined(CAGEFORM_BENCH_CHOLMOD)
+#include <Eigen/CholmodSupport>
+#endif
 
 namespace {
 
@@ -84,13 +91,87 @@ void heat(benchmark::State& state) {
     count(state, torus, report);
 }
 
-/// 42 numbers a vertex and 70 are in the factors of such meshes; a number and its row take 12 bytes.
+/// Every vertex linked to the bone that its part of the torus has.
+struct HeatEquations {
+    std::size_t vertices, nodes;
+    std::vector<cageform::GraphLink> links;
+
+    explicit HeatEquations(std::int64_t around) {
+        const Torus torus(around);
+        const auto weights = cageform::cotangent_weights(torus.vertices, torus.faces);
+        vertices = torus.vertices.size();
+        nodes = vertices + bones;
+        links = weights.links;
+        for (std::size_t i = 0; i < vertices; ++i) {
+            const auto bone = std::uint32_t(vertices + i * bones / vertices);
+            links.push_back({std::uint32_t(i), bone, weights.areas[i] / (0.35 * 0.35)});
+        }
+    }
+};
+
+void equations(benchmark::State& state) {
+    const HeatEquations heat(state.range(0));
+    std::vector<std::uint8_t> given(heat.vertices);
+    given.resize(heat.nodes, 1);
+    std::vector<double> values(heat.nodes * bones);
+    for (std::size_t b = 0; b < bones; ++b) values[b * heat.nodes + heat.vertices + b] = 1;
+    for (auto _ : state) {
+        const auto done = cageform::solve_graph({heat.nodes, heat.links}, given, std::span(values));
+        if (done.status != cageform::Status::ok) state.SkipWithError("refused");
+        benchmark::DoNotOptimize(values.data());
+    }
+    state.counters["vertices"] = double(heat.vertices);
+}
+
+template <class Solver>
+void equations_by(benchmark::State& state) {
+    const HeatEquations heat(state.range(0));
+    const auto size = Eigen::Index(heat.vertices);
+    for (auto _ : state) {
+        std::vector<Eigen::Triplet<double>> entries;
+        Eigen::MatrixXd values = Eigen::MatrixXd::Zero(size, Eigen::Index(bones));
+        for (const auto& [a, b, k] : heat.links) {
+            entries.emplace_back(a, a, k);
+            if (b >= heat.vertices) {
+                values(a, Eigen::Index(b - heat.vertices)) += k;
+                continue;
+            }
+            entries.emplace_back(b, b, k);
+            entries.emplace_back(a, b, -k);
+            entries.emplace_back(b, a, -k);
+        }
+        Eigen::SparseMatrix<double> matrix(size, size);
+        matrix.setFromTriplets(entries.begin(), entries.end());
+        const Solver solver(matrix);
+        if (solver.info() != Eigen::Success) state.SkipWithError("not factorised");
+        const Eigen::MatrixXd solved = solver.solve(values);
+        benchmark::DoNotOptimize(solved.data());
+    }
+    state.counters["vertices"] = double(heat.vertices);
+}
+
+/// As many multiplications as the factors take: 0.05e9 and 3.2e9 (a symmetric matrix's, and additions).
+void limit_multiply(benchmark::State& state) {
+    constexpr Eigen::Index size = 256; // 2 · 256³ operations a product
+    const int products = state.range(0) > 200 ? 95 : 2;
+    const Eigen::MatrixXd a = Eigen::MatrixXd::Random(size, size), b = Eigen::MatrixXd::Random(size, size);
+    Eigen::MatrixXd product(size, size);
+    for (auto _ : state) {
+        for (int n = 0; n < products; ++n) {
+            product.noalias() = a * b;
+            benchmark::DoNotOptimize(product.data());
+            benchmark::ClobberMemory();
+        }
+    }
+}
+
+/// 62 numbers a vertex and 82 are in the factors of such meshes.
 void limit_read_factor(benchmark::State& state) {
     const std::size_t vertices = std::size_t(state.range(0) * (state.range(0) * 5 / 8));
-    const std::size_t fill = vertices > 50000 ? 70 : 42;
-    std::vector<std::uint64_t> factor(vertices * fill * 12 / 8, 1);
+    const std::size_t fill = vertices > 50000 ? 82 : 62;
+    std::vector<std::uint64_t> factor(vertices * fill, 1);
     for (auto _ : state) {
-        for (std::size_t field = 0; field < bones; ++field) {
+        for (std::size_t pass = 0; pass < 2 * ((bones + 15) / 16); ++pass) {
             std::uint64_t sum = 0;
             for (const std::uint64_t word : factor) sum += word;
             benchmark::DoNotOptimize(sum);
@@ -111,4 +192,10 @@ BENCHMARK(cotangents)->Apply(sizes);
 BENCHMARK(harmonic)->Apply(sizes);
 BENCHMARK_TEMPLATE(heat, cageform::BoneVisibility::inside)->Apply(sizes);
 BENCHMARK_TEMPLATE(heat, cageform::BoneVisibility::ignored)->Apply(sizes);
+BENCHMARK(equations)->Apply(sizes);
+BENCHMARK_TEMPLATE(equations_by, Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>)->Apply(sizes);
+#if defined(CAGEFORM_BENCH_CHOLMOD)
+BENCHMARK_TEMPLATE(equations_by, Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>>)->Apply(sizes);
+#endif
+BENCHMARK(limit_multiply)->Apply(sizes);
 BENCHMARK(limit_read_factor)->Apply(sizes);

@@ -111,8 +111,7 @@ private:
     static bool runs_along(const Facet<3>& facet, std::uint32_t vertex, const Vec<double, 3>& q) noexcept {
         const auto& [a, b, c] = facet.corner;
         if (orientation(a, b, c, q) != 0) return false;
-        std::size_t k = 0;
-        while (facet.vertex[k] != vertex) ++k;
+        const std::size_t k = facet.vertex[0] == vertex ? 0 : facet.vertex[1] == vertex ? 1 : 2;
         const auto corner = flattened(facet.corner, facet.corner);
         const auto &p = corner[k], &d = corner[(k + 1) % 3], &e = corner[(k + 2) % 3];
         const auto to = flattened(facet.corner, {q, q, q})[0];
