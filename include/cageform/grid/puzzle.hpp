@@ -238,10 +238,12 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
     return detail::guarded_evaluation([&](SolverReport& report) {
         Status status = detail::check_graph(graph, options.allow_negative, report);
         if (status != Status::ok) return status;
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            if (given[i % size] == 0 || std::isfinite(values[i])) continue;
-            report.culprit = i;
-            return Status::value_not_finite;
+        for (std::size_t field = 0; field < values.size(); field += size) {
+            for (std::size_t node = 0; node < size; ++node) {
+                if (given[node] == 0 || std::isfinite(values[field + node])) continue;
+                report.culprit = field + node;
+                return Status::value_not_finite;
+            }
         }
         detail::GraphEquations equations(graph, given);
         status = detail::prepare(equations, report);
@@ -259,15 +261,19 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
             });
             status = equations.solve(block, fields);
             if (status != Status::ok) return status;
-            for (std::size_t i = 0; i < block.size(); ++i) {
-                const T value = static_cast<T>(block[i]);
-                if (!std::isfinite(value)) return Status::not_converged;
-                solved[(begin / size + i % fields) * nodes.size() + i / fields] = value;
+            for (std::size_t f = 0; f < fields; ++f) {
+                T* const out = &solved[(begin / size + f) * nodes.size()];
+                for (std::size_t row = 0; row < nodes.size(); ++row) {
+                    out[row] = static_cast<T>(block[row * fields + f]);
+                    if (!std::isfinite(out[row])) return Status::not_converged;
+                }
             }
             report.solves += fields;
         }
-        for (std::size_t i = 0; i < solved.size(); ++i)
-            values[i / nodes.size() * size + nodes[i % nodes.size()]] = solved[i];
+        for (std::size_t field = 0; field < values.size() / size; ++field) {
+            for (std::size_t row = 0; row < nodes.size(); ++row)
+                values[field * size + nodes[row]] = solved[field * nodes.size() + row];
+        }
         return Status::ok;
     });
 }

@@ -29,17 +29,19 @@ Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::u
         // A vertex without a face is to the graph one that is given, of any value.
         std::vector<std::uint8_t> marks(given.begin(), given.end());
         std::vector<T> solved(values.begin(), values.end());
-        for (std::size_t i = 0; i < solved.size(); ++i) {
-            if (weights.unused[i % size] == 0) continue;
-            marks[i % size] = 1;
-            solved[i] = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+            if (weights.unused[i] == 0) continue;
+            marks[i] = 1;
+            for (std::size_t at = i; at < solved.size(); at += size) solved[at] = 0;
         }
         const Evaluation evaluation =
             solve_graph(weights.graph(), marks, std::span<T>(solved), options, running);
         report = evaluation.solver;
         if (evaluation.status != Status::ok) return evaluation.status;
-        for (std::size_t i = 0; i < solved.size(); ++i) {
-            if (marks[i % size] == 0) values[i] = solved[i];
+        for (std::size_t field = 0; field < solved.size(); field += size) {
+            for (std::size_t i = 0; i < size; ++i) {
+                if (marks[i] == 0) values[field + i] = solved[field + i];
+            }
         }
         return Status::ok;
     });

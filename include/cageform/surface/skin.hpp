@@ -192,12 +192,16 @@ private:
     NearestBones nearest_to(const Vec<double, 3>& p) const {
         constexpr double rounding = 1e-9; // two as near to this share
         NearestBones nearest;
-        for (std::size_t b = 0; b < bones_.size(); ++b)
-            nearest.distance = std::fmin(nearest.distance, length(foot(b, p) - p));
-        const double limit = nearest.distance + rounding * std::fmax(nearest.distance, 1e-6);
-        for (std::size_t b = 0; b < bones_.size(); ++b) {
-            if (length(foot(b, p) - p) <= limit) nearest.bones.push_back(std::uint32_t(b));
+        const auto is_near = [&](double distance) {
+            return distance <= nearest.distance + rounding * std::max(nearest.distance, 1e-6);
+        };
+        for (std::uint32_t b = 0; b < bones_.size(); ++b) {
+            const double distance = length(foot(b, p) - p);
+            if (!is_near(distance)) continue;
+            nearest.distance = std::min(nearest.distance, distance);
+            nearest.bones.push_back(b);
         }
+        std::erase_if(nearest.bones, [&](std::uint32_t b) { return !is_near(length(foot(b, p) - p)); });
         return nearest;
     }
 
