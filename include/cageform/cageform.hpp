@@ -18,8 +18,10 @@
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/harmonic_polyhedral.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value_polyhedral.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/coordinates/three_point.hpp>
 #include <cageform/grid/dirichlet.hpp>

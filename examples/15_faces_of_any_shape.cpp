@@ -1,0 +1,51 @@
+// 15. Faces of any shape: a cage of planar polygons, whose weights do not depend on how a face is cut.
+#include <cageform/cageform.hpp>
+
+#include <array>
+#include <cstdio>
+
+using Point = std::array<double, 3>;
+
+template <class Coordinates>
+void print(const char* name, const Coordinates& coordinates) {
+    std::array<double, 8> weights{};
+    if (weights_at(coordinates, Point{0.5, 0.5, 0.8}, std::span(weights)) != cageform::PointState::inside)
+        return;
+    std::printf("%-22s", name);
+    for (std::size_t i = 4; i < 8; ++i) std::printf(" %.3f", weights[i]);
+    std::printf("\n");
+}
+
+int main() {
+    const std::vector<Point> vertices{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                      {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    const std::vector<std::vector<int>> quads{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                              {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    const cageform::PolyhedralMesh<double> cage(vertices, quads);
+
+    // In the middle under the lid its four corners count alike, unless a diagonal cuts it.
+    std::puts("weights of the lid's corners:");
+    cageform::HarmonicOptions options;
+    options.resolution = 32;
+    print("harmonic, quads", cageform::HarmonicCoordinates(cage, options));
+    print("harmonic, triangles", cageform::HarmonicCoordinates(cage.triangles(), options));
+    print("mean value, quads",
+          cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
+    print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));
+
+    // A face has to be planar. What is not is named; a third argument says how far off a corner may be.
+    auto bent = vertices;
+    bent[6] = {1, 1, 1.01};
+    for (const auto& fault : check(cageform::PolyhedralMesh<double>(bent, quads)).faults)
+        std::printf("%s: face %zu, vertex %zu\n", to_string(fault.kind), fault.a, fault.b);
+    const auto report = check(cageform::PolyhedralMesh<double>(bent, quads, 0.01));
+    std::printf("up to 0.01: %s\n", to_string(report.status));
+}
+
+//> weights of the lid's corners:
+//> harmonic, quads        0.200 0.200 0.200 0.200
+//> harmonic, triangles    0.115 0.285 0.115 0.285
+//> mean value, quads      0.200 0.200 0.200 0.200
+//> mean value, triangles  0.119 0.281 0.119 0.281
+//> face not planar: face 1, vertex 4
+//> up to 0.01: ok
