@@ -3,6 +3,9 @@
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 
+#include <cageform/binding/bind_bones.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/pose_handles.hpp>
 #include <cageform/surface/skin.hpp>
 
 #include <limits>
@@ -201,6 +204,105 @@ TEST_CASE("bone_heat: of little heat, the mean of what vertices say", "[surface]
         REQUIRE(skin.report.status == Status::ok);
         for (const double w : skin.weights) REQUIRE((w == 1 || w < 1e-100));
     }
+}
+
+TEST_CASE("weights of bones: bound, posed and cloned they are linear blend skinning",
+          "[surface][skin][property]") {
+    const auto seed = GENERATE(range(0, 4));
+    CAPTURE(seed);
+    const Ring ring{std::uint64_t(seed)};
+    const auto& points = ring.mesh.vertices;
+    const auto& faces = ring.mesh.faces;
+    Random random{std::uint64_t(seed)};
+    using Move = cageform::Transform<double, 3>;
+    const auto any = [&] {
+        return Point{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+    };
+    std::vector<Move> rest, own, common;
+    const Move same{{any(), any(), any()}, any()};
+    for (const auto& bone : ring.bones) {
+        rest.push_back({{Point{1, 0, 0}, Point{0, 1, 0}, Point{0, 0, 1}}, bone.head});
+        own.push_back({{any(), any(), any()}, any()});
+        common.push_back(same);
+    }
+    for (const bool is_heat : {false, true}) {
+        const auto weights =
+            (is_heat ? bone_heat(points, faces, ring.bones) : harmonic_skin(points, faces, ring.bones))
+                .weights;
+        const auto bound =
+            cageform::bind_bones(points, std::span<const Move>(rest), std::span<const double>(weights));
+        REQUIRE(bound.report.status == Status::ok);
+        for (const auto& moves : {own, common}) {
+            std::vector<Point> pose(4 * rest.size()), out(points.size());
+            REQUIRE(cageform::pose_bones(bound.binding, std::span<const Move>(moves), pose) == Status::ok);
+            REQUIRE(clone(bound.binding, pose, out) == Status::ok);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                Point expected{};
+                for (std::size_t b = 0; b < rest.size(); ++b) {
+                    const auto moved = moves[b].turn(points[i]) + moves[b].translation;
+                    expected = expected + weights[i * rest.size() + b] * moved;
+                }
+                if (moves[0].translation == same.translation)
+                    expected = same.turn(points[i]) + same.translation;
+                for (std::size_t k = 0; k < 3; ++k)
+                    REQUIRE(out[i][k] == Approx(expected[k]).epsilon(0).margin(1e-12));
+            }
+        }
+    }
+}
+
+TEST_CASE("harmonic_skin: a bone moves nothing beyond its neighbours", "[surface][skin]") {
+    const MeshData mesh = cageform_tests::torus(60, 9); // five bones around, a third of each its own
+    std::vector<BoneSegment> bones;
+    const auto at = [](double turn) {
+        return Point{std::cos(2 * std::numbers::pi * turn), std::sin(2 * std::numbers::pi * turn), 0};
+    };
+    for (int b = 0; b < 5; ++b) bones.push_back({at(b / 5.0), at((b + 1) / 5.0)});
+    const auto skin = harmonic_skin(mesh.vertices, mesh.faces, bones);
+    REQUIRE(skin.report.status == Status::ok);
+    std::size_t shared = 0;
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const double turn = double(i / 9) / 60 * 5; // the bone beside it, and where
+        for (std::size_t b = 0; b < 5; ++b) {
+            CAPTURE(i, b);
+            const double away = std::fabs(std::remainder(turn - (double(b) + 0.5), 5.0));
+            const double w = skin.weights[5 * i + b];
+            if (away > 0.9) REQUIRE(w == 0);
+            if (away < 0.1) REQUIRE(w == 1);
+            if (away > 0.4 && away < 0.6) ++shared;
+            if (away > 0.4 && away < 0.6) REQUIRE((w > 0.2 && w < 0.8));
+        }
+    }
+    CHECK(shared > 50);
+}
+
+TEST_CASE("weights of bones: a mesh in the plane", "[surface][skin]") {
+    // A bar, open as all are: as the same bar in space.
+    std::vector<cageform::Vec<float, 2>> flat;
+    MeshData mesh;
+    for (int n = 0; n < 45; ++n) {
+        const int x = n / 5, y = n % 5;
+        flat.push_back({float(x) + 0.25F * float(y % 2), float(y)});
+        mesh.vertices.push_back({x + 0.25 * (y % 2), double(y), 0});
+        if (x < 8 && y < 4) mesh.faces.insert(mesh.faces.end(), {{n, n + 5, n + 1}, {n + 1, n + 5, n + 6}});
+    }
+    const std::vector<BoneSegment> bones{{{0, 2, 0}, {4, 2, 0}}, {{4, 2, 0}, {8, 2, 0}}};
+    const auto same = [&](const auto& of_flat, const auto& of_space) {
+        REQUIRE(of_flat.report.status == Status::ok);
+        REQUIRE(of_flat.weights.size() == of_space.weights.size());
+        for (std::size_t n = 0; n < of_flat.weights.size(); ++n)
+            REQUIRE(of_flat.weights[n] == float(of_space.weights[n]));
+    };
+    same(harmonic_skin(flat, mesh.faces, bones), harmonic_skin(mesh.vertices, mesh.faces, bones));
+    same(bone_heat(flat, mesh.faces, bones, blind), bone_heat(mesh.vertices, mesh.faces, bones, blind));
+    CHECK(bone_heat(flat, mesh.faces, bones).report.status == Status::cage_not_closed);
+    const auto weights = cageform::cotangent_weights(flat, mesh.faces);
+    CHECK(weights.report.rim_edges == 2 * (8 + 4));
+    CHECK(weights.links.size() > 80);
+    flat[7][1] = std::numeric_limits<float>::infinity();
+    const auto bad = cageform::cotangent_weights(flat, mesh.faces);
+    REQUIRE(bad.report.mesh.faults.size() == 1);
+    CHECK(bad.report.mesh.faults[0].a == 7);
 }
 
 TEST_CASE("FaceTree: against every face, and the winding number", "[surface][skin][property]") {

@@ -43,6 +43,17 @@ struct CotangentWeights {
 
 namespace detail {
 
+/// The places of vertices; those of a plane mesh in the plane of the first two axes.
+template <class R>
+std::vector<Vec<double, 3>> places_in_space(const R& vertices) {
+    std::vector<Vec<double, 3>> places(std::size(vertices));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto p = to_vec<double>(vertices[i]);
+        for (std::size_t k = 0; k < range_dimension<R>; ++k) places[i][k] = p[k];
+    }
+    return places;
+}
+
 /// A power of two that makes the largest coordinate at most 1; 1 where all are zero.
 template <Scalar T>
 double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
@@ -129,7 +140,7 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
 /// on the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their conjugates, Exper.
 /// Math. 2 (1993), sec. 2). A rim is free: nothing flows across it.
 ///
-///   vertices  three-dimensional
+///   vertices  of a surface in space, or of a mesh in the plane
 ///   faces     in any direction each; open or closed, in several parts, of any genus, orientable or
 ///             not. Each edge has one face or two
 ///   cost      O(#F log #F); flips come on top, O(#F) as a rule
@@ -137,16 +148,14 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
 ///             face_without_area (twice the area at most 1e-12 of the longest side's square),
 ///             cage_not_manifold (an edge of three faces); out_of_memory
 template <PointRange R, FaceRange F>
-    requires(range_dimension<R> == 3)
+    requires(range_dimension<R> == 2 || range_dimension<R> == 3)
 CotangentWeights cotangent_weights(const R& vertices, const F& faces,
                                    MeshWeights weights = MeshWeights::intrinsic_delaunay) {
     CotangentWeights result;
     SurfaceReport report;
     detail::run_into(report, [&] {
         const std::size_t count = std::size(vertices);
-        std::vector<Vec<double, 3>> places;
-        places.reserve(count);
-        for (std::size_t i = 0; i < count; ++i) places.push_back(to_vec<double>(vertices[i]));
+        auto places = detail::places_in_space(vertices);
         result.unit = detail::surface_unit(std::span<const Vec<double, 3>>(places));
         for (auto& place : places) {
             for (std::size_t k = 0; k < 3; ++k) place[k] /= result.unit;

@@ -7,7 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Where a bone lies at rest; a point where both ends are one.
+/// Where a bone lies at rest; a point where both ends are one. A mesh in the plane lies where the
+/// third coordinate is 0.
 struct BoneSegment {
     Vec<double, 3> head, tail;
 };
@@ -17,7 +18,7 @@ inline constexpr std::uint32_t no_bone = ~std::uint32_t{0};
 
 enum class BoneVisibility : std::uint8_t {
     inside,  ///< a bone heats a vertex where the segment to its nearest place stays inside the mesh
-    ignored, ///< it heats the vertices it is nearest to; for meshes that are not closed
+    ignored, ///< it heats the vertices it is nearest to; for meshes that are not closed or in the plane
 };
 
 struct SurfaceSkinOptions {
@@ -98,8 +99,8 @@ public:
                 return Status::value_not_finite;
             }
         }
-        for (std::size_t i = 0; i < std::size(points); ++i)
-            places_.push_back(scaled(to_vec<double>(points[i])));
+        places_ = places_in_space(points);
+        for (auto& place : places_) place = scaled(place);
         for (std::size_t f = 0; f < std::size(faces); ++f)
             faces_.push_back(checked_face(faces[f], places_.size()));
         return Status::ok;
@@ -286,7 +287,7 @@ SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
 ///            index_out_of_range (the groups), cells_unreached (a part of the mesh that belongs to no
 ///            bone), not_converged (only with negative weights); cancelled; out_of_memory
 template <PointRange R, FaceRange F>
-    requires(range_dimension<R> == 3)
+    requires(range_dimension<R> == 2 || range_dimension<R> == 3)
 SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
                                              std::span<const BoneSegment> bones,
                                              const SurfaceSkinOptions& options = {},
@@ -307,7 +308,7 @@ SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
 ///            (SurfaceReport::mesh); weights_not_positive (the heat); cells_unreached: a part of the
 ///            mesh that sees no bone
 template <PointRange R, FaceRange F>
-    requires(range_dimension<R> == 3)
+    requires(range_dimension<R> == 2 || range_dimension<R> == 3)
 SurfaceSkin<range_scalar_t<R>> bone_heat(const R& points, const F& faces, std::span<const BoneSegment> bones,
                                          const SurfaceSkinOptions& options = {},
                                          const Running& running = {}) {
