@@ -65,6 +65,10 @@ public:
         tree_.for_each_leaf([&](const Cell& leaf) { // towards the lower end of axis 0 all are known
             if (states_[leaf.number] == CellState::unknown) states_[leaf.number] = state_at_middle(leaf);
         });
+        for (std::size_t family = tree_.families(); family-- > 0;) { // children come after their parents
+            const std::uint32_t parent = tree_.parent(family).number;
+            if (states_[parent] == CellState::unknown) states_[parent] = states_[tree_.first_child(parent)];
+        }
         states_known_ = true;
     }
 

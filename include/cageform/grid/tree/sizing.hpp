@@ -54,6 +54,7 @@ public:
     }
 
 private:
+    static constexpr double touching = 0.01; ///< of units: so near are bodies with a common plane
     static constexpr double facing = 0.7;    ///< cosine between a facet and one it is measured across
     static constexpr double reflex = 0.17;   ///< sine by which an angle inside exceeds a straight one
     static constexpr double spacing = 1.3;   ///< of samples, in the sizes they tell
@@ -98,7 +99,7 @@ private:
             if (n == side.facet || !(along > 1e-9)) return nearest;
             const double t =
                 dot(boundary.normal(n), facet.corner[0] - from) / dot(boundary.normal(n), side.inwards);
-            if (!(t > 0 && t < nearest)) return nearest;
+            if (!(t > touching && t < nearest)) return nearest;
             for (const double w : weights_in_plane(facet, from + t * side.inwards)) {
                 if (w < -1e-9) return nearest;
             }

@@ -1,0 +1,115 @@
+// Values within a leaf of a tree, right up to the boundary that passes it: one routine for places
+// beyond hanging nodes, for interpolation between levels and for points of the user.
+#pragma once
+
+#include <cageform/grid/tree/tree_nodes.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace detail {
+
+/// Multilinear between the corners of a cell. Where facets pass it, linear along one axis after the
+/// other, ending on the boundary where that is nearer than the cell's rim; the mean over the cyclic
+/// orders of the axes along which the place does not lie on the rim. So a mean, never beyond the
+/// values it is made of, and exact for linear functions. What lies on the rim of a cell depends on
+/// that rim alone.
+///
+///   sink  sink.at_node(index, share) for a corner inside,
+///         sink.at_place(value, place, share) for a place on the boundary
+template <std::size_t D, class Sink>
+class LeafGather {
+public:
+    using Cell = typename grid::CellTree<D>::Cell;
+    using Index = typename grid::CellTree<D>::Index;
+
+    LeafGather(const grid::TreeBoundary<D>& boundary, const grid::TreeNodes<D>& nodes, Sink& sink)
+        : boundary_(boundary)
+        , nodes_(nodes)
+        , sink_(sink) {}
+
+    /// Of a place in a closed cell, which `facets` pass; inside, and not on a facet.
+    void gather(const Cell& cell, std::span<const std::uint32_t> facets, Vec<double, D> p) {
+        cell_ = cell;
+        facets_ = facets;
+        std::array<std::size_t, D> free{};
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < D; ++k) {
+            const double low = cell.low[k], high = low + cell.size;
+            p[k] = std::clamp(p[k], low, high);
+            if (p[k] > low && p[k] < high) free[count++] = k;
+        }
+        if (facets.empty() || count == 0) {
+            along(p, 1, std::span(free).first(count));
+            return;
+        }
+        std::array<std::size_t, D> order{};
+        for (std::size_t first = 0; first < count; ++first) {
+            for (std::size_t k = 0; k < count; ++k) order[k] = free[(first + k) % count];
+            along(p, 1.0 / double(count), std::span(order).first(count));
+        }
+    }
+
+private:
+    void along(const Vec<double, D>& p, double share, std::span<const std::size_t> axes) {
+        if (axes.empty()) {
+            at_corner(p, share);
+            return;
+        }
+        const std::size_t axis = axes.front();
+        const double low = cell_.low[axis], high = low + cell_.size;
+        std::optional<grid::Hit<D>> below, above;
+        if (!facets_.empty()) {
+            below = boundary_.first_hit(facets_, {p, axis, false, p[axis] - low});
+            above = boundary_.first_hit(facets_, {p, axis, true, high - p[axis]});
+        }
+        const double begin = below ? below->position : low, end = above ? above->position : high;
+        const double at = end > begin ? (p[axis] - begin) / (end - begin) : 0.0;
+        const auto take = [&](const std::optional<grid::Hit<D>>& hit, double position, double part) {
+            if (!(part > 0)) return;
+            auto q = p;
+            q[axis] = position;
+            if (hit) {
+                sink_.at_place(hit->value, q, part);
+            } else {
+                along(q, part, axes.subspan(1));
+            }
+        };
+        take(below, begin, share * (1 - at));
+        take(above, end, share * at);
+    }
+    void at_corner(const Vec<double, D>& p, double share) {
+        Index index{};
+        for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(p[k]);
+        if (nodes_.find(index) != grid::TreeNodes<D>::none) {
+            sink_.at_node(index, share);
+        } else { // on the boundary, up to rounding
+            sink_.at_place(boundary_.nearest(facets_, p).value, p, share);
+        }
+    }
+
+    const grid::TreeBoundary<D>& boundary_;
+    const grid::TreeNodes<D>& nodes_;
+    Sink& sink_;
+    Cell cell_{};
+    std::span<const std::uint32_t> facets_;
+};
+
+} // namespace detail
+namespace grid {
+
+/// A stencil as LeafGather makes it.
+template <std::size_t D>
+struct StencilSink {
+    const TreeNodes<D>& nodes;
+    CutStencil<D>& stencil;
+
+    void at_node(const typename TreeNodes<D>::Index& index, double share) {
+        stencil.add(nodes.find(index), share);
+    }
+    void at_place(const BoundaryValue<D>& value, const Vec<double, D>& /*place*/, double share) {
+        stencil.add(value, share);
+    }
+};
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,288 @@
+// The equations of a tree's nodes and their multigrid: laws of every row, order, slits, cycles.
+#include "../catch.hpp"
+#include "../support/meshes.hpp"
+#include "../support/oracle.hpp"
+
+#include <cageform/grid/tree/sizing.hpp>
+#include <cageform/grid/tree/tree_multigrid.hpp>
+
+namespace tree_multigrid_tests {
+
+using namespace cageform;
+using namespace cageform::grid;
+using cageform_tests::Random;
+
+namespace {
+
+/// A cage on a tree.
+template <std::size_t D>
+struct Problem {
+    TreeBoundary<D> boundary;
+    CutTree<D> tree;
+    TreeNodes<D> nodes;
+
+    template <class Cage>
+    explicit Problem(const Cage& cage, const SizingOptions& options, unsigned depth = 12)
+        : boundary(cage, depth)
+        , tree(boundary) {
+        refine_by(size_samples(boundary, options, 10000000).list, options);
+    }
+    /// By samples of one's own.
+    template <class Cage>
+    Problem(const Cage& cage, unsigned depth, double largest, const Buffer<SizeSample<D>>& samples)
+        : boundary(cage, depth)
+        , tree(boundary) {
+        refine_by(samples, {.largest = largest});
+    }
+    Problem(const Problem&) = delete;
+    Problem& operator=(const Problem&) = delete;
+
+private:
+    void refine_by(const Buffer<SizeSample<D>>& samples, const SizingOptions& options) {
+        REQUIRE(refine<D>(tree, std::span(samples.data(), samples.size()), options, 1000000));
+        nodes = nodes_of(tree);
+        REQUIRE(nodes.count() > 0);
+    }
+};
+
+template <std::size_t D>
+Buffer<SizeSample<D>> random_samples(Random& random, unsigned depth) {
+    Buffer<SizeSample<D>> samples;
+    const double size = std::ldexp(1.0, int(depth));
+    for (std::size_t n = 0; n < (D == 2 ? 20u : 12u); ++n) {
+        SizeSample<D> sample{{}, std::ldexp(size, -int(3 + random.below(D == 2 ? 5 : 3)))};
+        for (std::size_t k = 0; k < D; ++k) sample.place[k] = random.uniform(0, size);
+        samples.push_back(sample);
+    }
+    return samples;
+}
+
+/// The laws of every row, on a tree refined wherever chance has it.
+template <std::size_t D, class Cage>
+void check_rows(const Cage& cage, std::uint64_t seed) {
+    Random random(seed);
+    CAPTURE(seed, D);
+    const unsigned depth = 9;
+    const Problem<D> problem(cage, depth, 1.0 / 8, random_samples<D>(random, depth));
+    const TreeLinks links = links_of(problem.tree, problem.nodes);
+    CHECK(links.least_share >= 1 - 0.25 * (D - 1));
+    CHECK(std::is_sorted(links.data.begin(), links.data.end(), [](const auto& a, const auto& b) {
+        return a.handle != b.handle ? a.handle < b.handle : a.node < b.node;
+    }));
+    const std::uint32_t count = problem.nodes.count();
+    REQUIRE(links.equations.neighbours.rows() == count);
+    std::vector<double> sums(count), data_weight(count);
+    std::vector<Vec<double, D>> moved(count);
+    const auto place = [&](std::uint32_t node) { return node_position<D>(problem.nodes.index(node)); };
+    for (const auto& [handle, node, weight] : links.data) {
+        REQUIRE(weight > 0);
+        data_weight[node] += double(weight);
+        moved[node] =
+            moved[node] + double(weight) * (problem.boundary.in_units(cage.vertices()[handle]) - place(node));
+    }
+    std::size_t hanging = 0, open = 0;
+    for (std::uint32_t node = 0; node < count; ++node) {
+        const double diagonal = links.equations.diagonal[node], volume = double(links.volume[node]);
+        std::array<std::array<double, D>, D> seconds{};
+        double sum = data_weight[node];
+        for (const auto& [column, weight] : links.equations.neighbours.of(node)) {
+            REQUIRE(weight > 0);
+            REQUIRE(column != node);
+            sum += double(weight);
+            const auto offset = place(column) - place(node);
+            moved[node] = moved[node] + double(weight) * offset;
+            for (std::size_t k = 0; k < D; ++k) {
+                for (std::size_t l = 0; l < D; ++l) seconds[k][l] += double(weight) * offset[k] * offset[l];
+            }
+        }
+        CHECK(std::fabs(sum - diagonal) <= 1e-12 * diagonal);
+        // Linear functions: the mean of where the neighbours and the data are is the node.
+        CHECK(detail::length(moved[node]) <= 1e-5 * problem.tree.cells().size() * diagonal * 0.01);
+        if (data_weight[node] > 0) continue;
+        ++open;
+        hanging += links.equations.neighbours.of(node).size() > 2 * D ? 1 : 0;
+        for (std::size_t k = 0; k < D; ++k) { // squares
+            for (std::size_t l = 0; l < D; ++l)
+                CHECK(std::fabs(seconds[k][l] - (k == l ? 2 * volume : 0)) <= 1e-5 * volume);
+        }
+    }
+    CHECK(open > 0);
+    CHECK(hanging > 0);
+}
+
+TEST_CASE("equations on trees have positive weights and are exact for linear functions and squares",
+          "[grid][tree][property]") {
+    const auto seed = std::uint64_t(GENERATE(range(0, 6)));
+    check_rows<2>(Polygon<double>(cageform_tests::random_star<double>(seed)), seed);
+    if (seed % 2 == 0) check_rows<3>(cageform_tests::random_mesh(seed).mesh<double>(), seed);
+}
+
+TEST_CASE("a tree of one size has the equations of a lattice", "[grid][tree]") {
+    const auto box = cageform_tests::divided_box({1, 1, 1}, 2.0).mesh<double>();
+    const Problem<3> problem(box, 4, 1.0 / 8, {});
+    CHECK(problem.nodes.count() == 7 * 7 * 7);
+    const TreeLinks links = links_of(problem.tree, problem.nodes);
+    for (std::uint32_t node = 0; node < problem.nodes.count(); ++node) {
+        CHECK(links.equations.diagonal[node] == 12); // sides of 2 units: 8 · 6/4
+        for (const auto& [column, weight] : links.equations.neighbours.of(node)) CHECK(weight == 2);
+    }
+    CHECK(links.least_share == 1);
+}
+
+/// Solves for data given at the handles; by node.
+template <std::size_t D>
+std::vector<double> solve(const Problem<D>& problem, const std::vector<double>& at_handles) {
+    TreeLinks links = links_of(problem.tree, problem.nodes);
+    for (TreeData& part : links.data)
+        part = {0, part.node, float(double(part.weight) * at_handles[part.handle])};
+    const TreeMultigrid<D> multigrid(problem.tree, problem.nodes, std::move(links));
+    auto block = multigrid.make_block();
+    multigrid.start(block, 0);
+    for (int c = 0; c < 12; ++c) {
+        (void)multigrid.cycle(block, 1);
+        if (c % 2 == 1) multigrid.refine(block);
+    }
+    std::vector<double> u;
+    for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) u.push_back(block.value(node)[0]);
+    return u;
+}
+
+TEST_CASE("on a refined patch the order is two", "[grid][tree]") {
+    // A disc of so many corners that linear data between them is as good as the function itself.
+    std::vector<Vec<double, 2>> circle;
+    for (int n = 0; n < 800; ++n) {
+        const double angle = 2 * std::numbers::pi * (n + 0.3) / 800;
+        circle.push_back({std::cos(angle), std::sin(angle)});
+    }
+    const auto function = [](const Vec<double, 2>& p) {
+        return std::exp(1.5 * p[0]) * std::cos(1.5 * p[1]) + p[0] * p[0] - p[1] * p[1];
+    };
+    std::vector<double> data;
+    for (const auto& p : circle) data.push_back(function(p));
+    std::vector<double> errors;
+    for (const unsigned level : {4u, 5u, 6u}) { // the coarse cells of a side
+        const unsigned depth = level + 2;
+        Buffer<SizeSample<2>> samples; // two levels finer in a patch that reaches the boundary
+        const int cells = 4 << level;
+        for (int x = cells / 2; x < cells; ++x) {
+            for (int y = 3 * cells / 8; y < 5 * cells / 8; ++y) samples.push_back({{x + 0.5, y + 0.5}, 1.0});
+        }
+        const Problem<2> problem(Polygon<double>(circle), depth, std::ldexp(1.0, -int(level)), samples);
+        const auto u = solve(problem, data);
+        double error = 0;
+        for (std::uint32_t node = 0; node < u.size(); ++node) {
+            const auto p = problem.boundary.in_cage(node_position<2>(problem.nodes.index(node)));
+            error = std::max(error, std::fabs(u[node] - function(p)));
+        }
+        errors.push_back(error);
+    }
+    CAPTURE(errors);
+    CHECK(errors[0] < 2e-2);
+    CHECK(std::log2(errors[1] / errors[2]) > 1.7);
+    CHECK(std::log2(errors[0] / errors[1]) > 1.6);
+}
+
+/// The slowest of the cycles that reduce the error of functions well above rounding.
+template <std::size_t D>
+double convergence_factor(const Problem<D>& problem) {
+    const TreeMultigrid<D> multigrid(problem.tree, problem.nodes);
+    auto block = multigrid.make_block();
+    multigrid.start(block, 0);
+    double before = 0, factor = 0;
+    for (int c = 0; c < 14; ++c) {
+        const double change = multigrid.cycle(block, multigrid.width);
+        if (c > 1 && before > 0) factor = std::max(factor, std::pow(change / before, 1.0));
+        before = change;
+        multigrid.refine(block);
+        // Where few nodes are left of what the first cycle found, there is nothing to measure.
+        if (change < 1e-13) break;
+    }
+    CHECK(before < 1e-8);
+    return factor;
+}
+TEST_CASE("a cycle leaves a quarter of the error at most, on every oracle cage", "[grid][tree][oracle]") {
+    for (const char* name :
+         {"biped", "cat", "hexagon", "hole_hexagon_triangle_hole", "hole_square_square_hole", "l_shape",
+          "rectangle", "spiral", "square_extra_vertex", "star", "triangle",
+          "splitting_chain_hexagonlike_split_chain", "straight_chain_square_straight_chain", "unit_square"}) {
+        CAPTURE(name);
+        const auto oracle = cageform_tests::read_oracle(std::string("harmonic2d_") + name);
+        const SizingOptions options{.singular_levels = 5};
+        const auto factor = oracle.chain.empty()
+                                ? convergence_factor(Problem<2>(oracle.cage<double>(), options))
+                                : convergence_factor(Problem<2>(oracle.complex<double>(), options));
+        CHECK(factor <= 0.25);
+    }
+    for (const char* name : {"cube_triangulated", "l_prism_triangulated", "tetrahedron"}) {
+        CAPTURE(name);
+        const auto json = cageform_tests::read_json(std::string("harmonic3d_") + name);
+        const auto vertices = json["cage"]["vertices"].get<std::vector<std::array<double, 3>>>();
+        const auto faces = json["cage"]["faces"].get<std::vector<std::array<int, 3>>>();
+        const TriangleMesh<double> mesh(vertices, faces);
+        CHECK(convergence_factor(Problem<3>(mesh, SizingOptions{.across = 4, .singular_levels = 2})) <= 0.25);
+    }
+}
+
+TEST_CASE("what a wall or a common plane parts knows nothing of the other side", "[grid][tree]") {
+    // Two boxes with a common face, each with its own vertices.
+    const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0);
+    auto vertices = box.vertices;
+    auto faces = box.faces;
+    for (auto p : box.vertices) {
+        p[0] += 1.0;
+        vertices.push_back(p);
+    }
+    const int moved = int(box.vertices.size());
+    for (const auto& [a, b, c] : box.faces) faces.push_back({a + moved, b + moved, c + moved});
+    for (const double turn : {0.0, 0.4}) {
+        CAPTURE(turn);
+        auto turned = vertices;
+        for (auto& p : turned)
+            p = {std::cos(turn) * p[0] - std::sin(turn) * p[1], std::sin(turn) * p[0] + std::cos(turn) * p[1],
+                 p[2]};
+        const Problem<3> problem(TriangleMesh<double>(turned, faces), SizingOptions{.across = 3});
+        const TreeMultigrid<3> multigrid(problem.tree, problem.nodes);
+        auto block = multigrid.make_block();
+        multigrid.start(block, 0);
+        for (int c = 0; c < 6; ++c) (void)multigrid.cycle(block, 16);
+        std::size_t first = 0, second = 0;
+        for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
+            const auto p = problem.boundary.in_cage(node_position<3>(problem.nodes.index(node)));
+            const double x = std::cos(turn) * p[0] + std::sin(turn) * p[1];
+            const auto values = block.value(node);
+            double own = 0, other = 0;
+            for (std::size_t k = 0; k < 16; ++k) ((k < 8) == (x < 0.5) ? own : other) += values[k];
+            CHECK(std::fabs(own - 1) < 1e-5);
+            CHECK(other == 0);
+            ++(x < 0.5 ? first : second);
+        }
+        CHECK(first > 20);
+        CHECK(second > 20);
+    }
+    const auto oracle = cageform_tests::read_oracle("harmonic2d_splitting_chain_hexagonlike_split_chain");
+    const Problem<2> problem(oracle.complex<double>(), SizingOptions{});
+    const TreeMultigrid<2> multigrid(problem.tree, problem.nodes);
+    auto block = multigrid.make_block();
+    multigrid.start(block, 0);
+    for (int c = 0; c < 8; ++c) (void)multigrid.cycle(block, 16);
+    std::size_t zeros = 0, checked = 0;
+    for (std::size_t n = 0; n < oracle.points.size(); ++n) {
+        // The nearest node is on the same side but next to the chain.
+        const auto p = problem.boundary.in_units(oracle.points[n]);
+        const auto leaf = problem.tree.cells().leaf_at(
+            {std::int32_t(std::floor(2 * p[0])), std::int32_t(std::floor(2 * p[1]))});
+        const auto node = problem.nodes.find(leaf.low);
+        if (problem.tree.state(leaf.number) != CellState::in || node == TreeNodes<2>::none) continue;
+        ++checked;
+        for (std::size_t i = 0; i < oracle.vertices.size(); ++i) {
+            if (oracle.coordinates[n][i] != 0) continue;
+            ++zeros;
+            CHECK(block.value(node)[i] == 0);
+        }
+    }
+    CHECK(checked > 3);
+    CHECK(zeros > 5);
+}
+
+} // namespace
+} // namespace tree_multigrid_tests
