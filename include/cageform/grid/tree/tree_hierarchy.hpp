@@ -10,9 +10,9 @@ namespace detail {
 
 /// A level, and how its nodes take their values from the next.
 struct TreeLevel {
-    SparseRows neighbours;           ///< the equations, see TreeEquations
+    LevelRows neighbours;            ///< the equations, see TreeEquations
     Buffer<float> inverse_diagonal;  ///< by node
-    SparseRows interpolation;        ///< by node; empty on the coarsest level
+    LevelRows interpolation;         ///< by node; empty on the coarsest level
     Buffer<std::uint32_t> numbers{}; ///< on the coarsest level empty: of each node on the next, or ~0
 
     std::uint32_t nodes() const noexcept { return std::uint32_t(inverse_diagonal.size()); }
@@ -78,7 +78,7 @@ public:
 private:
     struct Sink {
         const TreeCoarsener& coarsener;
-        SparseRows& rows;
+        LevelRows& rows;
         std::size_t begin = 0;
 
         void at_node(const Index& index, double share) {
@@ -118,7 +118,7 @@ private:
     }
 
     /// From the nodes that are corners of the leaves of level_ to those of the level before.
-    SparseRows interpolation(TreeLevel& level) {
+    LevelRows interpolation(TreeLevel& level) {
         Buffer<std::uint32_t> fine; // their numbers on the finest level
         std::swap(fine, left_);
         left_.clear();
@@ -130,7 +130,7 @@ private:
             level.numbers.push_back(number_[fine[n]]);
             if (stays[n] != 0) left_.push_back(fine[n]);
         }
-        SparseRows rows;
+        LevelRows rows;
         Sink sink{*this, rows};
         LeafGather<D, Sink> gather(tree_.boundary(), nodes_, sink);
         for (std::uint32_t n = 0; n < fine.size(); ++n) {

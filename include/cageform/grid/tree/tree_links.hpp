@@ -9,7 +9,7 @@
 #pragma once
 
 #include <cageform/grid/tree/leaf_gather.hpp>
-#include <cageform/grid/tree/sparse_rows.hpp>
+#include <cageform/grid/tree/level_rows.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {

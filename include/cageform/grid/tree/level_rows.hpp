@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-struct SparseRows {
+struct LevelRows {
     struct Entry {
         std::uint32_t column;
         float weight;
@@ -33,8 +33,8 @@ struct SparseRows {
 };
 
 /// Columns ascending in every row.
-inline SparseRows transposed(const SparseRows& matrix, std::size_t columns) {
-    SparseRows t;
+inline LevelRows transposed(const LevelRows& matrix, std::size_t columns) {
+    LevelRows t;
     t.begin = Buffer<std::uint32_t>(columns + 1, 0);
     for (const auto& entry : matrix.entries) ++t.begin[entry.column + 1];
     for (std::size_t c = 0; c < columns; ++c) t.begin[c + 1] += t.begin[c];
@@ -48,16 +48,16 @@ inline SparseRows transposed(const SparseRows& matrix, std::size_t columns) {
 
 /// The equations diagonal · u − (neighbours) u = b of one level.
 struct TreeEquations {
-    SparseRows neighbours;   ///< off the diagonal, their signs turned
+    LevelRows neighbours;    ///< off the diagonal, their signs turned
     Buffer<double> diagonal; ///< by row
 };
 
 /// Pᵀ A P (Galerkin). What is below 1e-6 of the diagonal is left out, the row sums kept.
-inline TreeEquations galerkin(const TreeEquations& fine, const SparseRows& p, std::size_t coarse) {
+inline TreeEquations galerkin(const TreeEquations& fine, const LevelRows& p, std::size_t coarse) {
     constexpr double least = 1e-6;
     constexpr std::uint32_t none = ~std::uint32_t{0};
     TreeEquations out;
-    const SparseRows r = transposed(p, coarse);
+    const LevelRows r = transposed(p, coarse);
     Buffer<std::uint32_t> slot(coarse, none); // of a column in the row at hand
     struct Sum {
         std::uint32_t column;
