@@ -138,7 +138,8 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
         total.seconds = evaluation.solver.seconds;
     }
     const std::size_t handles = coordinates.handles;
-    const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
+    const std::size_t batch =
+        std::clamp<std::size_t>((std::size_t{1} << 22) / std::max<std::size_t>(handles, 1), 1024, 65536);
     const bool weights_outside =
         settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
     ProgressBar bar("binding");

@@ -932,6 +932,22 @@ sed 's/^v 0 3 0/v 1 0 0/' green.obj >green_pose.obj
 works "faces without area" "$mesh" green.obj --cage green.obj --pose green_pose.obj --coordinates green -o turned.obj
 grep -q 'warning: green_pose.obj: 1 face has no area, the first is 0:' log && ok=yes || ok=no
 report $ok "they are told of"
+# The younger types in every program of the plane: a sound cage, cells inside, a vertex that is no number, a pose with one.
+printf '0,0\n1,0\nnan,1\n0,1\n' >nan_cage.csv
+printf '0,0\n1,0\n1,1\n0.4,0.4\n0,1\n' >dented.csv
+for type in wachspress discrete-harmonic green; do
+  works "a figure by $type" "$deform" green.svg --cage green.csv --pose green.csv --coordinates $type -o posed.svg
+  works "a field of $type" "$field" --cage green.csv --vertex 1 --coordinates $type --size 32 -o field.png
+  works "weights of $type" "$weights" --cage green.csv --points green_points.csv --coordinates $type --outside keep -o w.csv
+  for faulty in "cell interior cells not supported (1)" "nan_cage vertex not finite (2)"; do
+    name=${faulty%% *} words=${faulty#* }
+    refuses "$words" "$deform" green.svg --cage $name.csv --pose $name.csv --coordinates $type -o out.svg
+    refuses "$words" "$field" --cage $name.csv --vertex 1 --coordinates $type -o out.png
+    refuses "$words" "$weights" --cage $name.csv --points green_points.csv --coordinates $type -o out.csv
+  done
+  refuses 'a number that is not finite' "$deform" green.svg --cage green.csv --pose nan_cage.csv --coordinates $type -o out.svg
+  [ $type = green ] || refuses 'vertex not convex (3)' "$deform" green.svg --cage dented.csv --pose dented.csv --coordinates $type -o out.svg
+done
 refuses 'takes a cage in the plane' "$weights" --cage sites.obj --points point_3d.csv --coordinates wachspress -o out.csv
 refuses '"wachspress" is not one of barycentric, mean-value, harmonic' "$mesh" character.obj --cage character_cage.obj --pose character_cage.obj --coordinates wachspress -o out.obj
 sed 's/^0.5,0.5$/0.3,0.4/' sites.csv >uneven.csv
