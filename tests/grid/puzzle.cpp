@@ -344,6 +344,39 @@ TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values"
     }
 }
 
+TEST_CASE("solve_graph: the factors stay small about hubs", "[grid][puzzle]") {
+    // A ring and two hubs that all of it is linked to: a level of a search from a hub is the whole ring. Then each
+    // hub linked to half of the ring, a chain that begins at the hubs, and a star.
+    constexpr std::uint32_t count = 2000;
+    const auto ring = [](std::uint32_t i) { return 2 + i % count; };
+    for (const int kind : {0, 1, 2, 3}) {
+        CAPTURE(kind);
+        std::vector<GraphLink> links;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if (kind < 2 || (kind == 2 && i > 0)) links.push_back({ring(i), ring(i + 1), 1});
+            if (kind == 0) links.push_back({1, ring(i), 2});
+            if (kind == 0 || kind == 3) links.push_back({0, ring(i), 1});
+            if (kind == 1) links.push_back({i < count / 2 ? 0U : 1U, ring(i), 1});
+        }
+        if (kind > 1) links.insert(links.end(), {{0, 1, 1}, {1, ring(0), 1}});
+        Marks given(count + 2);
+        given[ring(0)] = given[ring(count / 2)] = 1;
+        std::vector<double> values(count + 2), flow(count + 2);
+        values[ring(0)] = 1;
+        const auto done = cageform::solve_graph(Graph{count + 2, links}, given, std::span(values));
+        REQUIRE(done.status == Status::ok);
+        CHECK(done.solver.bytes < 100 * sizeof(double) * count);
+        for (const auto& [a, b, k] : links) { // what flows into a node flows out
+            flow[a] += k * (values[b] - values[a]);
+            flow[b] += k * (values[a] - values[b]);
+        }
+        for (std::size_t i = 0; i < flow.size(); ++i) {
+            REQUIRE((values[i] >= 0 && values[i] <= 1));
+            if (given[i] == 0) REQUIRE(std::fabs(flow[i]) < 1e-11);
+        }
+    }
+}
+
 TEST_CASE("solve_graph with nothing to do", "[grid][puzzle]") {
     std::vector<double> none, values{3, 4};
     CHECK(cageform::solve_graph(Graph{0, {}}, {}, std::span(none)).status == Status::ok);

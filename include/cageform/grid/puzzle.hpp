@@ -96,6 +96,7 @@ public:
 
     std::span<const std::size_t> nodes() const noexcept { return nodes_; }
     std::int32_t row(std::size_t node) const noexcept { return rows_[node]; }
+    std::size_t bytes() const noexcept { return factors_.bytes(); }
 
     /// f(row of an unknown node, given node, conductance) for the links between such.
     template <class F>
@@ -211,7 +212,10 @@ inline Status prepare(GraphEquations& equations, SolverReport& report) {
     report.cells = equations.nodes().size();
     report.culprit = equations.unreached();
     if (report.culprit != SolverReport::none) return Status::cells_unreached;
-    return equations.nodes().empty() ? Status::ok : equations.factorise();
+    if (equations.nodes().empty()) return Status::ok;
+    const Status status = equations.factorise();
+    report.bytes = equations.bytes();
+    return status;
 }
 
 } // namespace detail

@@ -4,6 +4,7 @@
 #include <cageform/core/vec.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -52,7 +53,7 @@ public:
                 if (part.range.begin != part.range.end) groups_.push_back(part.range);
             } else if (part.connected) {
                 divide(part);
-            } else {
+            } else if (!separate_hubs(part)) {
                 connect(part);
             }
         }
@@ -91,6 +92,24 @@ private:
                 }
             }
         }
+    }
+
+    /// Nodes of more neighbours than a separator of a planar graph has nodes, as the tip of a fan, are
+    /// separators themselves: a level after one would be as wide as it has neighbours.
+    bool separate_hubs(const Part& part) {
+        const auto [begin, end, parent] = part.range;
+        const double most = std::max(32.0, 2 * std::sqrt(double(end - begin)));
+        const auto first = nodes_.begin() + std::ptrdiff_t(begin),
+                   last = nodes_.begin() + std::ptrdiff_t(end);
+        const auto rest = std::partition(
+            first, last, [&](std::uint32_t i) { return double(graph_.neighbours(i).size()) > most; });
+        if (rest == first) return false;
+        const auto separator = std::uint32_t(groups_.size());
+        const auto middle = std::size_t(rest - nodes_.begin());
+        groups_.push_back({begin, middle, parent});
+        label(begin, middle);
+        waiting_.push_back({{middle, end, separator}, part.label, false});
+        return true;
     }
 
     /// Into parts that are connected, the last node of each far from its first.

@@ -55,6 +55,15 @@ public:
         return true;
     }
 
+    /// Of the factors.
+    std::size_t bytes() const noexcept {
+        std::size_t sum = 0;
+        for (const Front& front : fronts_)
+            sum += sizeof(double) * std::size_t(front.columns.size()) +
+                   sizeof(std::uint32_t) * front.rows.size();
+        return sum;
+    }
+
     /// Solves for fields side by side: `b` of node i and field f at i · fields + f becomes u.
     void solve(std::span<double> values, std::size_t fields) const {
         const auto width = Eigen::Index(fields);
