@@ -172,6 +172,41 @@ void gradients_of_mean_value_mesh(benchmark::State& state) {
                  Wanted::gradients);
 }
 
+/// By faces as they are, or cut into triangles.
+enum class VaseOf { polygons, triangles };
+template <VaseOf of, class T>
+auto vase() {
+    if constexpr (of == VaseOf::polygons)
+        return vase112<T>();
+    else
+        return vase112<T>().triangles();
+}
+std::vector<cageform::Vec<double, 3>> points_inside_vase() {
+    return points_inside(vase112<double>().triangles(), 8019, 2);
+}
+
+template <class T, VaseOf of, Wanted wanted>
+void evaluate_vase(benchmark::State& state) {
+    const auto cage = vase<of, T>();
+    run_evaluate(state, cageform::MeanValueCoordinates<T, 3, std::remove_const_t<decltype(cage)>>(cage),
+                 points_inside_vase(), wanted);
+}
+
+/// The coordinates made anew each time: the faces' planes are solved with them.
+template <VaseOf of>
+void bind_harmonic_vase(benchmark::State& state) {
+    const auto cage = vase<of, double>();
+    const auto points = points_inside_vase();
+    cageform::HarmonicOptions options;
+    options.resolution = std::size_t(state.range(0));
+    for (auto _ : state) {
+        const auto result = cageform::bind(cageform::HarmonicCoordinates(cage, options), points);
+        benchmark::DoNotOptimize(result.binding.view().weights.data);
+        state.counters["solver_s"] = result.report.solver.seconds;
+    }
+    finish(state, points.size(), cage.size());
+}
+
 /// Ju, Schaefer & Warren 2005, sec. 3, one point and one face after the other. With u the unit vectors to a
 /// face's corners, of edge k opposite to corner k: n_k = u_i × u_j of its ends, θ_k = 2 asin(|u_i − u_j|/2);
 /// then m = Σ ½ θ_k n_k/|n_k| and w_k = n_k·m / (n_k·u_k |C_k − p|).
@@ -722,6 +757,13 @@ BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, double)->Unit(benchmark::kMilliseco
 BENCHMARK_TEMPLATE(evaluate_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(gradients_of_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(gradients_of_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_vase, double, VaseOf::polygons, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_vase, double, VaseOf::triangles, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_vase, float, VaseOf::polygons, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_vase, float, VaseOf::triangles, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_vase, double, VaseOf::polygons, Wanted::gradients)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::polygons)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::triangles)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK(plain_mean_value_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
-#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/cage/polyhedral_mesh.hpp>
 
 #include <array>
 #include <cstdint>
@@ -121,6 +121,28 @@ inline std::vector<Point> points_inside(const std::vector<Point>& vertices, std:
     return points_inside(cageform::Polygon<double>(vertices), count, 1);
 }
 /// Those that go with BUMPY112.
+/// A vase of 112 vertices: 98 planar quadrilaterals in seven rings, floor and lid of 14 corners.
+template <class T>
+cageform::PolyhedralMesh<T> vase112() {
+    constexpr std::uint32_t rings = 8, around = 14;
+    std::vector<cageform::Vec<double, 3>> vertices;
+    std::vector<std::vector<std::uint32_t>> faces(2);
+    for (std::uint32_t i = 0; i < rings; ++i) {
+        const double z = 3.0 * i / (rings - 1), r = 1 + 0.3 * std::cos(2 * z);
+        for (std::uint32_t j = 0; j < around; ++j) {
+            const double phi = 2 * std::numbers::pi * j / around;
+            vertices.push_back({r * std::cos(phi), r * std::sin(phi), z});
+            const std::uint32_t next = (j + 1) % around, at = i * around;
+            if (i + 1 < rings) faces.push_back({at + j, at + next, at + around + next, at + around + j});
+        }
+    }
+    for (std::uint32_t j = 0; j < around; ++j) {
+        faces[0].push_back(around - 1 - j);
+        faces[1].push_back((rings - 1) * around + j);
+    }
+    return {vertices, faces};
+}
+
 inline std::vector<cageform::Vec<double, 3>> points_inside_bumpy112() {
     return points_inside(bumpy112<double>(), 8019, 2);
 }

@@ -10,6 +10,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/green_3d.hpp>
+#include <cageform/coordinates/harmonic_polyhedral.hpp>
 #include <cageform/coordinates/mean_value_polyhedral.hpp>
 
 #include <cstdio>
@@ -79,7 +80,9 @@ Status take(const C& coordinates, Random& random, unsigned long long seed) {
     const BindOptions options{.outside = OutsidePoints(random.below(3)),
                               .linear_precision = LinearPrecision(random.below(2))};
     const auto [binding, report] = bind(coordinates, points, options);
-    REQUIRE(report.status == coordinates.cage_report().status);
+    // A solver may refuse a sound cage: its grid is too coarse for it, or too large a number.
+    REQUIRE(report.status == coordinates.cage_report().status ||
+            (!C::closed_form && report.status != Status::ok));
     if (report.status != Status::ok) {
         REQUIRE(binding.point_count() == 0);
         return report.status;
@@ -138,6 +141,12 @@ Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, uns
         for (auto& i : face) i = std::int64_t(random.below(vertices.size()));
     }
     const T off_plane = random.below(3) == 0 ? T(random.uniform(0, 1)) : T(0);
+    if (random.below(4) == 0) {
+        HarmonicOptions options;
+        options.resolution = 8 + random.below(24);
+        return take(HarmonicCoordinates(PolyhedralMesh<T>(vertices, faces, off_plane), options), random,
+                    seed);
+    }
     return take(MeanValueCoordinates<T, 3, PolyhedralMesh<T>>(vertices, faces, off_plane), random, seed);
 }
 

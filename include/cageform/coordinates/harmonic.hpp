@@ -27,7 +27,8 @@ struct HarmonicSolverChoice {
 
 /// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the
 /// plane the cage is a Polygon, in space a TriangleMesh, a Box or a PolyhedralMesh
-/// (coordinates/harmonic_polyhedral.hpp), in both a CellComplex.
+/// (coordinates/harmonic_polyhedral.hpp: the faces' planes are solved when it is made), in both a
+/// CellComplex.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
 /// 2007), sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are

@@ -84,6 +84,12 @@ public:
         boundary_.index_cells(1e-6 + 2 * double(tolerance_) / lattice().spacing);
     }
 
+    EmbeddedCage(EmbeddedCage&&) noexcept = default;
+    EmbeddedCage& operator=(EmbeddedCage&&) noexcept = default;
+    EmbeddedCage(const EmbeddedCage&) = delete; // at_cuts_ looks at the values of this
+    EmbeddedCage& operator=(const EmbeddedCage&) = delete;
+    ~EmbeddedCage() = default;
+
     const C& cage() const noexcept { return *cage_; }
     const BoundaryData<C>& data() const noexcept { return *data_; }
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
