@@ -96,8 +96,9 @@ Status take(const C& coordinates, Random& random, unsigned long long seed) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (is_finite(points[i])) REQUIRE(out[i] == points[i]);
     }
-    pose[0] = pose[pose.size() - 1];
-    REQUIRE(clone(binding, pose, out) == Status::ok);
+    pose[0] = pose[pose.size() - 1]; // beyond 1e36 the way there may be no number
+    const Status moved = clone(binding, pose, out);
+    REQUIRE(moved == Status::ok || moved == Status::pose_not_finite);
     return Status::ok;
 }
 

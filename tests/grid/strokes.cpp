@@ -223,6 +223,23 @@ TEST_CASE("fields converge with the square of the spacing", "[grid][strokes]") {
     }
 }
 
+TEST_CASE("values of any size: the field is that of small ones, larger", "[grid][strokes]") {
+    // Links cut next to a node weigh up to 1e9: found by tests/fuzz/hostile_strokes.cpp, seed 40016468.
+    const auto places = random_places(3, 60);
+    const auto field_of = [&](double size) {
+        const std::vector<Stroke<double>> strokes{{{{0.1, 0.2}, {0.9, 0.7}}, {-size, size}, {}},
+                                                  {{{0.15, 0.8}, {0.8, 0.85}}, {size, 0}, {-size, -size}}};
+        return drawn(strokes, places, 1);
+    };
+    const auto small = field_of(1);
+    for (const double size : {1e-300, 1e150, 1.7e308}) {
+        CAPTURE(size);
+        auto values = field_of(size);
+        for (double& value : values) value /= size;
+        CHECK(largest_difference(values, small) <= 1e-9);
+    }
+}
+
 TEST_CASE("a disc far larger than the canvas covers it", "[grid][strokes]") {
     // Where its circle crosses lattice lines no index holds (undefined behaviour before, found by a sanitizer).
     for (const double radius : {10.0, 1e12, 1e59, 1e150}) {

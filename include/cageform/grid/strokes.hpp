@@ -344,7 +344,7 @@ private:
                 for (std::size_t k = 0; k < together && cut.weight > 0; ++k) {
                     const auto [middle, half] = ranges[first + k];
                     const double given = value(problem.values[c], drawing_.points.size(), first + k);
-                    if (half > 0) source[slots[cut.node]][k] += cut.weight * (given - middle) / half;
+                    if (half > 0) source[slots[cut.node]][k] += cut.weight * ((given - middle) / half);
                 }
             }
         };
