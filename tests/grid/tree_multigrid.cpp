@@ -207,7 +207,7 @@ TEST_CASE("a cycle leaves a quarter of the error at most, on every oracle cage",
           "splitting_chain_hexagonlike_split_chain", "straight_chain_square_straight_chain", "unit_square"}) {
         CAPTURE(name);
         const auto oracle = cageform_tests::read_oracle(std::string("harmonic2d_") + name);
-        const SizingOptions options{.singular_levels = 5};
+        const SizingOptions options{.singular_levels = 5.0};
         const auto factor = oracle.chain.empty()
                                 ? convergence_factor(Problem<2>(oracle.cage<double>(), options))
                                 : convergence_factor(Problem<2>(oracle.complex<double>(), options));

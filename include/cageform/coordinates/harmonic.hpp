@@ -20,7 +20,8 @@ struct HarmonicSolverChoice {
     /// use(std::type_identity<the solver>{}), or solver_not_supported.
     template <class Use>
     static Status choose(const Options& options, const Use& use) {
-        if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
+        if (options.solver != HarmonicSolver::multigrid || options.accuracy != 0)
+            return Status::solver_not_supported;
         return use(std::type_identity<MultigridSolver<C>>{});
     }
 };

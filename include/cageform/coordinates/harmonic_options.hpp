@@ -21,6 +21,11 @@ struct MultigridOptions {
 
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
+    /// The largest error wanted of a weight, 1e-5 … 0.1, which an adaptive grid is made for: of
+    /// coordinates WithAdaptiveGrid alone (coordinates/tree_solver.hpp). In the plane it is met; in
+    /// space, next to reflex edges, three times that was measured. 0: the uniform grid of
+    /// `resolution`.
+    double accuracy = 0;
     std::size_t resolution = 128; ///< cells along the cage's longest side: 8 … 16384, in space 8 … 1024
     /// In bytes. What takes more on one thread (hierarchy and block, with `solve` the functions kept)
     /// is refused before it is tried. The default is 8 GiB, 1 GiB where addresses have 32 bits.

@@ -46,6 +46,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(solver_not_supported, "the solver is not there for these coordinates")                       \
     /* grid/: solvers; SolverReport names the culprit */                                          \
     X(resolution_not_supported, "the grid resolution is out of range")                            \
+    X(accuracy_not_supported, "the accuracy asked for is out of range")                           \
     X(tolerance_not_positive, "the solver's tolerance is not a positive number")                  \
     X(grid_too_coarse, "the grid is too coarse to see a part of the cage")                        \
     X(rim_not_given, "an unknown cell lies on the rim of the grid")                               \

@@ -8,10 +8,16 @@ namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
 struct SizingOptions {
-    double across = 6;            ///< cells across the thickness of the domain
-    double per_facet = 1;         ///< cells along the least altitude of a facet, in the plane its length
-    unsigned singular_levels = 1; ///< halvings more at reflex edges (in the plane vertices) and rims of walls
-    double largest = 1.0 / 16;    ///< cell, of the cage's longest side
+    double across = 6;    ///< cells across the thickness of the domain
+    double per_facet = 1; ///< cells along the least altitude of a facet, in the plane its length
+    /// Halvings more where functions fall like the distance from an edge (in the plane a vertex); at
+    /// one of interior angle ω, where they fall like its power π/ω, that much more. In space at reflex
+    /// edges and rims of walls alone.
+    double singular_levels = 0.67;
+    /// Cells of each size about what is singular, before those of twice the size; 0: as few as a
+    /// balanced tree has, one or two.
+    unsigned layers = 0;
+    double largest = 1.0 / 16; ///< cell, of the cage's longest side
 };
 
 /// A leaf that holds the place is at most `size` large. In units.
@@ -56,7 +62,6 @@ public:
 private:
     static constexpr double touching = 0.01; ///< of units: so near are bodies with a common plane
     static constexpr double facing = 0.7;    ///< cosine between a facet and one it is measured across
-    static constexpr double reflex = 0.17;   ///< sine by which an angle inside exceeds a straight one
     static constexpr double spacing = 1.3;   ///< of samples, in the sizes they tell
     static constexpr std::size_t pieces = 8; ///< of a singular edge, each sized by itself
 
@@ -124,7 +129,7 @@ private:
         for (const auto& corner : piece) middle = middle + (1 / double(D)) * corner;
         const double t = thickness(side, middle), across = t / options_.across;
         const double size = std::max(std::min({across, side.by_altitude, largest_}), 1.0);
-        add(middle, size);
+        add(middle + (0.25 * size) * side.inwards, size); // where cells meet on a facet, the inner one
         std::size_t first = 0;
         double longest = 0;
         for (std::size_t k = 0; k < (D == 2 ? 1 : D); ++k) {
@@ -177,19 +182,43 @@ private:
         for (std::size_t begin = 0, end = 0; begin < ridges.size(); begin = end) {
             while (end < ridges.size() && ridges[end].vertex == ridges[begin].vertex) ++end;
             const std::span<const Ridge> about(ridges.data() + begin, end - begin);
-            if (is_singular(about)) sample_ridge(about);
+            const double levels = std::round(options_.singular_levels / exponent(about));
+            if (levels > 0) sample_ridge(about, levels);
         }
     }
-    bool is_singular(std::span<const Ridge> about) const noexcept {
-        for (const Ridge& ridge : about) {
-            if (!boundary_[ridge.facet].turns) return true;
+    /// Of the distance, which the steepest functions at a ridge fall like; infinite where the tree
+    /// need not be finer.
+    double exponent(std::span<const Ridge> about) const noexcept {
+        constexpr double pi = std::numbers::pi, reflex = 1.05 * pi, obtuse = 0.55 * pi;
+        double angle = about.size() == 1 ? 2 * pi : pi;
+        if (about.size() == 2) {
+            const auto &a = boundary_[about[0].facet], &b = boundary_[about[1].facet];
+            const auto u = across(about[0]), v = across(about[1]);
+            const double size = length(u) * length(v);
+            if (!(size > 0)) return std::numeric_limits<double>::infinity();
+            angle = std::acos(std::clamp(dot(u, v) / size, -1.0, 1.0));
+            const bool convex = dot(boundary_.normal(about[0].facet), v) < 0;
+            if (!a.turns && !b.turns) {
+                angle = std::max(angle, 2 * pi - angle);
+            } else if (a.turns && b.turns && !convex) {
+                angle = 2 * pi - angle;
+            } else if (a.turns != b.turns) {
+                angle = pi;
+            }
         }
-        if (about.size() != 2) return true;
-        const auto& on = boundary_[about[0].facet].corner[(about[0].apex + 1) % D];
-        const auto to_other = boundary_[about[1].facet].corner[about[1].apex] - on;
-        return dot(boundary_.normal(about[0].facet), to_other) > reflex * altitude(boundary_[about[1].facet]);
+        return angle > (D == 2 ? obtuse : reflex) ? pi / angle : std::numeric_limits<double>::infinity();
     }
-    void sample_ridge(std::span<const Ridge> about) {
+    /// From a ridge to the rest of its facet, at a right angle.
+    Vec<double, D> across(const Ridge& ridge) const noexcept {
+        const auto& corner = boundary_[ridge.facet].corner;
+        const auto &a = corner[(ridge.apex + 1) % D], &b = corner[(ridge.apex + D - 1) % D];
+        auto to_apex = corner[ridge.apex] - a;
+        const auto along = b - a;
+        if (D > 2 && dot(along, along) > 0)
+            to_apex = to_apex - (dot(to_apex, along) / dot(along, along)) * along;
+        return to_apex;
+    }
+    void sample_ridge(std::span<const Ridge> about, double levels) {
         const auto& facet = boundary_[about[0].facet];
         const auto a = facet.corner[(about[0].apex + 1) % D], b = facet.corner[(about[0].apex + D - 1) % D];
         const std::size_t parts = D == 2 ? 1 : pieces;
@@ -205,13 +234,39 @@ private:
                     size = std::min({size, side.by_altitude, thickness(side, inside) / options_.across});
                 }
             }
-            size = std::max(std::ldexp(size, -int(options_.singular_levels)), 1.0);
-            const double steps = D == 2 ? 1 : std::ceil(length(b - a) / double(parts) / size);
-            if (out_.count > double(most_)) {
-                out_.count += steps;
-                continue;
+            for (double level = levels; level >= 0; level -= 1) {
+                const double here = std::max(std::ldexp(size, -int(level)), 1.0);
+                const double steps = D == 2 ? 1 : std::ceil(length(b - a) / double(parts) / here);
+                if (out_.count > double(most_)) {
+                    out_.count += 4 * steps;
+                    continue;
+                }
+                for (double step = 0; step < steps; ++step) add_about(at((step + 0.5) / steps), b - a, here);
+                if (options_.layers == 0) break;
             }
-            for (double step = 0; step < steps; ++step) add(at((step + 0.5) / steps), size);
+        }
+    }
+    /// Layers of cells about a place of a ridge; at least those that meet there.
+    void add_about(const Vec<double, D>& place, const Vec<double, D>& along, double size) {
+        const auto steps = std::max(2 * int(options_.layers), 1);
+        const double reach = options_.layers > 0 ? 0.9 * options_.layers * size : 0.25 * size;
+        std::array<Vec<double, D>, 2> axes{};
+        axes[0][0] = axes[1][1] = 1;
+        if constexpr (D == 3) {
+            const std::size_t flat = std::fabs(along[0]) < std::fabs(along[1])   ? 0
+                                     : std::fabs(along[1]) < std::fabs(along[2]) ? 1
+                                                                                 : 2;
+            axes[0] = {};
+            axes[0][flat] = 1;
+            axes[0] = cross(along, axes[0]);
+            axes[1] = cross(along, axes[0]);
+            for (auto& axis : axes) axis = (1 / std::max(length(axis), 1e-300)) * axis;
+        }
+        for (int i = 0; i <= steps; ++i) {
+            for (int j = 0; j <= steps; ++j) {
+                const auto part = [&](int n) { return reach * (2.0 * n / steps - 1); };
+                add(place + part(i) * axes[0] + part(j) * axes[1], size);
+            }
         }
     }
 

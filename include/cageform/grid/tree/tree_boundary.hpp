@@ -156,12 +156,13 @@ class TreeBoundary {
 public:
     using Facet = detail::PlacedFacet<D>;
     using Index = std::array<std::int32_t, D>;
-    static constexpr double slack = 1e-6; ///< what is as near to a cell counts as passing it
 
     /// Of a Polygon, a TriangleMesh or a CellComplex that `check` finds sound; bones are left out.
     /// The cube is the smallest about it.
+    ///
+    ///   tolerance  what is as near to a cell counts as passing it; in the units of the cage
     template <class Cage>
-    TreeBoundary(const Cage& cage, unsigned depth)
+    TreeBoundary(const Cage& cage, unsigned depth, double tolerance = 0)
         : depth_(depth)
         , fraction_(30 - int(depth)) {
         const auto bounds = bounds_of(cage.vertices());
@@ -169,6 +170,7 @@ public:
         double longest = 0;
         for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, extent[k]);
         unit_ = std::ldexp(longest, -int(depth));
+        slack_ = rounding + tolerance / unit_;
         for (std::size_t k = 0; k < D; ++k) origin_[k] = lower[k] - 0.5 * (longest - extent[k]);
         std::vector<Vec<double, D>> placed, rounded;
         for (const auto& vertex : cage.vertices()) {
@@ -206,12 +208,12 @@ public:
     const Vec<double, D>& normal(std::size_t facet) const noexcept { return normals_[facet]; }
     const detail::FacetBoxes<D>& boxes() const noexcept { return *boxes_; } // NOLINT: always made
 
-    /// Whether a facet passes a cell or comes as near to it as `slack`.
+    /// Whether a facet passes a cell or comes as near to it as the tolerance.
     bool passes(std::size_t facet, const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
         auto middle = node_position<D>(cell.low);
         for (std::size_t k = 0; k < D; ++k) middle[k] += half;
-        return detail::passes(facets_[facet], middle, half + slack);
+        return detail::passes(facets_[facet], middle, half + slack_);
     }
     /// Where a ray from inside meets a facet: one that it would leave the inside by, or a wall.
     std::optional<Hit<D>> hit(std::size_t facet, const AxisRay<D>& ray) const noexcept {
@@ -296,7 +298,7 @@ private:
         boxes_->for_each_on_ray(middle, up, all, [&](std::uint32_t n) {
             if (&facets_[n] == &facet || !facets_[n].turns) return all;
             const auto at = detail::crossing(facets_[n], axis, line, fraction_);
-            if (at && std::fabs(*at - *from) <= slack) apart = false;
+            if (at && std::fabs(*at - *from) <= rounding) apart = false;
             if (at && *at > *from) inside_above = !inside_above;
             return all;
         });
@@ -304,9 +306,11 @@ private:
         return detail::length(normal_of(facet)) * (inside_above == (normal[axis] > 0) ? -1.0 : 1.0);
     }
 
+    static constexpr double rounding = 1e-6; ///< of places, and more
+
     unsigned depth_;
     int fraction_; ///< bits of a coordinate behind the point
-    double unit_ = 1;
+    double unit_ = 1, slack_ = rounding;
     Vec<double, D> origin_{};
     Buffer<Facet> facets_, exact_;
     Buffer<Vec<double, D>> normals_;

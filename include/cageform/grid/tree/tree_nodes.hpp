@@ -106,11 +106,11 @@ inline constexpr double on_facet_distance = 1e-6;
 template <std::size_t D>
 TreeNodes<D> nodes_of(const CutTree<D>& tree) {
     using Cell = typename CellTree<D>::Cell;
-    struct Corner {
+    struct LeafCorner {
         typename TreeNodes<D>::Key key;
         std::uint32_t cut; ///< the leaf, if facets pass it; 0: inside
     };
-    Buffer<Corner> corners;
+    Buffer<LeafCorner> corners;
     tree.cells().for_each_leaf([&](const Cell& leaf) {
         const CellState state = tree.state(leaf.number);
         if (state == CellState::out) return;
@@ -121,11 +121,11 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree) {
             corners.push_back({TreeNodes<D>::key(corner), state == CellState::cut ? leaf.number + 1 : 0});
         }
     });
-    std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
+    std::sort(corners.begin(), corners.end(), [](const LeafCorner& a, const LeafCorner& b) {
         return a.key != b.key ? a.key < b.key : a.cut < b.cut;
     });
     Buffer<typename TreeNodes<D>::Key> keys;
-    const auto is_inside = [&](const Corner& corner) {
+    const auto is_inside = [&](const LeafCorner& corner) {
         if (corner.cut == 0) return true;
         const auto index = TreeNodes<D>::index_of(corner.key);
         std::array<std::int64_t, D> line{};

@@ -1,0 +1,304 @@
+// Harmonic functions of a cage on an adaptive grid: bound by accuracy, not by resolution. Cells are
+// as fine as the cage is thin, its facets small and its edges sharp (grid/tree/).
+//
+//     HarmonicCoordinates<double, 3, TriangleMesh<double>, WithAdaptiveGrid<TriangleMesh<double>>>
+//         coordinates(mesh, {.accuracy = 2e-3});
+#pragma once
+
+#include <cageform/coordinates/detail/cut_samples.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/grid/tree/sizing.hpp>
+#include <cageform/grid/tree/tree_multigrid.hpp>
+
+#include <memory>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// A cage laid into a tree. The cage outlives it; it is not moved, as its parts point to each other.
+template <class C>
+class TreeCage {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+
+public:
+    /// Cells of a side of the smallest cube about the cage, at most, as a power of two.
+    static constexpr unsigned most_depth = D == 2 ? 16 : 12, least_depth = 8;
+    /// The same, so that a cell is not lost in the rounding of the cage's coordinates.
+    static unsigned depth_of(const C& cage, T tolerance) noexcept {
+        const auto bounds = bounds_of(cage.vertices());
+        double longest = 0;
+        for (std::size_t k = 0; k < D; ++k)
+            longest = std::fmax(longest, double(bounds.upper[k]) - double(bounds.lower[k]));
+        unsigned depth = most_depth;
+        while (depth > 0 && std::ldexp(longest, -int(depth)) < 4 * double(tolerance)) --depth;
+        return depth;
+    }
+
+    TreeCage(const C& cage, T tolerance)
+        : cage_(cage)
+        , tolerance_(tolerance)
+        , boundary_(cage, depth_of(cage, tolerance), 2 * double(tolerance))
+        , tree_(boundary_) {}
+    TreeCage(const TreeCage&) = delete;
+    TreeCage& operator=(const TreeCage&) = delete;
+    ~TreeCage() = default;
+
+    /// Errors of samples fall with the square of the cells' sizes; the factors are measured.
+    static grid::SizingOptions sizing(double accuracy) noexcept {
+        const double finer = std::sqrt((D == 2 ? 1e-2 : 1.2e-3) / accuracy);
+        return {.across = 6 * finer,
+                .per_facet = finer,
+                .singular_levels = D == 2              ? 0.5 * std::log2(1 / accuracy) + 1
+                                   : accuracy < 1.5e-3 ? 1.33
+                                                       : 0.67,
+                .layers = D == 2 || accuracy < 1.5e-3 ? 3u : 0u,
+                .largest = std::min(0.125, 1.0 / (16 * finer))};
+    }
+
+    /// False where more leaves than the most allowed are needed; `leaves` then says how many, by an
+    /// estimate.
+    bool refine(double accuracy, double most, double& leaves) {
+        constexpr double samples_of_leaf = 5; // as measured
+        const auto options = sizing(accuracy);
+        const auto samples = grid::size_samples(boundary_, options, std::size_t(4 * samples_of_leaf * most));
+        leaves = samples.count / samples_of_leaf;
+        if (double(samples.list.size()) < samples.count) return false;
+        const std::span<const grid::SizeSample<D>> list(samples.list.data(), samples.list.size());
+        if (!grid::refine(tree_, list, options, std::size_t(most))) {
+            leaves = std::max(leaves, most + 1);
+            return false;
+        }
+        leaves = double(tree_.cells().leaves());
+        nodes_ = grid::nodes_of(tree_);
+        return true;
+    }
+
+    const C& cage() const noexcept { return cage_; }
+    const grid::CutTree<D>& tree() const noexcept { return tree_; }
+    const grid::TreeNodes<D>& nodes() const noexcept { return nodes_; }
+    std::size_t bytes() const noexcept { return tree_.bytes() + nodes_.bytes(); }
+
+    /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
+    /// outside and beyond the batch.
+    grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const {
+        grid::CutStencil<D> stencil;
+        if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
+        const auto p = block_point<D>(batch.points, i);
+        const auto at = boundary_.in_units(vec_cast<double>(p));
+        const auto leaf = leaf_at(at);
+        const auto facets = tree_.facets(leaf.number);
+        const auto [state, value] = located(p, at, leaf);
+        batch.states[i] = state;
+        if (state == PointState::on_boundary) {
+            stencil.add(value, 1.0);
+        } else if (state == PointState::inside) {
+            const auto nearest = boundary_.nearest(facets, at);
+            if (nearest.distance <= grid::on_facet_distance) {
+                stencil.add(nearest.value, 1.0);
+                return stencil;
+            }
+            grid::StencilSink<D> sink{nodes_, stencil};
+            LeafGather<D, grid::StencilSink<D>>(boundary_, nodes_, sink).gather(leaf, facets, at);
+        }
+        return stencil;
+    }
+
+private:
+    using Cell = typename grid::CellTree<D>::Cell;
+
+    Cell leaf_at(const Vec<double, D>& p) const noexcept {
+        typename grid::CellTree<D>::Index doubled{};
+        const double end = 2.0 * tree_.cells().size();
+        for (std::size_t k = 0; k < D; ++k)
+            doubled[k] = std::int32_t(std::floor(std::clamp(2 * p[k], 0.0, end)));
+        return tree_.cells().leaf_at(doubled);
+    }
+    grid::Located<D> located(const Vec<T, D>& p, const Vec<double, D>& at, const Cell& leaf) const noexcept {
+        const double size = tree_.cells().size();
+        bool in_cube = true;
+        for (std::size_t k = 0; k < D; ++k) in_cube = in_cube && at[k] > 0 && at[k] < size;
+        const auto state = tree_.state(leaf.number);
+        if (in_cube && state != grid::CellState::cut)
+            return {state == grid::CellState::in ? PointState::inside : PointState::outside, {}};
+        // Where the tolerance or what the tree has rounded might decide.
+        const double near = 1e-4 + 2 * double(tolerance_) / boundary_.unit();
+        if (in_cube && boundary_.nearest(tree_.facets(leaf.number), at).distance > near) {
+            std::array<std::int64_t, D> line{};
+            for (std::size_t k = 0; k < D; ++k)
+                line[k] = std::llround(std::ldexp(at[k], boundary_.fraction()));
+            return {tree_.is_inside(line) ? PointState::inside : PointState::outside, {}};
+        }
+        grid::Located<D> found{locate(cage_, p, tolerance_), {}};
+        Vec<T, D> place;
+        if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(cage_, p, place);
+        return found;
+    }
+
+    const C& cage_;
+    T tolerance_;
+    grid::TreeBoundary<D> boundary_;
+    grid::CutTree<D> tree_;
+    grid::TreeNodes<D> nodes_;
+};
+
+} // namespace detail
+
+/// A CageSolver for polygons, meshes and complexes without bones; groups are of sixteen functions.
+/// HarmonicOptions::accuracy says how fine the grid is, and how far it is solved.
+template <class C>
+class TreeSolver {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+    using Multigrid = grid::TreeMultigrid<D>;
+    static constexpr std::size_t width = Multigrid::width;
+
+public:
+    using Problem = CageProblem<C, HarmonicOptions>;
+    using Block = typename Multigrid::Block;
+
+    static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made) {
+        constexpr double bytes_of_leaf = 700; // tree, hierarchy and a block, as measured
+        const double accuracy = problem.options.accuracy;
+        if (!(accuracy >= 1e-5 && accuracy <= 0.1)) return Status::accuracy_not_supported;
+        if (!interior_cells(problem.cage).bones.empty()) return Status::solver_not_supported;
+        if (detail::TreeCage<C>::depth_of(problem.cage, problem.tolerance) < detail::TreeCage<C>::least_depth)
+            return Status::resolution_not_supported;
+        auto cage = std::make_unique<detail::TreeCage<C>>(problem.cage, problem.tolerance);
+        double leaves = 0;
+        const double most =
+            std::min(double(problem.options.memory_limit) / bytes_of_leaf, double(std::uint32_t(-1) / 8));
+        if (!cage->refine(accuracy, most, leaves)) {
+            report.bytes = std::size_t(bytes_of_leaf * leaves);
+            return Status::out_of_memory;
+        }
+        made.emplace(std::move(cage), problem.options);
+        report.cells = made->multigrid_.unknowns();
+        report.unseen_handle = made->first_unseen(problem.report);
+        return report.unseen_handle == SolverReport::none ? Status::ok : Status::grid_too_coarse;
+    }
+    TreeSolver(std::unique_ptr<detail::TreeCage<C>> cage, const HarmonicOptions& options)
+        : cage_(std::move(cage))
+        , tolerance_(std::min(0.05 * options.accuracy, 1e-4))
+        , max_cycles_(options.multigrid.max_cycles)
+        , multigrid_(cage_->tree(), cage_->nodes()) {}
+
+    SolverMemory memory() const noexcept {
+        return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
+    }
+
+    // ---- groups
+    // ------------------------------------------------------------------------------------
+
+    std::size_t groups() const noexcept { return (cage_->cage().size() + width - 1) / width; }
+    Block make_block() const { return multigrid_.make_block(); }
+
+    Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
+        SolverReport& report = work.report;
+        const std::size_t count = handles_of(group).second;
+        report.solves = count;
+        multigrid_.start(block, group * width);
+        double before = 0;
+        for (;;) {
+            if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
+            const double change = multigrid_.cycle(block, count);
+            ++report.cycles;
+            // A cycle's change is the error before it, but for what is left.
+            const double factor = std::clamp(before > 0 ? change / before : 0.5, 0.05, 0.9);
+            if (before > tolerance_) report.convergence_factor = std::max(report.convergence_factor, factor);
+            report.error_estimate = change * factor;
+            before = change;
+            if (report.error_estimate <= tolerance_) break;
+            if (report.cycles == max_cycles_) {
+                report.unconverged = count;
+                return Status::not_converged;
+            }
+            if (is_refined() && report.cycles > 3) multigrid_.refine(block);
+        }
+        const auto bound = multigrid_.bound(block);
+        report.error_bound = *std::max_element(bound.begin(), bound.begin() + std::ptrdiff_t(count));
+        return Status::ok;
+    }
+
+    /// In float, as the cycles leave them: what is rounded off is far below any accuracy asked for.
+    struct Functions {
+        Buffer<typename Multigrid::Row> rows; ///< by node
+
+        typename Multigrid::Values value(std::uint32_t node) const noexcept {
+            typename Multigrid::Values values{};
+            for (std::size_t k = 0; k < width; ++k) values[k] = double(rows[node][k]);
+            return values;
+        }
+    };
+    Functions keep(const Block& block) const {
+        Functions functions{Buffer<typename Multigrid::Row>(multigrid_.unknowns())};
+        for (std::uint32_t node = 0; node < multigrid_.unknowns(); ++node) {
+            const auto values = block.value(node);
+            for (std::size_t k = 0; k < width; ++k) functions.rows[node][k] = float(values[k]);
+        }
+        return functions;
+    }
+
+    // ---- samples
+    // -----------------------------------------------------------------------------------
+
+    using Samples = detail::CutSamples<D>;
+
+    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
+        Samples samples(first);
+        for (std::size_t i = first; i < last; ++i)
+            samples.add(cage_->stencil(batch, i), detail::HatData<D>{});
+        return samples;
+    }
+    template <class Solved> // a block or what is kept
+    void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
+        const auto [first, count] = handles_of(group);
+        samples.sample(solved, first, count, rows);
+    }
+    void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
+
+private:
+    /// Float alone stalls at some 3e-7.
+    bool is_refined() const noexcept { return tolerance_ < 2e-6; }
+    std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
+        return {group * width, std::min(width, cage_->cage().size() - group * width)};
+    }
+    /// The first handle without data on any link.
+    std::size_t first_unseen(const CageReport& cage) const {
+        std::vector<bool> seen(cage_->cage().size());
+        for (const auto& part : multigrid_.data()) seen[part.handle] = true;
+        for (const CageFault& fault : cage.faults) { // warnings
+            if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
+        }
+        const auto first = std::find(seen.begin(), seen.end(), false);
+        return first == seen.end() ? SolverReport::none : std::size_t(first - seen.begin());
+    }
+
+    std::unique_ptr<detail::TreeCage<C>> cage_;
+    double tolerance_;
+    std::size_t max_cycles_;
+    Multigrid multigrid_;
+};
+
+/// The adaptive grid where HarmonicOptions::accuracy is given, else the uniform one. On the adaptive
+/// one boxes, faces of more than three corners, bones and gradients are solver_not_supported.
+template <class C>
+struct WithAdaptiveGrid {
+    using Options = HarmonicOptions;
+
+    template <class Use>
+    static Status choose(const Options& options, const Use& use) {
+        if (options.accuracy == 0) return HarmonicSolverChoice<C>::choose(options, use);
+        if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
+        if constexpr (std::is_same_v<typename grid::GridBoundaryOf<C>::type,
+                                     grid::SimplexBoundary<C::dimension>> &&
+                      std::is_base_of_v<detail::HatData<C::dimension>, detail::BoundaryData<C>>) {
+            return use(std::type_identity<TreeSolver<C>>{});
+        } else {
+            return Status::solver_not_supported;
+        }
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

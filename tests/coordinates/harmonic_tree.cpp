@@ -1,0 +1,157 @@
+// Harmonic coordinates on an adaptive grid: bound by accuracy; against the oracle, and what is refused.
+#include "catch.hpp"
+#include "support/meshes.hpp"
+#include "support/oracle.hpp"
+#include "support/weights.hpp"
+
+#include <cageform/coordinates/tree_solver.hpp>
+#include <cageform/core/threads.hpp>
+
+namespace harmonic_tree_tests {
+
+using namespace cageform_tests;
+using cageform::CellComplex;
+using cageform::HarmonicOptions;
+using cageform::Polygon;
+using cageform::TriangleMesh;
+
+namespace {
+
+template <class C>
+using Adaptive =
+    cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C, cageform::WithAdaptiveGrid<C>>;
+
+template <class C, class Points>
+double largest_error(const C& cage, const Points& points, const std::vector<std::vector<double>>& expected,
+                     double accuracy) {
+    const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), points);
+    REQUIRE(weights.status() == Status::ok);
+    CHECK(weights.evaluation.solver.error_estimate <= 0.05 * accuracy);
+    CHECK(weights.evaluation.solver.convergence_factor <= 0.25);
+    double error = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CHECK(weights.states[i] == PointState::inside);
+        error = std::max(error, difference(weights.rows[i], expected[i]));
+    }
+    return error;
+}
+
+TEST_CASE("adaptive weights are as accurate as asked, in the plane",
+          "[coordinates][harmonic][tree][oracle]") {
+    // Some points are as near as 1e-5 diagonals to a corner or to the end of a chain.
+    for (const char* name :
+         {"triangle", "unit_square", "rectangle", "square_extra_vertex", "hexagon", "l_shape", "star",
+          "biped", "cat", "hole_square_square_hole", "hole_hexagon_triangle_hole",
+          "straight_chain_square_straight_chain", "splitting_chain_hexagonlike_split_chain", "spiral"}) {
+        CAPTURE(name);
+        const auto oracle = read_oracle(std::string("harmonic2d_") + name);
+        const auto error =
+            oracle.chain.empty()
+                ? largest_error(oracle.cage<double>(), oracle.points, oracle.coordinates, 1e-3)
+                : largest_error(oracle.complex<double>(), oracle.points, oracle.coordinates, 1e-3);
+        CHECK(error <= 1e-3);
+    }
+}
+// What grids leave at edges in space is measured at three times what is asked for.
+TEST_CASE("adaptive weights are nearly as accurate as asked, in space",
+          "[coordinates][harmonic][tree][oracle]") {
+    for (const char* name : {"tetrahedron", "cube_triangulated", "box_mixed_diagonals_triangulated"}) {
+        CAPTURE(name);
+        const auto json = read_json(std::string("harmonic3d_") + name);
+        const auto vertices = json["cage"]["vertices"].get<std::vector<std::array<double, 3>>>();
+        const auto faces = json["cage"]["faces"].get<std::vector<std::array<int, 3>>>();
+        const auto points = json["points"].get<std::vector<std::array<double, 3>>>();
+        const auto expected = json["coordinates"].get<std::vector<std::vector<double>>>();
+        CHECK(largest_error(TriangleMesh<double>(vertices, faces), points, expected, 5e-3) <= 1.5e-2);
+    }
+}
+
+template <class C, class Points>
+void check_laws(const C& cage, const Points& points) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    Adaptive<C> coordinates(cage, {.accuracy = 0.02});
+    const auto weights = evaluate_all(coordinates, points);
+    REQUIRE(weights.status() == Status::ok);
+    const double size = double(bounds_of(cage.vertices()).diagonal());
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CHECK(weights.states[i] ==
+              locate(cage, points[i], cageform::coincidence_tolerance(bounds_of(cage.vertices()))));
+        if (!(weights.states[i] == PointState::inside || weights.states[i] == PointState::on_boundary))
+            continue;
+        ++inside;
+        Vec<double, D> p{};
+        double sum = 0;
+        for (std::size_t k = 0; k < cage.size(); ++k) {
+            const auto w = double(weights.rows[i][k]);
+            CHECK((w >= 0 && w <= 1));
+            sum += w;
+            p = p + w * vec_cast<double>(cage.vertices()[k]);
+        }
+        CHECK(std::fabs(sum - 1) <= 3e-3); // to the solver's tolerance, of each function
+        CHECK(cageform::detail::length(p - vec_cast<double>(points[i])) <= 3e-3 * size);
+    }
+    CHECK(inside > 0);
+    // The same bits on any number of threads, and from functions that are kept, but for float.
+    const auto threaded = evaluate_all(coordinates, points, {.parallel = cageform::ThreadedFor{3}});
+    CHECK(threaded.rows == weights.rows);
+    REQUIRE(coordinates.solve().status == Status::ok);
+    const auto kept = evaluate_all(coordinates, points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        CHECK(difference(kept.rows[i], weights.rows[i]) <= T(1e-6));
+}
+TEMPLATE_TEST_CASE("adaptive weights are a mean that reproduces the point",
+                   "[coordinates][harmonic][tree][property]", CAGEFORM_SCALARS) {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        CAPTURE(seed);
+        const Polygon<TestType> polygon(random_star<TestType>(seed));
+        Random random(seed);
+        Points2<TestType> points;
+        for (int n = 0; n < 40; ++n) points.push_back(random_inside(polygon, random, 1e-6));
+        for (const auto& vertex : polygon.vertices()) points.push_back(vertex);
+        points.push_back(TestType(0.5) * (polygon.vertices()[0] + polygon.vertices()[1]));
+        points.push_back(polygon.vertices()[0] +
+                         TestType(100) * (polygon.vertices()[1] - polygon.vertices()[0]));
+        check_laws(polygon, points);
+    }
+    const auto data = random_mesh(2);
+    const auto mesh = data.template mesh<TestType>();
+    Points3<TestType> points;
+    for (const auto& p : points_about(data, 60, 2)) points.push_back(vec_cast<TestType>(p));
+    points.push_back(mesh.vertices()[3]);
+    check_laws(mesh, points);
+}
+
+TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][harmonic][tree][status]") {
+    const auto mesh = divided_box({1, 1, 1}, 1.0).mesh<double>();
+    const std::vector<Vec<double, 3>> points{{0, 0, 0}};
+    const auto status = [&](const auto& cage, const HarmonicOptions& options) {
+        return evaluate_all(Adaptive<std::remove_cvref_t<decltype(cage)>>(cage, options), points).status();
+    };
+    CHECK(status(mesh, {.accuracy = 0.01}) == Status::ok);
+    CHECK(status(mesh, {.accuracy = 1.0}) == Status::accuracy_not_supported);
+    CHECK(status(mesh, {.accuracy = -1e-3}) == Status::accuracy_not_supported);
+    CHECK(status(mesh, {.accuracy = 1e-9}) == Status::accuracy_not_supported);
+    CHECK(status(mesh, {.resolution = 16}) == Status::ok); // the uniform grid
+    CHECK(status(cageform::Box<double>({0, 0, 0}, {1, 1, 1}), {.accuracy = 0.01}) ==
+          Status::solver_not_supported);
+    CellComplex<double, 3> with_bone(mesh);
+    (void)with_bone.add_point(Vec<double, 3>{0.1, 0, 0}, 0.05);
+    CHECK(status(with_bone, {.accuracy = 0.01}) == Status::solver_not_supported);
+    // By those that have no adaptive grid the option is not passed over.
+    const cageform::HarmonicCoordinates uniform(mesh, {.accuracy = 0.01});
+    CHECK(evaluate_all(uniform, points).status() == Status::solver_not_supported);
+    // What takes more memory than allowed, with the bytes that it takes.
+    auto plate = divided_box({1, 1, 1}, 1.0);
+    for (auto& p : plate.vertices) p[2] *= 1e-5;
+    for (const auto& cage : {mesh, plate.mesh<double>()}) {
+        const HarmonicOptions options{.accuracy = 1e-3, .memory_limit = std::size_t{1} << 20};
+        const auto refused = evaluate_all(Adaptive<TriangleMesh<double>>(cage, options), points);
+        CHECK(refused.status() == Status::out_of_memory);
+        CHECK(refused.evaluation.solver.bytes > options.memory_limit);
+    }
+}
+
+} // namespace
+} // namespace harmonic_tree_tests
