@@ -223,6 +223,40 @@ TEST_CASE("a cycle leaves a quarter of the error at most, on every oracle cage",
     }
 }
 
+TEST_CASE("functions solved where they exceed a cutoff are short by twice that at most",
+          "[grid][tree][property]") {
+    // A long bar, its handles from one end to the other: sixteen of them are felt by few nodes.
+    const auto bar = cageform_tests::divided_box({16, 1, 1}, 1.0).mesh<double>();
+    const Problem<3> problem(bar, SizingOptions{.across = 4});
+    const TreeMultigrid<3> multigrid(problem.tree, problem.nodes);
+    auto full = multigrid.make_block(), local = multigrid.make_block();
+    for (const double cutoff : {1e-3, 1e-5}) {
+        for (std::size_t first = 0; first < bar.size(); first += 32) {
+            CAPTURE(cutoff, first);
+            multigrid.start(full, first);
+            multigrid.start(local, first, cutoff);
+            for (int c = 0; c < 8; ++c) {
+                (void)multigrid.cycle(full, 16);
+                (void)multigrid.cycle(local, 16);
+            }
+            CHECK(full.active() == multigrid.unknowns());
+            double above = 0, below = 0, largest = 0;
+            for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
+                const auto a = full.value(node), b = local.value(node);
+                for (std::size_t k = 0; k < 16; ++k) {
+                    above = std::max(above, b[k] - a[k]);
+                    below = std::max(below, a[k] - b[k]);
+                    largest = std::max(largest, b[k]);
+                }
+            }
+            CHECK(largest > 0.5);
+            CHECK(above <= 1e-6); // never more than the function, but for what float leaves
+            CHECK(below <= 2 * cutoff);
+            CHECK(10 * local.active() < 7 * multigrid.unknowns());
+        }
+    }
+}
+
 TEST_CASE("what a wall or a common plane parts knows nothing of the other side", "[grid][tree]") {
     // Two boxes with a common face, each with its own vertices.
     const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0);

@@ -47,8 +47,8 @@ struct SolverMemory {
     std::size_t block = 0;     ///< for one group of functions: on each thread
 };
 
-/// A solver of the functions of a cage's handles. A GroupSolver; group g holds the handles from
-/// g · n on, n of them, the last group perhaps fewer.
+/// A solver of the functions of a cage's handles. A GroupSolver; every handle is in one
+/// group.
 ///
 ///   Problem                    the CageProblem it solves
 ///   make(problem, report, made)

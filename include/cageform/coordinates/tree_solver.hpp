@@ -143,6 +143,59 @@ private:
     grid::TreeNodes<D> nodes_;
 };
 
+/// Handles in an order in which neighbours come together: functions of a group are then large in the
+/// same places.
+class HandleOrder {
+public:
+    HandleOrder() = default;
+    /// Halved across the longest side of their bounds, down to groups of `width`.
+    template <Scalar T, std::size_t D>
+    HandleOrder(std::span<const Vec<T, D>> places, std::size_t width)
+        : handle_(places.size())
+        , rank_(places.size()) {
+        for (std::uint32_t n = 0; n < handle_.size(); ++n) handle_[n] = n;
+        divide(places, width, 0, handle_.size());
+        for (std::uint32_t n = 0; n < handle_.size(); ++n) rank_[handle_[n]] = n;
+    }
+    std::uint32_t handle(std::size_t rank) const noexcept { return handle_[rank]; }
+    std::uint32_t rank(std::size_t handle) const noexcept { return rank_[handle]; }
+
+    /// As StencilTable asks for boundary data, by ranks.
+    template <class Value, class F>
+    void for_each_weight(const Value& value, F&& f) const {
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] != 0) f(rank_[value.handle[n]], value.weight[n]);
+        }
+    }
+
+private:
+    template <Scalar T, std::size_t D>
+    void divide(std::span<const Vec<T, D>> places, std::size_t width, std::size_t begin, std::size_t end) {
+        if (end - begin <= width) return;
+        std::size_t axis = 0;
+        double longest = -1;
+        for (std::size_t k = 0; k < D; ++k) {
+            T low = places[handle_[begin]][k], high = low;
+            for (std::size_t n = begin; n < end; ++n) {
+                low = std::min(low, places[handle_[n]][k]);
+                high = std::max(high, places[handle_[n]][k]);
+            }
+            if (double(high) - double(low) <= longest) continue;
+            longest = double(high) - double(low);
+            axis = k;
+        }
+        const std::size_t groups = (end - begin + width - 1) / width, middle = begin + groups / 2 * width;
+        std::nth_element(handle_.begin() + begin, handle_.begin() + middle, handle_.begin() + end,
+                         [&](std::uint32_t a, std::uint32_t b) {
+                             return std::pair(places[a][axis], a) < std::pair(places[b][axis], b);
+                         });
+        divide(places, width, begin, middle);
+        divide(places, width, middle, end);
+    }
+
+    Buffer<std::uint32_t> handle_, rank_;
+};
+
 } // namespace detail
 
 /// A CageSolver for polygons, meshes and complexes without bones; groups are of sixteen functions.
@@ -182,7 +235,8 @@ public:
         : cage_(std::move(cage))
         , tolerance_(std::min(0.05 * options.accuracy, 1e-4))
         , max_cycles_(options.multigrid.max_cycles)
-        , multigrid_(cage_->tree(), cage_->nodes()) {}
+        , order_(cage_->cage().vertices(), width)
+        , multigrid_(cage_->tree(), cage_->nodes(), links(*cage_, order_)) {}
 
     SolverMemory memory() const noexcept {
         return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
@@ -198,7 +252,7 @@ public:
         SolverReport& report = work.report;
         const std::size_t count = handles_of(group).second;
         report.solves = count;
-        multigrid_.start(block, group * width);
+        multigrid_.start(block, group * width, cutoff());
         double before = 0;
         for (;;) {
             if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
@@ -216,8 +270,7 @@ public:
             }
             if (is_refined() && report.cycles > 3) multigrid_.refine(block);
         }
-        const auto bound = multigrid_.bound(block);
-        report.error_bound = *std::max_element(bound.begin(), bound.begin() + std::ptrdiff_t(count));
+        report.error_estimate += 2 * cutoff();
         return Status::ok;
     }
 
@@ -247,27 +300,39 @@ public:
 
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
-        for (std::size_t i = first; i < last; ++i)
-            samples.add(cage_->stencil(batch, i), detail::HatData<D>{});
+        for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), order_);
         return samples;
     }
     template <class Solved> // a block or what is kept
     void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
-        samples.sample(solved, first, count, rows);
+        samples.sample(solved, first, count, rows, [this](std::size_t rank) { return order_.handle(rank); });
     }
     void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
 
 private:
+    /// Their data by ranks.
+    static grid::TreeLinks links(const detail::TreeCage<C>& cage, const detail::HandleOrder& order) {
+        auto links = grid::links_of(cage.tree(), cage.nodes());
+        for (auto& part : links.data) part.handle = order.rank(part.handle);
+        std::sort(links.data.begin(), links.data.end(), [](const auto& a, const auto& b) {
+            return a.handle != b.handle ? a.handle < b.handle : a.node < b.node;
+        });
+        return links;
+    }
+    /// Where functions are below it they are left at zero. So small, as the sum over all of them is
+    /// left short by a hundred times that.
+    double cutoff() const noexcept { return is_refined() ? 0 : 0.02 * tolerance_; }
     /// Float alone stalls at some 3e-7.
     bool is_refined() const noexcept { return tolerance_ < 2e-6; }
+    /// The rank of a group's first handle, and how many it has.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
         return {group * width, std::min(width, cage_->cage().size() - group * width)};
     }
     /// The first handle without data on any link.
     std::size_t first_unseen(const CageReport& cage) const {
         std::vector<bool> seen(cage_->cage().size());
-        for (const auto& part : multigrid_.data()) seen[part.handle] = true;
+        for (const auto& part : multigrid_.data()) seen[order_.handle(part.handle)] = true;
         for (const CageFault& fault : cage.faults) { // warnings
             if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
         }
@@ -278,6 +343,7 @@ private:
     std::unique_ptr<detail::TreeCage<C>> cage_;
     double tolerance_;
     std::size_t max_cycles_;
+    detail::HandleOrder order_;
     Multigrid multigrid_;
 };
 

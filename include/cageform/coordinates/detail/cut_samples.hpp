@@ -5,6 +5,8 @@
 #include <cageform/coordinates/detail/stencil_table.hpp>
 #include <cageform/core/blocks.hpp>
 
+#include <functional>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The stencils of points `first`, first + 1, …, one after the other.
@@ -23,9 +25,10 @@ public:
     /// Writes rows first_handle … of the points, `count` of them.
     ///
     ///   functions  functions.value(node): an array of at least `count` values
-    template <class Functions, Scalar T>
-    void sample(const Functions& functions, std::size_t first_handle, std::size_t count,
-                BlockView<T> rows) const noexcept {
+    ///   row_of     row_of(handle): where a handle's row is, if not at its number
+    template <class Functions, Scalar T, class RowOf = std::identity>
+    void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
+                const RowOf& row_of = {}) const noexcept {
         for (std::size_t n = 0; n < stencils_.size(); ++n) {
             std::decay_t<decltype(functions.value(0))> value{};
             for (const auto& [node, share] : stencils_.nodes(n)) {
@@ -38,9 +41,10 @@ public:
             }
             // A mean of boundary data is in [0, 1]; the solver's error may not leave it.
             const std::size_t i = first_ + n;
-            auto* const row = rows.block(i / lane_count<T>) + first_handle;
+            auto* const row = rows.block(i / lane_count<T>);
             for (std::size_t k = 0; k < count; ++k)
-                row[k][i % lane_count<T>] = static_cast<T>(std::clamp(value[k], 0.0, 1.0));
+                row[row_of(first_handle + k)][i % lane_count<T>] =
+                    static_cast<T>(std::clamp(value[k], 0.0, 1.0));
         }
     }
 
