@@ -5,7 +5,8 @@
 //               -o character.figure
 //
 // --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all weights put
-// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth of the cage.
+// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth of the cage;
+// not with Green coordinates, whose faces turn with no bound, so that they need a motion.
 //
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
 
@@ -94,7 +95,7 @@ constexpr double of_vectors =
 
 /// What a packing has lost. Warns where that is much.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
-                          const SampledPoses& poses, bool is_vector) {
+                          const SampledPoses& poses, bool is_vector, bool has_faces) {
     StoredLoss loss;
     loss.largest = report.distance.value;
     loss.mean = report.mean_distance;
@@ -103,27 +104,32 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     if (is_vector) loss.size_of = "the length of vectors that carry normals";
     loss.poses = report.poses;
     loss.reach = report.reach;
+    loss.has_vectors = has_faces;
     if (report.distance_pose < poses.times.size()) loss.time = poses.times[report.distance_pose];
     const std::string text = describe(loss);
     if (loss.share() > StoredLoss::worth_a_warning * (is_vector ? of_vectors : 1))
         std::cerr << "bind_mesh: warning: " << figure.name << ": what is packed is off by " << text
-                  << "; --max-distance bounds it\n";
+                  << "; --max-distance bounds it" << (report.poses == 0 && has_faces ? " over a motion" : "")
+                  << '\n';
     return text;
 }
 
-/// The poses of all handles, one after the other, from those of the cage's vertices.
+/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without area.
 SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
-                                                const SampledPoses& poses) {
+                                                const PoseClip& clip, const SampledPoses& poses) {
     std::vector<double> numbers;
-    std::vector<Point3> handles(binding.handle_count());
-    const std::size_t vertices = binding.handle_count() - binding.handle_view().vector_count();
+    std::vector<std::string> warnings;
     for (std::size_t p = 0; p < poses.times.size(); ++p) {
-        const cageform::StridedPoints<const double, 3> pose(poses.numbers.data() + 3 * vertices * p,
-                                                            vertices);
-        const auto report = cageform::pose_handles(binding, pose, handles);
-        if (report.status != Status::ok) return SvgError{cageform::to_string(report.status)};
-        cageform::append_pose(numbers, handles);
+        std::vector<Point3> pose(clip.keys[0].places.size());
+        for (std::size_t n = 0; n < 3 * pose.size(); ++n)
+            pose[n / 3][n % 3] = poses.numbers[3 * pose.size() * p + n];
+        std::string warning;
+        const auto handles = pose_of_handles(binding, pose, name_of_pose(clip, poses.times[p]), warning);
+        if (!handles) return handles.error();
+        if (!warning.empty()) warnings.push_back(std::move(warning));
+        cageform::append_pose(numbers, *handles);
     }
+    print_warnings("bind_mesh", warnings);
     return numbers;
 }
 
@@ -134,15 +140,17 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     warn_of_closed_gaps("bind_mesh", cage.name, coordinates->cage_report);
     if (!coordinates->note.empty()) std::cerr << "bind_mesh: note: " << coordinates->note << '\n';
     std::vector<cageform::PiecewiseCubic<float>> curves;
+    PoseClip motion;
     SampledPoses poses;
     if (!given.clip.empty() || !given.poses.empty()) {
-        const auto clip = given.clip.empty() ? clip_through_poses(cage, given.poses, given.seconds)
-                                             : load_pose_clip(given.clip, cage.vertices.size());
+        auto clip = given.clip.empty() ? clip_through_poses(cage, given.poses, given.seconds)
+                                       : load_pose_clip(given.clip, cage.vertices.size());
         if (!clip) return fail(to_string(clip.error()));
-        auto made = curves_of(*clip);
+        motion = std::move(*clip);
+        auto made = curves_of(motion);
         if (!made) return fail(to_string(made.error()));
         curves = std::move(*made);
-        poses = sample_poses(*clip);
+        poses = sample_poses(motion);
     }
     cageform::BindOptions bind_options;
     bind_options.outside = given.outside.policy(*coordinates);
@@ -176,7 +184,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::FigurePackOptions options;
     options.weights.format = given.format;
     options.weights.largest = given.largest;
-    const auto posed = poses_of_handles(bound.figure.points, poses);
+    const auto posed = poses_of_handles(bound.figure.points, motion, poses);
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
@@ -202,7 +210,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                         " is within reach: a larger --max-distance, or another --format");
         }
         if (part.status != Status::ok) return fail(cageform::to_string(part.status));
-        const std::string loss = describe_loss(figure, part, poses, is_vector);
+        const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
         if (!given.report) continue;
         std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
                   << name_of(part.format) << ", " << part.weights_per_point << " weights a point\n  off by "
@@ -244,7 +252,7 @@ int run_program(int argc, char** argv) {
     line.add("--max-distance", given.distance,
              "no vertex farther from where all weights put it, as a share of the figure's size, in the "
              "poses of the motion, or in all that bend by up to a tenth of the cage; unit vectors that "
-             "carry normals may change by ten times as much. 0: no bound")
+             "carry normals may change by ten times as much; of green over a motion alone. 0: no bound")
         .range(0.0, 1.0)
         .show_default();
     line.add("--format", format, "of weights: float, half, int16 or int8")
@@ -258,6 +266,8 @@ int run_program(int argc, char** argv) {
     if (given.choice.name == "harmonic" &&
         given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
         return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
+    if (given.choice.takes_normals() && given.distance > 0 && given.clip.empty() && given.poses.empty())
+        return fail("--max-distance with --coordinates green is kept over a motion: --clip or --pose");
     for (const WeightFormat known :
          {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
         if (format == name_of(known)) given.format = known;

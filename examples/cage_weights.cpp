@@ -17,8 +17,8 @@
 //
 // The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
 // weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
-// ones of chains and points, of green then the edges (or faces); --labels names them. Points are read, bound and written in batches, so a file may have any
-// length.
+// ones of chains and points, of green then the edges (or faces); --labels names those of vertices. Points are read,
+// bound and written in batches, so a file may have any length.
 
 #include "atomic_file.hpp"
 #include "bind_report.hpp"
@@ -78,14 +78,17 @@ void merge(cageform::BindReport& total, const cageform::BindReport& part, std::s
     total.cage = part.cage;
 }
 
-/// "status" and a column for each handle: its label, or its number. Fails where two have one name.
-SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles) {
-    std::vector<std::string> labels(handles);
+/// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails where two
+/// have one name.
+SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles,
+                                   std::size_t vertices) {
+    std::vector<std::string> labels;
     if (!labels_path.empty()) {
-        auto read = read_labels(labels_path, handles);
+        auto read = read_labels(labels_path, vertices);
         if (!read) return read.error();
         labels = std::move(*read);
     }
+    labels.resize(handles);
     std::string text = "status";
     std::set<std::string> names{text};
     for (std::size_t h = 0; h < handles; ++h) {
@@ -111,7 +114,13 @@ template <class T, std::size_t D>
 int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Describe& describe_faults) {
     PointReader<D, T> reader(settings.points_path);
     if (!reader.error().empty()) return fail(reader.error());
-    auto header = header_line(settings.labels_path, coordinates.handles);
+    const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
+    cageform::BindReport total;
+    total.cage = coordinates.cage_report;
+    total.status = total.cage.status;
+    if (total.status != cageform::Status::ok) return refuse(total);
+    const std::size_t handles = coordinates.handles;
+    auto header = header_line(settings.labels_path, handles, handles - coordinates.vectors);
     if (!header) return fail(to_string(header.error()));
     std::string text = std::move(*header);
     AtomicFile out(settings.out_path);
@@ -123,23 +132,18 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
                                                    : cageform::OutsidePoints::nearest_boundary;
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
-    const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
     warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report);
     if (!coordinates.note.empty()) std::cerr << "cage_weights: note: " << coordinates.note << '\n';
-    cageform::BindReport total;
     if (!coordinates.closed_form) {
         ProgressBar bar("solving");
         const auto evaluation = coordinates.solve({.progress = bar.callback()});
         total.status = evaluation.status;
-        total.cage = coordinates.cage_report;
         total.solver = evaluation.solver;
         if (evaluation.status != cageform::Status::ok) return refuse(total);
         warn_of_coarse_grid("cage_weights", settings.cage_path, total.solver);
         total.seconds = evaluation.solver.seconds;
     }
-    const std::size_t handles = coordinates.handles;
-    const std::size_t batch =
-        std::clamp<std::size_t>((std::size_t{1} << 22) / std::max<std::size_t>(handles, 1), 1024, 65536);
+    const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
     const bool weights_outside =
         settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
     ProgressBar bar("binding");

@@ -271,13 +271,15 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
 /// from the vectors of a moving face.
 SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
-    std::string warning;
+    std::vector<std::string> warnings;
     for (PoseKey& key : motion.keys) {
-        auto posed = pose_of_handles(binding, key.places, scene.clip.name, warning);
+        std::string warning;
+        auto posed = pose_of_handles(binding, key.places, name_of_pose(scene.clip, key.time), warning);
         if (!posed) return posed.error();
-        if (!warning.empty()) std::cerr << "export_gltf: warning: " << warning << '\n';
+        if (!warning.empty()) warnings.push_back(std::move(warning));
         key.places = std::move(*posed);
     }
+    print_warnings("export_gltf", warnings);
     if (binding.handle_view().vector_count() == 0) return motion;
     const SampledPoses exact = sample_poses(scene.clip), linear = sample_poses(motion);
     std::vector<Point3> a(binding.point_count()), b(a), handles(binding.handle_count());

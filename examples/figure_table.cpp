@@ -54,16 +54,22 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
         return figure_path + ": " + std::to_string(report.outside.size()) + " points lie outside the cage " +
                cage_path;
     }
+    std::string warning;
+    const auto handles = pose_of_handles(binding, pose->vertices, pose_path, warning);
+    if (!handles) return to_string(handles.error());
+    const auto at_rest = pose_of_handles(binding, cage->vertices, cage_path, warning);
+    if (!at_rest) return to_string(at_rest.error());
+    if (!warning.empty()) std::cerr << "figure_table: warning: " << warning << '\n';
     const double bind_seconds = median_seconds(5, 1, [&] { (void)coordinates->bind(*figure); });
     std::vector<Point2> out(figure->size());
     cageform::Status status = cageform::Status::ok;
     const double clone_seconds =
-        median_seconds(21, 100, [&] { status = cageform::clone(binding, pose->vertices, out); });
+        median_seconds(21, 100, [&] { status = cageform::clone(binding, *handles, out); });
     if (status != cageform::Status::ok) return cageform::to_string(status);
-    if (cageform::clone(binding, cage->vertices, out) != cageform::Status::ok || !(out == *figure)) {
+    if (cageform::clone(binding, *at_rest, out) != cageform::Status::ok || !(out == *figure)) {
         return figure_path + ": the rest pose is not exact";
     }
-    std::printf("%-8s %-12s %6zu %8zu %9.3f %9.2f %15.1e %13.4f\n",
+    std::printf("%-8s %-17s %6zu %8zu %9.3f %9.2f %15.1e %13.4f\n",
                 std::filesystem::path(figure_path).stem().string().c_str(), coordinates_name.c_str(),
                 binding.point_count(), binding.handle_count(), bind_seconds * 1e3, clone_seconds * 1e6,
                 report.reproduction_error.value, report.least_weight.value);
@@ -74,19 +80,23 @@ int run_program(int argc, char** argv) {
     CommandLine line("Prints how long figures take to bind and clone, and how exact they are.");
     std::vector<std::string> words;
     line.add("rows", words, "FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly").required();
-    line.set_footer(cage_formats);
+    auto names = CoordinatesChoice::names();
+    names.emplace_back("green");
+    std::string known;
+    for (const std::string& name : names) known += (known.empty() ? "COORDINATES: " : ", ") + name;
+    line.set_footer(known + "\n\n" + cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (words.size() % 4 != 0) {
         std::cerr << "figure_table: arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], "
                      "repeatedly\n";
         return 1;
     }
-    std::printf("%-8s %-12s %6s %8s %9s %9s %15s %13s\n", "figure", "coordinates", "points", "handles",
+    std::printf("%-8s %-17s %6s %8s %9s %9s %15s %13s\n", "figure", "coordinates", "points", "handles",
                 "bind ms", "clone us", "max |Swc - p|", "least weight");
     for (std::size_t i = 0; i < words.size(); i += 4) {
-        std::istringstream names(words[i + 3]);
-        for (std::string name; std::getline(names, name, ',');) {
-            std::string error = CoordinatesChoice::name_fault(name, CoordinatesChoice::names());
+        std::istringstream wanted(words[i + 3]);
+        for (std::string name; std::getline(wanted, name, ',');) {
+            std::string error = CoordinatesChoice::name_fault(name, names);
             if (error.empty()) error = print_row(words[i], words[i + 1], words[i + 2], name);
             if (error.empty()) continue;
             std::cerr << "figure_table: " << error << '\n';

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: sh examples/engine/run.sh [--build-only]
 # A game's side in a real engine: installs OGRE and a software renderer (Debian), builds into build/engine/, binds the
-# character, plays its dance in OGRE, saves pictures to out/ogre_*.png, and plays 10,000 frames to see that memory
-# stays where it is.
+# character by mean value and by Green coordinates, plays its dances in OGRE, saves pictures to out/ogre_*.png and
+# out/ogre_green_*.png, and plays 10,000 frames of each to see that memory stays where it is.
 set -eu
 cd "$(dirname "$0")/../.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev \
@@ -16,10 +16,13 @@ cmake --build build/engine --target make_character bind_mesh ogre_client
 programs=build/engine/examples
 mkdir -p out
 "$programs/make_character" out
-"$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
-  --max-distance 0.001 -o out/character.figure --report
-
 # OGRE 1.12 opens its windows in X only: one that nobody sees.
 in_x() { xvfb-run -a -s '-screen 0 1280x960x24' "$@"; }
-in_x "$programs/ogre_client" out/character.figure --pictures out/ogre_ --count 6
-in_x "$programs/ogre_client" out/character.figure --width 320 --height 240 --frames 10000
+dance() { # FIGURE PICTURES COORDINATES
+  "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
+    --coordinates "$3" --max-distance 0.001 -o "$1" --report
+  in_x "$programs/ogre_client" "$1" --pictures "$2" --count 6
+  in_x "$programs/ogre_client" "$1" --width 320 --height 240 --frames 10000
+}
+dance out/character.figure out/ogre_ mean-value
+dance out/character_green.figure out/ogre_green_ green

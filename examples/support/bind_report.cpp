@@ -184,7 +184,8 @@ std::string describe(const StoredLoss& loss) {
     if (loss.poses > 0) {
         text << loss.poses << " poses of the motion";
     } else {
-        text << "poses that bend by no more than " << loss.reach << ", a tenth of the cage";
+        text << "poses that bend by no more than " << loss.reach << ", a tenth of the cage"
+             << (loss.has_vectors ? ", vectors of its faces too" : "");
     }
     return text.str();
 }

@@ -44,6 +44,7 @@ struct StoredLoss {
     std::size_t poses = 0;      // that were looked at; 0: all in which no handle bends farther than `reach`
     std::optional<double> time; // of the pose of the largest, in seconds
     double reach = 0;
+    bool has_vectors = false; // whether faces are handles too
 
     double share() const { return size > 0 ? largest / size : 0; }
 };

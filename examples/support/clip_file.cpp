@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <sstream>
 
 namespace cageform_examples {
 
@@ -256,6 +257,12 @@ SampledPoses sample_poses(const PoseClip& clip) {
         }
     }
     return samples;
+}
+
+std::string name_of_pose(const PoseClip& clip, double time) {
+    std::ostringstream text;
+    text << clip.name << " after " << time << " s";
+    return text.str();
 }
 
 } // namespace cageform_examples

@@ -171,4 +171,7 @@ struct SampledPoses {
 };
 SampledPoses sample_poses(const PoseClip& clip);
 
+/// "walk.csv after 0.5 s": stands before messages about one of its poses.
+std::string name_of_pose(const PoseClip& clip, double time);
+
 } // namespace cageform_examples

@@ -107,7 +107,7 @@ public:
     bool has_extension = false, closed_form = false; // as the library's types say
     bool takes_sites = false;                        // control points without a cage
     std::string note;                                // on the cage's faces; empty where there is none
-    std::size_t handles = 0;
+    std::size_t handles = 0, vectors = 0;            // edges or faces: the last of the handles
     cageform::CageReport cage_report;
 
     /// Solves the functions and keeps them, for several batches of points. Nothing where closed_form.
@@ -130,10 +130,26 @@ template <class T, std::size_t D>
 std::unique_ptr<AnyCoordinates<T, D>> make_coordinates(const CoordinatesChoice& choice,
                                                        const SiteFile<D>& sites);
 
+/// The edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as an OBJ file counts
+/// them, "v 1, v 3, v 2".
+template <cageform::Scalar T, std::size_t D>
+std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
+    std::size_t vectors_before = 0;
+    for (std::size_t i = 0; i < handle; ++i) vectors_before += handles.is_point(i) ? 0 : 1;
+    const auto& face = handles.faces[vectors_before];
+    if constexpr (D == 2) {
+        return "from vertex " + std::to_string(face[0]) + " to " + std::to_string(face[1]);
+    } else {
+        std::string text;
+        for (const auto vertex : face) text += (text.empty() ? "v " : ", v ") + std::to_string(vertex + 1);
+        return text;
+    }
+}
+
 /// The pose of all handles, from one of the vertices.
 ///
 ///   pose, name   of the vertices, and their file
-///   warning      out: of edges or faces that have no area in the pose; empty where there are none
+///   warning      out: of edges or faces that have no area in the pose; as it was where there are none
 template <cageform::Scalar T, std::size_t D, class P>
 SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, const std::vector<P>& pose,
                                           const std::string& name, std::string& warning) {
@@ -144,8 +160,9 @@ SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding
     if (report.collapsed_faces > 0) {
         const bool one = report.collapsed_faces == 1;
         warning = name + ": " + std::to_string(report.collapsed_faces) + (D == 2 ? " edge" : " face") +
-                  (one ? " has" : "s have") + (D == 2 ? " no length" : " no area") + ", the first is " +
-                  std::to_string(report.first_collapsed - pose.size()) + ": what they turn is unknown";
+                  (one ? " has" : "s have") + (D == 2 ? " no length" : " no area") +
+                  (one ? ", " : ", first ") + name_of_face(binding.handle_view(), report.first_collapsed) +
+                  ": which way " + (one ? "it faces" : "they face") + " is unknown";
     }
     return handles;
 }

@@ -22,6 +22,7 @@ public:
         this->has_extension = C::has_extension;
         this->closed_form = C::closed_form;
         this->handles = own.handles().size();
+        this->vectors = cageform::handle_view(own).vector_count();
         this->cage_report = own.cage_report();
     }
 

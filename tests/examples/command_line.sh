@@ -460,6 +460,30 @@ refuses 'points.obj: holds no faces (lines "f a b c"); a cage is a closed mesh' 
 works "a packed character by Green coordinates" "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates green --max-distance 0.005 -o green.figure --report
 [ "$(grep -c '^  off by at most .* 8 poses of the motion' log)" = 3 ] && ok=yes || ok=no
 report $ok "poses of the faces are among those that the distance is over"
+refuses '--max-distance with --coordinates green is kept over a motion' "$bind" character.obj --cage character_cage.obj --coordinates green --max-distance 0.05 -o out.figure
+works "Green coordinates without a motion" "$bind" inner.obj --cage box.obj --coordinates green -o green.figure --report
+grep -q 'a tenth of the cage, vectors of its faces too$' log && ok=yes || ok=no
+report $ok "what is off is over faces as well"
+awk '$1 == "v" && ++n == 8 { print "v 0 1 1"; next } { print }' box.obj >flat_box.obj
+works "a motion through a cage that folds" "$bind" inner.obj --cage box.obj --pose flat_box.obj bent_box.obj --coordinates green -o green.figure
+[ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area, first v 6, v 8, v 7: which way they face is unknown$' log && ok=yes || ok=no
+report $ok "which faces have no area, and when"
+works "targets of a cage that folds" "$programs/export_gltf" inner.obj --cage box.obj --pose flat_box.obj bent_box.obj bent_box.obj --morph --coordinates green -o green.glb
+[ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area' log && ok=yes || ok=no
+report $ok "it is said of that pose alone"
+awk '$1 == "v" && ++n == 8 { print "v 1e35 1 1"; next } { print }' box.obj >far_box.obj
+refuses 'poses after 0.25 s: ' "$bind" inner.obj --cage box.obj --pose far_box.obj --coordinates green -o out.figure
+awk '$1 == "v" && ++n == 8 { print "v nan 1 1"; next } { print }' box.obj >nan_box.obj
+for kind in deform_mesh:obj bind_mesh:figure export_gltf:glb; do
+  out=out.${kind#*:}
+  [ $out = out.glb ] && targets=--morph || targets=
+  by_green() { "$programs/${kind%:*}" inner.obj --cage "$1" --pose "$2" --coordinates green $targets -o $out; }
+  for faulty in 'box.obj nan_box.obj' 'nan_box.obj box.obj'; do
+    refuses 'nan_box.obj: the coordinates of a vertex are not finite' by_green $faulty
+  done
+  refuses 'the pose character_cage.obj has 112 vertices, the cage box.obj has 8' by_green box.obj character_cage.obj
+  refuses 'open_box.obj: the cage is not closed' by_green open_box.obj open_box.obj
+done
 refuses 'normals are bound by the multigrid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
 refuses 'normals are bound by mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
@@ -490,6 +514,10 @@ report $ok "labels are kept"
 works "labels of joints" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --labels character.txt -o labelled.gltf
 [ "$(grep -c '"name": "nose"\|"name": "vertex [0-9]*"' labelled.gltf)" = 56 ] && [ "$(grep -c '"name": "handle [0-9]*"' labelled.gltf)" = 56 ] && ok=yes || ok=no
 report $ok "joints have the labels, or numbers"
+works "labels of vertices, by Green coordinates" "$weights" --cage square.csv --points points.csv --labels labels.txt --coordinates green -o labelled.csv
+[ "$(head -1 labelled.csv)" = 'status,low left,w1,"high, ""right""",high left,w4,w5,w6,w7' ] && ok=yes || ok=no
+report $ok "edges have numbers"
+refuses 'cross' "$weights" --cage bow_tie.svg --points points.csv --labels labels.txt --coordinates green -o out.csv
 refuses_labels() { # MESSAGE [MESSAGE]   of labels.txt, for the square, and for the character
   refuses "labels.txt$1" "$weights" --cage square.csv --points points.csv --labels labels.txt -o out.csv
   [ $# -gt 1 ] || return 0
@@ -686,7 +714,10 @@ refuses 'interior cells not supported' "$field" --cage "$data/cat_cage_head.csv"
 refuses 'cells inside' "$programs/convergence" --cage "$data/cat_cage_head.csv" -o out.svg
 refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
 refuses 'cross' "$field" --cage bow_tie.svg --vertex 0 -o out.png
-works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic
+works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic,green
+grep -q '^cat  *green  *[0-9]*  *50 ' log && ok=yes || ok=no
+report $ok "by Green coordinates edges are handles"
+refuses 'vertex not convex (' "$table" "$cat" "$cage" "$pose" wachspress
 refuses 'not one of' "$table" "$cat" "$cage" "$pose" magic
 refuses 'arguments are FIGURE.svg' "$table" "$cat"
 works "a sheet" "$programs/contact_sheet" -o sheet.svg "at rest" "$cat" "a step" cat.svg
@@ -926,27 +957,41 @@ grep -q 'M4.5 1.5 L4 2.5 L3.5 1.5 Z' turned.svg && ok=yes || { ok=no; cat turned
 report $ok "Green coordinates take a similarity along"
 printf '0,0\n1,0\n1,0\n0,1\n' >green_pose.csv
 works "an edge without length" "$deform" green.svg --cage green.csv --pose green_pose.csv --coordinates green -o turned.svg
-grep -q 'warning: green_pose.csv: 1 edge has no length, the first is 1:' log && ok=yes || ok=no
+grep -q 'warning: green_pose.csv: 1 edge has no length, from vertex 1 to 2: which way it faces is unknown$' log && ok=yes || ok=no
 report $ok "it is told of"
 sed 's/^v 0 3 0/v 1 0 0/' green.obj >green_pose.obj
 works "faces without area" "$mesh" green.obj --cage green.obj --pose green_pose.obj --coordinates green -o turned.obj
-grep -q 'warning: green_pose.obj: 1 face has no area, the first is 0:' log && ok=yes || ok=no
+grep -q 'warning: green_pose.obj: 1 face has no area, v 1, v 3, v 2: which way it faces is unknown$' log && ok=yes || ok=no
 report $ok "they are told of"
 # The younger types in every program of the plane: a sound cage, cells inside, a vertex that is no number, a pose with one.
 printf '0,0\n1,0\nnan,1\n0,1\n' >nan_cage.csv
 printf '0,0\n1,0\n1,1\n0.4,0.4\n0,1\n' >dented.csv
+printf '0,0\n4,0\n4,4\n0,4\n\n1,1\n1,2\n2,2\n2,1\n' >hole.csv
+printf 'length,1\n\ncontrol,a corner\nvertices,2\ntime,x,y,turn,kind\n0,0,0,0,linear\n0.5,1,1,0,linear\n' >corner.csv
 for type in wachspress discrete-harmonic green; do
+  works "a row of $type" "$table" green.svg green.csv green.csv $type
+  works "a motion by $type" "$animate" green.svg --cage green.csv --clip corner.csv --rate 4 --coordinates $type -o walk.svg
   works "a figure by $type" "$deform" green.svg --cage green.csv --pose green.csv --coordinates $type -o posed.svg
   works "a field of $type" "$field" --cage green.csv --vertex 1 --coordinates $type --size 32 -o field.png
   works "weights of $type" "$weights" --cage green.csv --points green_points.csv --coordinates $type --outside keep -o w.csv
-  for faulty in "cell interior cells not supported (1)" "nan_cage vertex not finite (2)"; do
+  faults="cell interior cells not supported (1)
+nan_cage vertex not finite (2)"
+  [ $type = green ] || faults="$faults
+dented vertex not convex (3)
+hole vertex not convex (4)"
+  while read -r faulty; do
     name=${faulty%% *} words=${faulty#* }
     refuses "$words" "$deform" green.svg --cage $name.csv --pose $name.csv --coordinates $type -o out.svg
     refuses "$words" "$field" --cage $name.csv --vertex 1 --coordinates $type -o out.png
     refuses "$words" "$weights" --cage $name.csv --points green_points.csv --coordinates $type -o out.csv
-  done
+    refuses "$words" "$animate" green.svg --cage $name.csv --clip corner.csv --coordinates $type -o out.svg
+    refuses "$words" "$table" green.svg $name.csv $name.csv $type
+  done <<END
+$faults
+END
   refuses 'a number that is not finite' "$deform" green.svg --cage green.csv --pose nan_cage.csv --coordinates $type -o out.svg
-  [ $type = green ] || refuses 'vertex not convex (3)' "$deform" green.svg --cage dented.csv --pose dented.csv --coordinates $type -o out.svg
+  refuses 'a number that is not finite' "$table" green.svg green.csv nan_cage.csv $type
+  refuses 'hole.csv: the pose has 2 blocks, the cage green.csv 1 block' "$table" green.svg green.csv hole.csv $type
 done
 refuses 'takes a cage in the plane' "$weights" --cage sites.obj --points point_3d.csv --coordinates wachspress -o out.csv
 refuses '"wachspress" is not one of barycentric, mean-value, harmonic' "$mesh" character.obj --cage character_cage.obj --pose character_cage.obj --coordinates wachspress -o out.obj

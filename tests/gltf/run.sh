@@ -106,6 +106,19 @@ works "the hand, played by the second reader" "$playback" --at hand.obj hand.glb
 cat log
 "$playback" --at hand.obj hand.glb 3 hand_fist.obj >log 2>&1 && report no "the second reader sees another pose" || report yes other
 
+# ---- Green coordinates: the poses of faces are between those of the cage and the figure's ----
+# shellcheck disable=SC2086
+{
+  works "targets by Green coordinates" "$export" character.obj $cage --pose character_pose.obj --morph --coordinates green -o green.glb
+  for type in green mean-value; do
+    works "the pose, $type" "$programs/deform_mesh" character.obj $cage --pose character_pose.obj --coordinates $type -o posed_$type.obj
+  done
+  refuses 'joints carry no normals of faces' "$export" character.obj $cage $clip --skin 4 --coordinates green -o out.glb
+}
+works "Green targets, played by the second reader" "$playback" --at character.obj green.glb 1 posed_green.obj
+cat log
+"$playback" --at character.obj green.glb 1 posed_mean-value.obj >log 2>&1 && report no "the second reader sees another type" || report yes other
+
 # ---- other shapes of input, for the validator ----
 # shellcheck disable=SC2086
 {

@@ -28,7 +28,8 @@ struct PackOptions {
     /// of any other kind.
     std::span<const double> poses{};
     /// Without poses, distances are taken over all poses in which every handle lies within this
-    /// distance of an affine image of the handles at rest. 0: a tenth of the cage's size.
+    /// distance of an affine image of the handles at rest. 0: a tenth of the cage's size. Vectors
+    /// that `pose_handles` makes of faces leave it, even in affine poses of the cage: give poses.
     double reach = 0;
     /// Of sparse bindings: the point at each place, #points; by nearness where empty. For vectors
     /// give the order of the packed binding of their points (PackedBindingView::order): vectors
