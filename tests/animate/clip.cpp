@@ -3,6 +3,7 @@
 #include "support/allocations.hpp"
 #include "support/cages.hpp"
 #include "support/keys.hpp"
+#include "support/larger.hpp"
 
 #include <cageform/animate/compile_clip.hpp>
 
@@ -62,7 +63,7 @@ double distance(const Vec<double, D>& a, const Vec<double, D>& b) {
 template <std::size_t D>
 double largest_difference(const Pose<D>& a, const Pose<D>& b) {
     double most = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, distance(a[i], b[i]));
+    for (std::size_t i = 0; i < a.size(); ++i) most = cageform_tests::larger(most, distance(a[i], b[i]));
     return most;
 }
 
@@ -168,7 +169,7 @@ TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their
     std::vector<PiecewiseCubic<T>> curves;
     for (const auto& of_curve : keys) {
         const auto track = compile_track<T>(of_curve, options);
-        sup_error = std::max(sup_error, track.sup_error);
+        sup_error = cageform_tests::larger(sup_error, track.sup_error);
         curves.push_back(track.track.curve);
     }
     CHECK(compiled.sup_error == sup_error);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "support/cages.hpp"
+#include "support/larger.hpp"
 
 #include <cageform/animate/fit.hpp>
 
@@ -135,7 +136,7 @@ inline std::vector<double> random_parameters(Random& random, std::size_t pieces)
 /// The largest |y|: what tolerances of coefficients are relative to.
 inline double height_of(const BezierCurve& curve) {
     double most = 0;
-    for (const auto& p : curve.points) most = std::max(most, std::fabs(p[1]));
+    for (const auto& p : curve.points) most = cageform_tests::larger(most, std::fabs(p[1]));
     return most;
 }
 
@@ -315,9 +316,9 @@ inline SampledError sampled_error(const BezierFit& fit, const BezierCurve& curve
             at = n;
         }
         double low = (double(at) - 1) / double(count), high = (double(at) + 1) / double(count);
-        low = std::max(low, 0.0);
+        low = cageform_tests::larger(low, 0.0);
         high = std::min(high, 1.0);
-        result.sampled = std::max(result.sampled, most);
+        result.sampled = cageform_tests::larger(result.sampled, most);
         for (int step = 0; step < 60; ++step) { // golden sections
             const double a = high - 0.6180339887498949 * (high - low),
                          c = low + 0.6180339887498949 * (high - low);
@@ -325,7 +326,7 @@ inline SampledError sampled_error(const BezierFit& fit, const BezierCurve& curve
             most = std::max({most, ea, ec});
             (ea < ec ? low : high) = ea < ec ? a : c;
         }
-        result.polished = std::max(result.polished, most);
+        result.polished = cageform_tests::larger(result.polished, most);
     }
     return result;
 }

@@ -1,6 +1,7 @@
 // Curves of other programs: what they mean here, what comes back, and what is refused.
 #include "catch.hpp"
 #include "support/cages.hpp"
+#include "support/larger.hpp"
 
 #include <cageform/animate/import/blender.hpp>
 #include <cageform/animate/import/css.hpp>
@@ -65,12 +66,12 @@ double single(Random& random, double low, double high) {
 double distance(const BezierCurve& a, const BezierCurve& b, std::size_t axis) {
     double most = 0;
     for (std::size_t i = 0; i < 4; ++i)
-        most = std::max(most, std::fabs(a.points[i][axis] - b.points[i][axis]));
+        most = cageform_tests::larger(most, std::fabs(a.points[i][axis] - b.points[i][axis]));
     return most;
 }
 double size(const BezierCurve& a, std::size_t axis) {
     double most = 0;
-    for (const auto& p : a.points) most = std::max(most, std::fabs(p[axis]));
+    for (const auto& p : a.points) most = cageform_tests::larger(most, std::fabs(p[axis]));
     return most;
 }
 

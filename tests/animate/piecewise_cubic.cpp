@@ -1,6 +1,7 @@
 // Cubics one after the other, alone and many at a time.
 #include "catch.hpp"
 #include "support/cages.hpp"
+#include "support/larger.hpp"
 
 #include <cageform/animate/curve_bank.hpp>
 #include <cageform/animate/quantised_cubic.hpp>
@@ -66,8 +67,9 @@ Exact exact(const PiecewiseCubic<T>& curve, T x) {
         power *= u;
     }
     result.slope = p.c1 + u * (2 * static_cast<long double>(p.c2) + u * 3 * p.c3);
-    result.size = std::max(result.size, std::fabs(static_cast<long double>(p.c1)) + 2 * std::fabs(u * p.c2) +
-                                            3 * std::fabs(u * u * p.c3));
+    result.size =
+        cageform_tests::larger(result.size, std::fabs(static_cast<long double>(p.c1)) +
+                                                2 * std::fabs(u * p.c2) + 3 * std::fabs(u * u * p.c3));
     return result;
 }
 
@@ -279,8 +281,8 @@ TEMPLATE_TEST_CASE("a quantised curve is within its bound", "[animate][quantised
         const T x = T(double(curve.begin()) + double(curve.end() - curve.begin()) * n / 2000);
         const auto value = exact(curve, x);
         low = std::min(low, value.value);
-        high = std::max(high, value.value);
-        size = std::max(size, value.size);
+        high = cageform_tests::larger(high, value.value);
+        size = cageform_tests::larger(size, value.size);
     }
     CHECK(double(small.error_bound()) >= double((high - low) / 131070) * (1 - 1e-5));
     CHECK(double(small.error_bound()) <= 20 * double(size) / 131070);

@@ -1,6 +1,7 @@
 // Fits in a Sobolev norm: reference cases, and what holds for every curve.
 #include "animate/curves.hpp"
 #include "catch.hpp"
+#include "support/larger.hpp"
 
 #include <cageform/animate/sobolev_fit.hpp>
 
@@ -34,7 +35,7 @@ FitCondition condition_of(const std::string& name) {
 
 double largest(const std::vector<double>& values) {
     double most = 0;
-    for (const double v : values) most = std::fmax(most, std::fabs(v));
+    for (const double v : values) most = cageform_tests::larger(most, std::fabs(v));
     return most;
 }
 double difference(const std::vector<double>& a, const std::vector<double>& b) {

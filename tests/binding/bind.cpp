@@ -1,5 +1,6 @@
 // From a coordinate type and points to a binding, and whether the report tells the truth.
 #include "catch.hpp"
+#include "support/larger.hpp"
 #include "support/thin_cages.hpp"
 #include "support/weights.hpp"
 
@@ -431,7 +432,7 @@ TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[bindi
         reproduction.push_back(bound ? distance(combine(row, cage.vertices()), points[i]) : 0);
         least.push_back(bound ? double(*std::min_element(row.begin(), row.end())) : 1);
         sizes.push_back(bound ? double(absolute_sum(row)) : 0);
-        scale = std::max(scale, absolute_sum(row));
+        scale = cageform_tests::larger(scale, absolute_sum(row));
     }
     // The report is computed in the scalar itself: a rounding a handle.
     const double rounding = 8 * eps * scale;
@@ -514,7 +515,7 @@ TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can 
         }
         auto expected = least_solution(rows, missing);
         for (std::size_t i = 0; i < cage.size(); ++i) {
-            largest = std::max(largest, std::fabs(expected[i]));
+            largest = cageform_tests::larger(largest, std::fabs(expected[i]));
             expected[i] += double(before[i]);
         }
         CAPTURE(n, text(before), text(after));

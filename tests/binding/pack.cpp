@@ -1,4 +1,5 @@
 // Packing: what must stay (rest, affine poses, the largest weights), and that the report tells what did not.
+#include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/packed.hpp"
 
@@ -135,7 +136,7 @@ TEMPLATE_TEST_CASE("the report's errors are those of the weights in effect, and 
     double reach = 0;
     for (std::size_t h = 0; h < pose.size(); ++h) {
         for (std::size_t k = 0; k < D; ++k) pose[h][k] += T(size * random.uniform(-0.5, 0.5));
-        reach = std::max(reach, distance(pose[h], bound.handles[h]));
+        reach = cageform_tests::larger(reach, distance(pose[h], bound.handles[h]));
     }
     const auto exact = cageform_tests::cloned(bound.binding, pose);
     for (const auto& options : all_options<T, D>()) {
@@ -156,7 +157,7 @@ TEMPLATE_TEST_CASE("the report's errors are those of the weights in effect, and 
             CHECK(std::fabs(double(report.errors[i]) - error) <= rounding + 1e-7 * error);
             CHECK(distance(moved[i], exact[i]) <=
                   error * reach + 64 * double(epsilon<T>) * size * (1 + error));
-            largest = std::max(largest, double(report.errors[i]));
+            largest = cageform_tests::larger(largest, double(report.errors[i]));
             sum += double(report.errors[i]);
         }
         CHECK(report.error.value == largest);
@@ -222,7 +223,8 @@ TEMPLATE_TEST_CASE("more weights, and finer ones, make smaller errors", "[pack][
     // One rounding a weight: half a step of its format.
     double largest_weight = 0;
     for (std::size_t i = 0; i < bound.points.size(); ++i) {
-        for (const double w : bound.row(i)) largest_weight = std::max(largest_weight, std::fabs(w));
+        for (const double w : bound.row(i))
+            largest_weight = cageform_tests::larger(largest_weight, std::fabs(w));
     }
     const double handles = double(bound.handles.size());
     CHECK(pack(bound.binding, {.format = WeightFormat::int16}).report.error.value <=
@@ -378,7 +380,7 @@ std::vector<double> distances(const Binding<T, D>& binding, const cageform::Pack
     for (const auto& pose : poses) {
         const auto exact = cageform_tests::cloned(binding, pose), moved = cloned(packed, pose);
         for (std::size_t i = 0; i < exact.size(); ++i)
-            largest[i] = std::max(largest[i], double(distance(exact[i], moved[i])));
+            largest[i] = cageform_tests::larger(largest[i], double(distance(exact[i], moved[i])));
     }
     return largest;
 }
@@ -388,7 +390,7 @@ template <class T, std::size_t D>
 double rounding_of_clones(const std::vector<Vec<T, D>>& handles,
                           const std::vector<std::vector<Vec<T, D>>>& poses, double error) {
     double size = size_of(handles);
-    for (const auto& pose : poses) size = std::max(size, double(size_of(pose)));
+    for (const auto& pose : poses) size = cageform_tests::larger(size, double(size_of(pose)));
     return 64 * double(epsilon<T>) * size * (1 + error);
 }
 
@@ -440,7 +442,7 @@ TEMPLATE_TEST_CASE("a tolerance over poses is kept by the clones, in every forma
         for (std::size_t i = 0; i < measured.size(); ++i) {
             CHECK(measured[i] <= tolerance + rounding);
             CHECK(std::fabs(measured[i] - double(report.distances[i])) <= rounding + 1e-6 * measured[i]);
-            largest = std::max(largest, double(report.distances[i]));
+            largest = cageform_tests::larger(largest, double(report.distances[i]));
             sum += double(report.distances[i]);
         }
         CHECK(report.distance.value == Approx(largest).epsilon(1e-6));

@@ -1,6 +1,7 @@
 // Rebinding: what stands where it stood keeps its weights bit for bit, the rest is near what a new bind would give, linear
 // functions are met, and the report tells where not to rely on it.
 #include "../support/bindings.hpp"
+#include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 
 #include <cageform/binding/rebind.hpp>
@@ -296,7 +297,7 @@ TEMPLATE_TEST_CASE("added points have weights near those of a new bind, to secon
         double largest = 0, sum = 0;
         for (std::size_t i = figure.points.size(); i < points.size(); ++i) {
             const double error = error_at(binding, i, fresh, i);
-            largest = std::max(largest, error);
+            largest = cageform_tests::larger(largest, error);
             sum += error;
         }
         CHECK(largest <= 0.5 * figure.spacing * figure.spacing);
@@ -336,7 +337,7 @@ TEMPLATE_TEST_CASE("points moved a little follow at first order of the move and 
         CHECK(report.far.empty());
         double largest = 0;
         for (std::size_t i = 0; i < points.size(); ++i)
-            largest = std::max(largest, error_at(binding, i, fresh, i));
+            largest = cageform_tests::larger(largest, error_at(binding, i, fresh, i));
         CAPTURE(share);
         CHECK(largest <= share * figure.spacing + 1e3 * double(epsilon<T>));
         CHECK(largest <= last + 1e3 * double(epsilon<T>));
@@ -374,7 +375,7 @@ TEMPLATE_TEST_CASE("linear weights are met to rounding, off the figure as well",
     double size = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         for (std::size_t h = 0; h < wanted.handle_count(); ++h)
-            size = std::max(size, std::fabs(double(wanted.weight(i, h))));
+            size = cageform_tests::larger(size, std::fabs(double(wanted.weight(i, h))));
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i);
@@ -449,9 +450,9 @@ TEMPLATE_TEST_CASE("points far from the old figure are listed, by its spacing th
             for (const auto& other : figure.points) around.push_back(distance(q, other));
             std::nth_element(around.begin(), around.begin() + D, around.end());
             least = std::min(least, nearest / around[D]);
-            greatest = std::max(greatest, nearest / around[D]);
+            greatest = cageform_tests::larger(greatest, nearest / around[D]);
         }
-        largest = std::max(largest, greatest);
+        largest = cageform_tests::larger(largest, greatest);
         const bool is_listed = std::binary_search(report.far.begin(), report.far.end(), i);
         listed += is_listed;
         CAPTURE(i, least, greatest);

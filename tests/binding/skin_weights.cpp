@@ -1,6 +1,7 @@
 // Skins of bindings: what every skin keeps to, that it is the nearest, and whether the report tells the truth.
 #include "catch.hpp"
 #include "support/effort.hpp"
+#include "support/larger.hpp"
 #include "support/meshes.hpp"
 #include "support/weights.hpp"
 
@@ -336,7 +337,7 @@ TEMPLATE_TEST_CASE("a skin rests bit for bit and keeps affine poses", "[binding]
     };
     double reach = 0;
     for (auto& p : pose) {
-        reach = std::max(reach, std::sqrt(double(dot(p, p))));
+        reach = cageform_tests::larger(reach, std::sqrt(double(dot(p, p))));
         p = affine(p);
     }
     REQUIRE(clone(played, pose, out) == Status::ok);

@@ -1,5 +1,6 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
+#include "../support/larger.hpp"
 
 #include <cageform/cage/polygon.hpp>
 
@@ -110,7 +111,7 @@ TEMPLATE_TEST_CASE("bounds are reached and not passed", "[cage][polygon][propert
             CHECK((bounds.lower[k] <= p[k] && p[k] <= bounds.upper[k]));
             lower = lower || p[k] == bounds.lower[k];
             upper = upper || p[k] == bounds.upper[k];
-            largest = std::fmax(largest, std::fabs(p[k]));
+            largest = cageform_tests::larger(largest, std::fabs(p[k]));
         }
         CHECK((lower && upper));
     }

@@ -1,4 +1,5 @@
 #include "../catch.hpp"
+#include "../support/larger.hpp"
 #include "../support/polyhedra.hpp"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ TEST_CASE("a polygon is cut into triangles that have an area", "[cage][polyhedra
         polygon.push_back(base[k]);
         for (std::size_t n = random.below(4), of = n + 1; n > 0; --n)
             polygon.push_back(next + (double(n) / double(of)) * (base[k] - next));
-        size = std::max(size, cageform::detail::length(next - base[k]));
+        size = cageform_tests::larger(size, cageform::detail::length(next - base[k]));
     }
     const cageform::detail::PolygonCutter cutter(polygon);
     REQUIRE(cutter.triangles().size() == polygon.size() - 2);

@@ -2,6 +2,7 @@
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/bindings.hpp"
+#include "support/larger.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/adapt/eigen.hpp>
@@ -213,7 +214,7 @@ TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clo
         const auto moved = cloned(binding, pose);
         double worst = 0;
         for (std::size_t i = 0; i < points; ++i)
-            worst = std::max(worst, distance(moved[i], by_definition(binding, pose, i)));
+            worst = cageform_tests::larger(worst, distance(moved[i], by_definition(binding, pose, i)));
         // Sums stay below 40; each of the additions rounds, in random directions, terms of 20 / #handles.
         CHECK(worst <=
               8 * double(epsilon<T>) * 40 * std::sqrt(double(D) * std::max(1.0, double(handles) / 16)));

@@ -1,4 +1,5 @@
 // Clones by packed bindings: every format and layout against its documentation, and what they share with plain ones.
+#include "../support/larger.hpp"
 #include "../support/packed.hpp"
 
 #include <cageform/core/threads.hpp>
@@ -53,8 +54,8 @@ TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whate
                                              cageform::vec_cast<double>(binding.rest_handle(h)));
                     sum += 20 * std::fabs(weights[i][h]);
                 }
-                worst = std::max(worst, distance(moved[i], p));
-                reach = std::max(reach, sum);
+                worst = cageform_tests::larger(worst, distance(moved[i], p));
+                reach = cageform_tests::larger(reach, sum);
             }
             // Terms of at most `reach` in all; each addition rounds.
             CHECK(worst <= 2 * double(epsilon<T>) * reach * std::sqrt(double(D * handles)));

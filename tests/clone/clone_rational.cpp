@@ -2,6 +2,7 @@
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/bindings.hpp"
+#include "support/larger.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
@@ -154,7 +155,8 @@ TEMPLATE_TEST_CASE("packed bindings clone rationally as their weights in effect 
         const auto out = rational(view.binding, pose, weights);
         CHECK(out == rational(packed, pose, weights));
         double worst = 0;
-        for (std::size_t i = 0; i < out.size(); ++i) worst = std::max(worst, distance(out[i], exact[i]));
+        for (std::size_t i = 0; i < out.size(); ++i)
+            worst = cageform_tests::larger(worst, distance(out[i], exact[i]));
         CHECK(worst <= bounds[formats++]);
         CHECK(rational(packed, pose, std::vector<T>(60, T(2))) == [&] {
             std::vector<Vec<T, 3>> plain(500);

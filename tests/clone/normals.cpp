@@ -4,6 +4,7 @@
 #include "../support/bindings.hpp"
 #include "../support/effort.hpp"
 #include "../support/figures.hpp"
+#include "../support/larger.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind_vectors.hpp>
@@ -124,7 +125,7 @@ double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed
         for (std::size_t i = 0; i < places.size(); ++i) {
             const auto along = ends[4 * i + 1] - ends[4 * i], across = ends[4 * i + 3] - ends[4 * i + 2];
             const double degrees = angle_between(moved[i], cross(across, along));
-            worst = degrees <= worst ? worst : degrees; // keeps a NaN
+            worst = cageform_tests::larger(worst, degrees); // keeps a NaN
         }
     }
     return worst;

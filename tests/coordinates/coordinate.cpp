@@ -1,6 +1,7 @@
 // The concept, its conveniences, and the laws that coordinate types have in common.
 #include "catch.hpp"
 #include "support/effort.hpp"
+#include "support/larger.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
@@ -350,8 +351,9 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
     // Barycentric coordinates change by 1 over the height of a vertex.
     const double area = std::fabs(cageform::signed_area(cage, cage.loops()[0]));
     double longest = 0;
-    cage.for_each_edge(
-        [&](std::size_t i, std::size_t j) { longest = std::max(longest, distance(cage[i], cage[j])); });
+    cage.for_each_edge([&](std::size_t i, std::size_t j) {
+        longest = cageform_tests::larger(longest, distance(cage[i], cage[j]));
+    });
     const double height = 2 * area / longest;
     const double spacing = diagonal / double(resolution - 2 * cageform::grid::papers_margin); // at most
     for (std::size_t i = 0; i < points.size(); ++i) {

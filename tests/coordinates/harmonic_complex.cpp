@@ -1,6 +1,7 @@
 // Harmonic coordinates with cells inside the cage: what the cells say holds on them, the laws hold between them.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
+#include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/weights.hpp"
 
@@ -84,7 +85,7 @@ TEMPLATE_TEST_CASE(
         const auto weights = evaluate_all(HarmonicCoordinates(cage, {.resolution = 90}), points);
         REQUIRE(weights.status() == Status::ok);
         double radius = 0;
-        for (const auto& cell : cage.cells().bones) radius = std::max(radius, cell.radius);
+        for (const auto& cell : cage.cells().bones) radius = cageform_tests::larger(radius, cell.radius);
         const double allowed = double(cage.size()) * (1e-6 + double(epsilon<T>));
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i);

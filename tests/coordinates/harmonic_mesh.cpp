@@ -1,6 +1,7 @@
 // Harmonic coordinates in triangle meshes: the laws to the solver's tolerance, the oracle, and robust crossings.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
+#include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 #include "../support/weights.hpp"
@@ -63,7 +64,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
         double size = 0, total = 0; // what functions that are off by the tolerance each come to
         for (std::size_t k = 0; k < mesh.size(); ++k) {
             total += 1e-6 + double(epsilon<T>);
-            size = std::max(size, distance(mesh[k], points[i]));
+            size = cageform_tests::larger(size, distance(mesh[k], points[i]));
         }
         CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= total);
         CHECK(distance(combine(weights.rows[i], mesh.vertices()), points[i]) <=
@@ -263,7 +264,7 @@ TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
     REQUIRE(weights.status() == Status::ok);
     double error = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
-        error = std::max(error, difference(weights.rows[i], fine.rows[i]));
+        error = cageform_tests::larger(error, difference(weights.rows[i], fine.rows[i]));
     const auto worst = weights.evaluation.solver.worst_corner();
     CHECK(error > cageform::CornerError::notable);
     CHECK(error <= worst.error);

@@ -1,6 +1,7 @@
 // Mean value coordinates against reference values, a slow formula with angles, and their limits.
 #include "catch.hpp"
 #include "support/effort.hpp"
+#include "support/larger.hpp"
 #include "support/oracle.hpp"
 #include "support/thin_cages.hpp"
 #include "support/weights.hpp"
@@ -361,7 +362,7 @@ TEST_CASE("mean value weights have a continuous derivative", "[coordinates][mean
         const auto w = evaluate_all(coordinates, Points2<double>{p - d, p, p + d}).rows;
         double kink = 0;
         for (std::size_t i = 0; i < cage.size(); ++i)
-            kink = std::max(kink, std::fabs((w[2][i] - w[1][i]) - (w[1][i] - w[0][i])) / step);
+            kink = cageform_tests::larger(kink, std::fabs((w[2][i] - w[1][i]) - (w[1][i] - w[0][i])) / step);
         CAPTURE(p[0], p[1], room, kink);
         // A kink would show as a difference of slopes of the order of the slopes, Σ|w| / room; what a second
         // derivative makes of it is `step / room` times smaller, and rounding adds 1e-16 / 1e-5.

@@ -1,6 +1,7 @@
 // Mean value coordinates in space: the oracle, the laws on random meshes, and the places where formulas fail.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
+#include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 #include "../support/thin_cages.hpp"
@@ -72,7 +73,7 @@ TEMPLATE_TEST_CASE("mean value weights in space sum to 1 and reproduce the point
         const auto state = locate(mesh, points[i], cageform::coincidence_tolerance(bounds));
         CHECK(weights.states[i] == state);
         double largest = 1;
-        for (const T w : weights.rows[i]) largest = std::max(largest, std::fabs(double(w)));
+        for (const T w : weights.rows[i]) largest = cageform_tests::larger(largest, std::fabs(double(w)));
         // Rounding of the coordinates themselves, and of what is left of each face's sum next to its plane.
         const double tolerance = largest * (sizeof(T) == 8 ? 2e-12 : 1e-3);
         CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= tolerance);
@@ -107,7 +108,8 @@ TEST_CASE("mean value weights are the same all the way to planes, faces, edges a
             for (std::size_t i = 0; i < 2; ++i) {
                 CAPTURE(n, height, i);
                 double largest = 1;
-                for (const double w : weights.rows[i]) largest = std::max(largest, std::fabs(w));
+                for (const double w : weights.rows[i])
+                    largest = cageform_tests::larger(largest, std::fabs(w));
                 CHECK(distance(combine(weights.rows[i], mesh.vertices()), points[i]) <=
                       1e-11 * size * largest + 16 * epsilon<double> * bounds.magnitude() * largest);
             }

@@ -1,6 +1,7 @@
 // Coordinates of cages whose faces are planar polygons.
 #include "../catch.hpp"
 #include "../support/gradients.hpp"
+#include "../support/larger.hpp"
 #include "../support/oracle.hpp"
 #include "../support/polyhedra.hpp"
 #include "../support/weights.hpp"
@@ -222,7 +223,8 @@ TEST_CASE("how a face's loop begins changes nothing; how it is cut into triangle
     const auto compare = [&](const auto& a, const auto& b) {
         double worst = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            if (a.states[i] == PointState::inside) worst = std::max(worst, difference(a.rows[i], b.rows[i]));
+            if (a.states[i] == PointState::inside)
+                worst = cageform_tests::larger(worst, difference(a.rows[i], b.rows[i]));
         }
         return worst;
     };

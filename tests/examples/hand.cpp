@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include "hand_model.hpp"
+#include "support/larger.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -268,7 +269,7 @@ TEST_CASE("weights of inflation points rise with their angle", "[examples][hand]
             const HandPoint& point = hand().points[i];
             const bool swells = point.kind == HandPointKind::inflation && point.joint == hand().rays[2][1];
             if (!swells) CHECK(weights[i] == 1);
-            most = std::max(most, weights[i]);
+            most = cageform_tests::larger(most, weights[i]);
         }
         CHECK(most > before);
         CHECK(std::fabs(most - (1 + 3 * (1 - std::cos(degrees * std::numbers::pi / 180)))) <= rounding);

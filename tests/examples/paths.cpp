@@ -3,6 +3,7 @@
 
 #include "catch.hpp"
 #include "support/cages.hpp"
+#include "support/larger.hpp"
 #include "support/oracle.hpp"
 
 namespace path_tests {
@@ -62,7 +63,7 @@ TEST_CASE("the error of rays falls with the square of their number", "[examples]
             if (oracle.tags[i] != "inside") continue;
             const auto weights = weights_by_rays(boundary, {oracle.points[i][0], oracle.points[i][1]}, rays);
             for (std::size_t k = 0; k < weights.size(); ++k)
-                largest = std::max(largest, std::fabs(weights[k] - oracle.coordinates[i][k]));
+                largest = cageform_tests::larger(largest, std::fabs(weights[k] - oracle.coordinates[i][k]));
         }
         return largest;
     };

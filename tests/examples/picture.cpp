@@ -2,6 +2,7 @@
 #include "picture.hpp"
 #include "catch.hpp"
 #include "support/cages.hpp"
+#include "support/larger.hpp"
 
 #include <set>
 
@@ -85,7 +86,7 @@ TEST_CASE("the heat fades through white at zero", "[examples][picture]") {
         const double step = std::max({std::fabs(a.r - b.r), std::fabs(a.g - b.g), std::fabs(a.b - b.b)});
         CAPTURE(n);
         CHECK(step < 0.01);
-        before = std::max(before, step);
+        before = cageform_tests::larger(before, step);
     }
     CHECK(before > 0);
     CHECK(heat(-0.03).b > heat(-0.03).r); // blue below zero, warm above

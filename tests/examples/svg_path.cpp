@@ -1,6 +1,7 @@
 #include "svg_path.hpp"
 
 #include "catch.hpp"
+#include "support/larger.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +65,7 @@ double deviation_from_circle(const Path& path, const Affine2& to_unit) {
         for (const Segment& s : subpath.segments) {
             for (int i = 0; i <= 64; ++i) {
                 const Point2 p = apply(to_unit, on_cubic(from, s, i / 64.0));
-                worst = std::max(worst, std::abs(std::hypot(p.x, p.y) - 1));
+                worst = cageform_tests::larger(worst, std::abs(std::hypot(p.x, p.y) - 1));
             }
             from = s.p3;
         }

@@ -8,6 +8,7 @@
 
 #include "clip_file.hpp"
 #include "mesh_cage.hpp"
+#include "support/larger.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/skin_weights.hpp>
@@ -232,7 +233,7 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
                        figure.vertices)
             .binding;
     double size = 0;
-    for (const Point3& c : cage.vertices) size = std::max(size, length(c - cage.vertices[0]));
+    for (const Point3& c : cage.vertices) size = cageform_tests::larger(size, length(c - cage.vertices[0]));
     // Normalised integers are off by one at most for each of the weights; where the joints of a vertex go apart counts.
     bool integers = false;
     if (skin.count > 0) {
@@ -256,8 +257,8 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
         if (clone(binding, pose, cloned) != cageform::Status::ok) throw std::runtime_error("no clone");
         const auto moved = played(file, skin, time);
         for (std::size_t i = 0; i < moved.size(); ++i) {
-            worst = std::max(worst, length(moved[i] - cloned[file.origin[i]]));
-            most_moved = std::max(most_moved, length(moved[i] - file.rest[i]));
+            worst = cageform_tests::larger(worst, length(moved[i] - cloned[file.origin[i]]));
+            most_moved = cageform_tests::larger(most_moved, length(moved[i] - file.rest[i]));
         }
     }
     const bool ok = worst <= allowed && most_moved > 0.01 * size;
@@ -272,7 +273,8 @@ int compare_poses(int argc, char** argv) {
     const ObjFile figure = unwrapped(load_obj(argv[2]));
     const File file = load(argv[3], figure);
     double size = 0, worst = 0, least_moved = 1e30;
-    for (const Point3& p : figure.vertices) size = std::max(size, length(p - figure.vertices[0]));
+    for (const Point3& p : figure.vertices)
+        size = cageform_tests::larger(size, length(p - figure.vertices[0]));
     for (int n = 4; n + 1 < argc; n += 2) {
         const auto moved = played(file, {}, std::stod(argv[n]));
         const ObjFile pose = unwrapped(load_obj(argv[n + 1]));
@@ -280,8 +282,8 @@ int compare_poses(int argc, char** argv) {
             throw std::runtime_error("a pose of another figure");
         double most_moved = 0;
         for (std::size_t i = 0; i < moved.size(); ++i) {
-            worst = std::max(worst, length(moved[i] - pose.vertices[file.origin[i]]));
-            most_moved = std::max(most_moved, length(moved[i] - file.rest[i]));
+            worst = cageform_tests::larger(worst, length(moved[i] - pose.vertices[file.origin[i]]));
+            most_moved = cageform_tests::larger(most_moved, length(moved[i] - file.rest[i]));
         }
         least_moved = std::min(least_moved, most_moved);
     }
@@ -289,7 +291,7 @@ int compare_poses(int argc, char** argv) {
     for (const double time : {0.0, end}) {
         const auto moved = played(file, {}, time);
         for (std::size_t i = 0; i < moved.size(); ++i)
-            worst = std::max(worst, length(moved[i] - file.rest[i]));
+            worst = cageform_tests::larger(worst, length(moved[i] - file.rest[i]));
     }
     const bool ok = worst <= 2e-6 * size && least_moved > 0.1 * size; // six decimals, and floats
     std::cout << argv[3] << ": " << (ok ? "" : "FAILED: ") << end << " s, "

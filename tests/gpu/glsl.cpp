@@ -2,6 +2,7 @@
 #include "catch.hpp"
 #include "support/bindings.hpp"
 #include "support/gl_context.hpp"
+#include "support/larger.hpp"
 #include "support/meshes.hpp"
 
 #include <cageform/binding/bind_figure.hpp>
@@ -80,9 +81,9 @@ struct Figure {
             double sum = 0;
             for (std::size_t h = 0; h < binding.handle_count(); ++h)
                 sum += std::fabs(double(binding.weight(i, h)));
-            largest = std::max(largest, sum);
+            largest = cageform_tests::larger(largest, sum);
             for (std::size_t k = 0; k < D; ++k)
-                farthest = std::max(farthest, std::fabs(double(binding.rest_point(i)[k])));
+                farthest = cageform_tests::larger(farthest, std::fabs(double(binding.rest_point(i)[k])));
         }
         const double moved = (1 + largest) * size_of<D>(handles);
         return 1e-7 * (4 * farthest + double(16 + binding.handle_count()) * moved);
@@ -133,7 +134,7 @@ double largest_difference(const Points<D>& a, const Points<D>& b) {
     for (std::size_t i = 0; i < a.size(); ++i) {
         for (std::size_t k = 0; k < D; ++k) {
             const double difference = std::fabs(double(a[i][k]) - double(b[i][k]));
-            largest = difference <= largest ? largest : difference; // not a number is the largest
+            largest = cageform_tests::larger(largest, difference); // not a number is the largest
         }
     }
     return largest;

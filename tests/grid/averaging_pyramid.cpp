@@ -1,5 +1,6 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
+#include "../support/larger.hpp"
 #include "../support/oracle.hpp"
 
 #include <cageform/grid/pyramid/averaging_pyramid.hpp>
@@ -64,7 +65,7 @@ std::vector<std::size_t> neighbours(const CellBox<D>& box, const std::vector<Cel
         for (std::size_t k = 0; k < D; ++k) {
             const std::size_t step = a[k] > b[k] ? a[k] - b[k] : b[k] - a[k];
             sum += step;
-            largest = std::max(largest, step);
+            largest = cageform_tests::larger(largest, step);
         }
         if (stencil == Stencil::face_neighbours ? sum == 1 : largest == 1) found.push_back(other);
     }
@@ -179,7 +180,8 @@ void check_solution(const Problem<T, D>& problem, Stencil stencil, const std::ve
     const auto is_reached = reached(problem, stencil);
     double worst = 0;
     for (std::size_t c = 0; c < expected.size(); ++c) {
-        if (is_reached[c]) worst = std::max(worst, std::fabs(double(problem.values[c]) - expected[c]));
+        if (is_reached[c])
+            worst = cageform_tests::larger(worst, std::fabs(double(problem.values[c]) - expected[c]));
     }
     CHECK(worst <= tolerance);
 }
@@ -207,7 +209,7 @@ TEMPLATE_TEST_CASE("the solver gives the exact fractions of small grids", "[grid
                     if (grid["boundary"][r][c].is_null()) continue;
                     const double value = numbers[r][c];
                     fix(problem, r * columns + c, value);
-                    largest = std::max(largest, std::fabs(value));
+                    largest = cageform_tests::larger(largest, std::fabs(value));
                 }
             }
             const auto outcome = solve(problem, to_rounding(problem, stencil));
@@ -263,7 +265,7 @@ TEMPLATE_TEST_CASE("every iterate obeys the maximum principle", "[grid][averagin
         for (std::size_t c = 0; c < problem.tags.size(); ++c) {
             if (problem.tags[c] != CellTag::boundary) continue;
             low = std::min(low, double(problem.values[c]));
-            high = std::max(high, double(problem.values[c]));
+            high = cageform_tests::larger(high, double(problem.values[c]));
         }
         for (const auto stencil : {Stencil::face_neighbours, Stencil::all_neighbours}) {
             for (const std::size_t sweeps : {1u, 3u, 200u}) {
@@ -313,7 +315,7 @@ TEMPLATE_TEST_CASE("the solution has no maximum in the interior", "[grid][averag
             const auto around = neighbours(problem.box, problem.tags, c, stencil);
             for (const std::size_t n : around) {
                 low = std::min(low, double(solved.values[n]));
-                high = std::max(high, double(solved.values[n]));
+                high = cageform_tests::larger(high, double(solved.values[n]));
                 sum += double(solved.values[n]);
             }
             CHECK((solved.values[c] >= low - 2 * mean_rounding<TestType> &&
@@ -391,7 +393,7 @@ TEMPLATE_TEST_CASE("linear data on a border is continued linearly", "[grid][aver
                 REQUIRE(solve(solved, to_rounding(problem, stencil, coarsest)).converged);
                 double worst = 0;
                 for (std::size_t c = 0; c < problem.tags.size(); ++c)
-                    worst = std::max(worst, std::fabs(double(solved.values[c]) - value(c)));
+                    worst = cageform_tests::larger(worst, std::fabs(double(solved.values[c]) - value(c)));
                 CHECK(worst <= mean_rounding<TestType> * walk(longest, D));
             }
         }
@@ -441,7 +443,8 @@ TEMPLATE_TEST_CASE("a pyramid ends where one level ends, sooner", "[grid][averag
                 REQUIRE(solve(other, options).converged);
                 double worst = 0;
                 for (std::size_t c = 0; c < problem.tags.size(); ++c)
-                    worst = std::max(worst, std::fabs(double(problem.values[c] - other.values[c])));
+                    worst =
+                        cageform_tests::larger(worst, std::fabs(double(problem.values[c] - other.values[c])));
                 CHECK(worst <= 2 * mean_rounding<T> * walk(n, 2));
             }
             // At the published tolerance the finest level has less to do when it starts from coarse values.
@@ -552,7 +555,8 @@ TEMPLATE_TEST_CASE("cells beyond the grid are mirrored", "[grid][averaging_pyram
     double worst = 0;
     for (std::size_t c = 0; c < whole.tags.size(); ++c) {
         if (is_reached[c])
-            worst = std::max(worst, std::fabs(double(whole.values[c] - quarter.values[original(c)])));
+            worst = cageform_tests::larger(worst,
+                                           std::fabs(double(whole.values[c] - quarter.values[original(c)])));
     }
     CHECK(worst <= 4 * mean_rounding<T> * double(whole.tags.size()));
 }

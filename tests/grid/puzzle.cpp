@@ -1,6 +1,7 @@
 // Puzzles, graphs and random walks: exact answers of tests/data/oracle/puzzles.json, laws, refusals.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
+#include "../support/larger.hpp"
 #include "../support/oracle.hpp"
 
 #include <cageform/grid/puzzle.hpp>
@@ -114,7 +115,7 @@ TEMPLATE_TEST_CASE("solve_graph: the exact puzzles", "[grid][puzzle][oracle]", f
         REQUIRE(cageform::solve_graph(Graph{size, links}, marks, std::span(values)).status == Status::ok);
         double largest = 1;
         for (const auto& entry : solution)
-            if (!entry.is_null()) largest = std::max(largest, std::fabs(fraction(entry)));
+            if (!entry.is_null()) largest = cageform_tests::larger(largest, std::fabs(fraction(entry)));
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (solution[i].is_null()) continue;
             CAPTURE(i);

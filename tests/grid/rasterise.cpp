@@ -1,6 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/effort.hpp"
+#include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 
 #include <cageform/grid/pyramid/rasterise.hpp>
@@ -48,7 +49,7 @@ bool meets_square(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<do
         }
         const double s = (c[k] - r - a[k]) / d;
         const double t = (c[k] + r - a[k]) / d;
-        from = std::fmax(from, std::fmin(s, t));
+        from = cageform_tests::larger(from, std::fmin(s, t));
         to = std::fmin(to, std::fmax(s, t));
     }
     return from <= to;
@@ -60,8 +61,8 @@ template <class T>
 double slack_of(const Polygon<T>& polygon, const Lattice<T, 2>& lattice) {
     double largest = bounds_of(polygon.vertices()).magnitude();
     for (std::size_t k = 0; k < 2; ++k) {
-        largest = std::fmax(largest, std::fabs(double(lattice.origin[k])));
-        largest = std::fmax(largest, double(lattice.spacing) * double(lattice.cells[k]));
+        largest = cageform_tests::larger(largest, std::fabs(double(lattice.origin[k])));
+        largest = cageform_tests::larger(largest, double(lattice.spacing) * double(lattice.cells[k]));
     }
     return 4e-6 + 8 * double(epsilon<T>) * largest / double(lattice.spacing);
 }
@@ -476,12 +477,13 @@ std::size_t check_domain(const C& cage, std::size_t resolution) {
         without_data += data[cell].empty() == (tag == CellTag::boundary);
         if (tag == CellTag::boundary) {
             const auto place = place_of(data[cell], cage.vertices());
-            farthest = std::max(farthest, cageform::detail::length(place - c) / spacing);
+            farthest = cageform_tests::larger(farthest, cageform::detail::length(place - c) / spacing);
             if (surely.size() == maybe.size()) {
                 Vec<double, 3> mean{};
                 for (const Face* face : surely)
                     mean = mean + (1.0 / double(surely.size())) * nearest_place(cage, *face, c);
-                worst_mean = std::max(worst_mean, cageform::detail::length(mean - place) / spacing);
+                worst_mean =
+                    cageform_tests::larger(worst_mean, cageform::detail::length(mean - place) / spacing);
                 ++compared;
             }
         } else {

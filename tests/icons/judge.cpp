@@ -9,6 +9,7 @@
 // Differences are in steps of 1/255 over white. A picture cannot be bent without blur, so they are of means of 2 x 2 pixels,
 // and edges of an icon without a fault differ by some.
 
+#include "support/larger.hpp"
 #include "svg_document.hpp"
 
 #include <cageform/binding/bind.hpp>
@@ -175,7 +176,7 @@ double largest_difference(const Picture& a, const Picture& b) {
     for (std::size_t i = 0; i < a.pixels.size(); i += 4) {
         for (int k = 0; k < 3; ++k) {
             const double d = Picture::over_white(&a.pixels[i], k) - Picture::over_white(&b.pixels[i], k);
-            largest = std::max(largest, std::abs(d));
+            largest = cageform_tests::larger(largest, std::abs(d));
         }
     }
     return largest;

@@ -1,6 +1,7 @@
 // Gradients of a batch of points.
 #pragma once
 
+#include "larger.hpp"
 #include "weights.hpp"
 
 namespace cageform_tests {
@@ -45,9 +46,9 @@ double error_of(const std::vector<Vec<T, D>>& row, const std::vector<Vec<double,
     double largest = 1, worst = 0;
     for (std::size_t i = 0; i < row.size(); ++i) {
         for (std::size_t k = 0; k < D; ++k) {
-            largest = std::max(largest, std::fabs(expected[i][k]));
+            largest = larger(largest, std::fabs(expected[i][k]));
             const double d = std::fabs(double(row[i][k]) * size - expected[i][k]);
-            worst = d <= worst ? worst : d; // keeps a NaN
+            worst = larger(worst, d); // keeps a NaN
         }
     }
     return worst / largest;
@@ -64,15 +65,15 @@ double law_error(std::span<const Vec<T, D>> handles, const Vec<T, D>& p, const s
         const auto c = vec_cast<double>(handles[i]) - vec_cast<double>(p);
         const auto g = vec_cast<double>(row[i]);
         for (std::size_t k = 0; k < D; ++k) {
-            largest = std::max(largest, std::fabs(g[k]) * std::max(size, std::sqrt(dot(c, c))));
+            largest = larger(largest, std::fabs(g[k]) * std::max(size, std::sqrt(dot(c, c))));
             jacobian[k] = jacobian[k] + c[k] * g;
         }
         sum = sum + g;
     }
     for (std::size_t k = 0; k < D; ++k) {
-        worst = std::max(worst, std::fabs(sum[k]) * size);
+        worst = larger(worst, std::fabs(sum[k]) * size);
         for (std::size_t l = 0; l < D; ++l)
-            worst = std::max(worst, std::fabs(jacobian[k][l] - (k == l ? 1 : 0)));
+            worst = larger(worst, std::fabs(jacobian[k][l] - (k == l ? 1 : 0)));
     }
     return worst / largest;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../catch.hpp"
+#include "larger.hpp"
 #include "weights.hpp"
 
 namespace cageform_tests {
@@ -20,7 +21,7 @@ double affine_residual(const Row& row, std::span<const Vec<T, D>> handles, const
         long double sum = -missing[k];
         for (std::size_t i = 0; i < handles.size(); ++i)
             sum += static_cast<long double>(row[i]) * in_frame(handles[i])[k];
-        worst = std::max(worst, std::fabs(sum));
+        worst = larger(worst, std::fabs(sum));
     }
     return double(worst);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cages.hpp"
+#include "larger.hpp"
 
 #include <cageform/coordinates/coordinate.hpp>
 
@@ -82,7 +83,7 @@ double difference(const A& a, const B& b) {
     long double worst = a.size() == b.size() ? 0 : 1e9L;
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
         const auto d = std::fabs(static_cast<long double>(a[i]) - static_cast<long double>(b[i]));
-        worst = d <= worst ? worst : d; // keeps a NaN
+        worst = larger(worst, d); // keeps a NaN
     }
     return double(worst);
 }

@@ -1,5 +1,6 @@
 // Weights of bones: the reference of tests/data/oracle/surface.json, laws on random meshes, what vertices see, refusals.
 #include "../catch.hpp"
+#include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 
@@ -51,7 +52,8 @@ struct Ring {
 double largest_difference(std::span<const double> a, std::span<const double> b) {
     REQUIRE(a.size() == b.size());
     double largest = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::fabs(a[i] - b[i]));
+    for (std::size_t i = 0; i < a.size(); ++i)
+        largest = cageform_tests::larger(largest, std::fabs(a[i] - b[i]));
     return largest;
 }
 
