@@ -19,6 +19,7 @@ endforeach()
 set(third_party_adapt Eigen/ glm/)
 set(third_party_binding Eigen/)
 set(third_party_grid/detail/graph_factors.hpp Eigen/)
+set(third_party_grid/detail/elimination.hpp Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
 set(light_folders core clone ${waist} animate/piecewise_cubic.hpp animate/quantised_cubic.hpp animate/curve_bank.hpp

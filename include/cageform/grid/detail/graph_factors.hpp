@@ -1,7 +1,7 @@
 // The factors of the equations Σ k_ij (u_i − u_j) + e_i u_i = b_i of a graph.
 #pragma once
 
-#include <cageform/grid/detail/dissection.hpp>
+#include <cageform/grid/detail/elimination.hpp>
 
 #include <Eigen/Core>
 
@@ -24,19 +24,15 @@ public:
 
     /// False where a pivot is not finite, zero, or nothing but rounding.
     bool factorise(const Adjacency& graph, std::span<const Excess> excess) {
-        const Dissection order(graph);
+        const Elimination order(graph);
         const auto groups = order.groups();
-        place_.assign(graph.nodes(), 0);
-        std::uint32_t place = 0;
-        for (std::size_t g = groups.size(); g-- > 0;) {
-            for (const std::uint32_t i : order.nodes(groups[g])) place_[i] = place++;
-        }
+        place_.assign(order.places().begin(), order.places().end());
         excess_.assign(excess.begin(), excess.end());
         marked_.assign(graph.nodes(), 0);
         local_.assign(graph.nodes(), 0);
         fronts_.clear();
         fronts_.reserve(groups.size());
-        for (std::size_t g = groups.size(); g-- > 0;) {
+        for (std::size_t g = 0; g < groups.size(); ++g) {
             std::size_t children = 0;
             while (children < waiting_.size() && waiting_[waiting_.size() - 1 - children].parent == g)
                 ++children;

@@ -1,0 +1,193 @@
+// In which order the nodes of a graph are eliminated, and which of them together.
+#pragma once
+
+#include <cageform/core/vec.hpp>
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The links of every node, side by side.
+struct Adjacency {
+    std::vector<std::size_t> first{0}; ///< #nodes + 1: where the links of a node begin
+    std::vector<std::uint32_t> node;   ///< at the other end
+    std::vector<double> conductance;
+
+    std::size_t nodes() const noexcept { return first.size() - 1; }
+    std::span<const std::uint32_t> neighbours(std::uint32_t i) const noexcept {
+        return std::span(node).subspan(first[i], first[i + 1] - first[i]);
+    }
+};
+
+/// An order of elimination that leaves few links: Eigen's approximate minimum degree, in postorder
+/// of the elimination tree, in groups (Liu, The role of elimination trees in sparse factorization,
+/// SIAM J. Matrix Anal. Appl. 11 (1990), sec. 2, 3 and 5).
+class Elimination {
+public:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    /// Nodes that are eliminated together.
+    struct Group {
+        std::size_t begin, end; ///< in `nodes`
+        std::uint32_t parent;   ///< the later group of the first node that they leave links to; or none
+    };
+
+    explicit Elimination(const Adjacency& graph)
+        : graph_(graph)
+        , nodes_(graph.nodes())
+        , place_(graph.nodes()) {
+        if (nodes_.empty()) return;
+        order_by_degree();
+        find_parents();
+        order_by_tree();
+        find_groups();
+    }
+
+    /// In the order of elimination: children before their parents, nothing between that is not of
+    /// the same parent.
+    std::span<const Group> groups() const noexcept { return groups_; }
+    std::span<const std::uint32_t> nodes(const Group& group) const noexcept {
+        return std::span(nodes_).subspan(group.begin, group.end - group.begin);
+    }
+    /// Of every node, in the order.
+    std::span<const std::uint32_t> places() const noexcept { return place_; }
+
+private:
+    void order_by_degree() {
+        using Index = std::int32_t;
+        Eigen::SparseMatrix<double, Eigen::ColMajor, Index> matrix(Index(nodes_.size()),
+                                                                   Index(nodes_.size()));
+        matrix.resizeNonZeros(Eigen::Index(nodes_.size() + graph_.node.size()));
+        Index* next = matrix.innerIndexPtr();
+        for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+            matrix.outerIndexPtr()[i] = Index(next - matrix.innerIndexPtr());
+            Index* const first = next;
+            *next++ = Index(i); // a diagonal is expected
+            for (const std::uint32_t j : graph_.neighbours(i)) *next++ = Index(j);
+            std::sort(first, next);
+            next = std::unique(first, next); // of links that are given more than once
+        }
+        matrix.outerIndexPtr()[nodes_.size()] = Index(next - matrix.innerIndexPtr());
+        matrix.resizeNonZeros(next - matrix.innerIndexPtr());
+        std::fill_n(matrix.valuePtr(), matrix.nonZeros(), 1.0);
+        Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> order;
+        Eigen::AMDOrdering<Index>()(matrix.selfadjointView<Eigen::Lower>(), order);
+        for (std::size_t i = 0; i < nodes_.size(); ++i)
+            nodes_[i] = std::uint32_t(order.indices()[Eigen::Index(i)]);
+        find_places();
+    }
+    void find_places() noexcept {
+        for (std::uint32_t place = 0; place < nodes_.size(); ++place) place_[nodes_[place]] = place;
+    }
+
+    /// Of every place the first that its elimination leaves a link to; subtrees that are done with are
+    /// climbed by short cuts.
+    void find_parents() {
+        std::vector<std::uint32_t> top(nodes_.size(), none);
+        parent_.assign(nodes_.size(), none);
+        for (std::uint32_t place = 0; place < nodes_.size(); ++place) {
+            for (const std::uint32_t i : graph_.neighbours(nodes_[place])) {
+                for (std::uint32_t below = place_[i]; below < place;) {
+                    const std::uint32_t up = top[below];
+                    top[below] = place;
+                    if (up == none) parent_[below] = place;
+                    below = up; // none is no lesser place
+                }
+            }
+        }
+    }
+
+    /// Children right before their parents, the last of them next to it.
+    void order_by_tree() {
+        const auto size = std::uint32_t(nodes_.size());
+        std::vector<std::uint32_t> child(size, none), sibling(size, none), moved(size), path, ordered;
+        for (std::uint32_t place = size; place-- > 0;) {
+            if (parent_[place] == none) continue;
+            sibling[place] = child[parent_[place]];
+            child[parent_[place]] = place;
+        }
+        for (std::uint32_t root = 0; root < size; ++root) {
+            if (parent_[root] != none) continue;
+            path.assign(1, root);
+            while (!path.empty()) {
+                const std::uint32_t place = path.back(), below = child[place];
+                if (below != none) {
+                    child[place] = sibling[below];
+                    path.push_back(below);
+                    continue;
+                }
+                path.pop_back();
+                moved[place] = std::uint32_t(ordered.size());
+                ordered.push_back(nodes_[place]);
+            }
+        }
+        std::vector<std::uint32_t> parent(size, none);
+        for (std::uint32_t place = 0; place < size; ++place) {
+            if (parent_[place] != none) parent[moved[place]] = moved[parent_[place]];
+        }
+        parent_ = std::move(parent);
+        nodes_ = std::move(ordered);
+        find_places();
+    }
+
+    /// A group that no parent has come for, and the places after it that it leaves links to.
+    struct Open {
+        std::uint32_t group;
+        std::vector<std::uint32_t> rows;
+        double zeros; ///< in its columns
+    };
+
+    void find_groups() {
+        std::vector<Open> open;
+        std::vector<std::uint32_t> marked(nodes_.size(), none), rows;
+        for (std::uint32_t place = 0; place < nodes_.size(); ++place) {
+            rows.clear();
+            const auto add = [&](std::uint32_t row) {
+                if (row <= place || marked[row] == place) return;
+                marked[row] = place;
+                rows.push_back(row);
+            };
+            for (const std::uint32_t i : graph_.neighbours(nodes_[place])) add(place_[i]);
+            std::size_t first = open.size(); // of its children
+            for (; first > 0 && parent_[groups_[open[first - 1].group].end - 1] == place; --first) {
+                for (const std::uint32_t row : open[first - 1].rows) add(row);
+            }
+            std::uint32_t group = std::uint32_t(groups_.size());
+            double zeros = 0;
+            if (first < open.size() && joins(open.back(), rows.size(), zeros)) {
+                group = open.back().group;
+                open.pop_back();
+                groups_[group].end = place + 1;
+            } else {
+                groups_.push_back({place, place + 1, none});
+                zeros = 0;
+            }
+            for (std::size_t n = first; n < open.size(); ++n) groups_[open[n].group].parent = group;
+            open.resize(first);
+            open.push_back({group, rows, zeros});
+        }
+    }
+    /// Whether a place with so many rows after it is eliminated with its last child: where that
+    /// stores few zeros, of a small group more (shares as CHOLMOD has them, about).
+    bool joins(const Open& last, std::size_t rows, double& zeros) const noexcept {
+        const double own = double(groups_[last.group].end - groups_[last.group].begin);
+        zeros = last.zeros + own * double(rows + 1 - last.rows.size());
+        const double numbers = (own + 1) * (double(rows) + 0.5 * (own + 1));
+        return zeros <= numbers * (own < 4 ? 0.8 : own < 16 ? 0.3 : own < 48 ? 0.1 : 0.05);
+    }
+
+    const Adjacency& graph_;
+    std::vector<std::uint32_t> nodes_;  // in the order
+    std::vector<std::uint32_t> place_;  // of every node
+    std::vector<std::uint32_t> parent_; // of every place
+    std::vector<Group> groups_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
