@@ -67,7 +67,7 @@ namespace detail {
 
 inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport& report) {
     // The ordering counts links both ways and room for what it adds in 32 bits.
-    if (3 * (graph.nodes + graph.links.size()) > std::size_t(std::numeric_limits<std::int32_t>::max()))
+    if (4 * (graph.nodes + graph.links.size()) > std::size_t(std::numeric_limits<std::int32_t>::max()))
         return Status::out_of_memory;
     for (std::size_t n = 0; n < graph.links.size(); ++n) {
         const GraphLink& link = graph.links[n];
