@@ -154,9 +154,10 @@ std::string describe(const cageform::BindReport& report) {
         list("linear precision not fully restored, weights are too large (thin cage)", report.not_restored);
     if (report.solver.cycles > 0) {
         text << "solver: " << report.solver.cells << " unknowns, " << report.solver.solves << " functions, "
-             << report.solver.cycles << " cycles, error " << report.solver.error_estimate << " (never above "
-             << report.solver.error_bound << "), convergence factor " << report.solver.convergence_factor
-             << ", " << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
+             << report.solver.cycles << " cycles, error " << report.solver.error_estimate;
+        if (report.solver.error_bound > 0) text << " (never above " << report.solver.error_bound << ")";
+        text << ", convergence factor " << report.solver.convergence_factor << ", "
+             << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
         const auto worst = report.solver.worst_corner();
         const std::string coarse = describe_corners(report.solver);
         if (!coarse.empty()) {

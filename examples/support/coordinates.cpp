@@ -71,8 +71,14 @@ void CoordinatesChoice::add_options(CommandLine& line) {
             .one_of({"facets", "gentle", "mirrored"})
             .show_default();
     }
-    line.add("--resolution", resolution, "harmonic: grid cells along the cage's longest side")
+    const CommandOption accuracy = line.add("--accuracy", harmonic.accuracy,
+                                            "harmonic: the largest error wanted of a weight, 1e-5 to 0.1, on "
+                                            "a grid as fine as the cage is "
+                                            "narrow; without it a uniform one")
+                                       .range(1e-5, 0.1);
+    line.add("--resolution", resolution, "harmonic: cells of the uniform grid along the cage's longest side")
         .range(8, 16384)
+        .excludes(accuracy)
         .show_default("128 in the plane, 64 in space");
     line.add_number(
             "--tolerance",
@@ -91,6 +97,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                        ? std::string()
                        : "\"" + given + "\" is not one of multigrid, averaging-pyramid";
         })
+        .excludes(accuracy)
         .show_default("multigrid");
 }
 

@@ -3,7 +3,6 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
 #include <cageform/coordinates/three_point.hpp>
 
 namespace cageform_examples {
@@ -14,11 +13,7 @@ std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& 
     return file.visit<T>([&](const auto& cage) -> std::unique_ptr<AnyCoordinates<T, 2>> {
         if (choice.name == "harmonic") {
             using Cage = std::remove_cvref_t<decltype(cage)>;
-            using Solvers = std::conditional_t<std::is_same_v<Cage, cageform::Polygon<T>>,
-                                               cageform::WithAveragingPyramid<Cage>,
-                                               cageform::HarmonicSolverChoice<Cage>>;
-            return model_of(
-                cageform::HarmonicCoordinates<T, 2, Cage, Solvers>(cage, choice.harmonic_options(2)));
+            return model_of(Harmonic<Cage>(cage, choice.harmonic_options(2)));
         }
         if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 2>(cage));
         if (choice.name == "green") return model_of(cageform::GreenCoordinates<T, 2>(cage));

@@ -5,24 +5,16 @@
 #include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/harmonic_polyhedral.hpp>
 #include <cageform/coordinates/mean_value_polyhedral.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
 
 namespace cageform_examples {
-
-namespace {
-
-template <class T>
-using Harmonic = cageform::HarmonicCoordinates<T, 3, cageform::TriangleMesh<T>,
-                                               cageform::WithAveragingPyramid<cageform::TriangleMesh<T>>>;
-
-} // namespace
 
 template <class T>
 std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
     const cageform::HarmonicOptions options = choice.harmonic_options(3);
     const bool harmonic = choice.name == "harmonic";
     const bool papers = harmonic && options.solver == cageform::HarmonicSolver::averaging_pyramid;
-    const bool takes_polygons = (harmonic && !papers) || choice.name == "mean-value";
+    const bool by_accuracy = harmonic && options.accuracy > 0;
+    const bool takes_polygons = (harmonic && !papers && !by_accuracy) || choice.name == "mean-value";
     const CageFaces faces = faces_of(file, takes_polygons && choice.faces == "polygons");
     std::unique_ptr<AnyCoordinates<T, 3>> made;
     if (choice.name == "barycentric")
@@ -36,14 +28,17 @@ std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& 
     } else {
         const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
         if (harmonic)
-            made = model_of(Harmonic<T>(cage, options));
+            made = model_of(Harmonic<cageform::TriangleMesh<T>>(cage, options));
         else if (choice.name == "mean-value")
             made = model_of(cageform::MeanValueCoordinates<T, 3>(cage));
         else
             made = model_of(cageform::GreenCoordinates<T, 3>(cage));
     }
     made->note = describe_faces(file, faces,
-                                !takes_polygons ? choice.name + (papers ? " by the papers' solver" : "") +
+                                !takes_polygons ? choice.name +
+                                                      (papers        ? " by the papers' solver"
+                                                       : by_accuracy ? " by --accuracy"
+                                                                     : "") +
                                                       " takes triangles"
                                                 : std::string());
     return made;

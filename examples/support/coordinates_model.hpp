@@ -5,10 +5,30 @@
 #include "coordinates.hpp"
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/coordinates/tree_solver.hpp>
 
 #include <utility>
 
 namespace cageform_examples {
+
+/// Every solver that there is for a kind of cage.
+template <class C>
+struct EverySolver {
+    using Options = cageform::HarmonicOptions;
+
+    template <class Use>
+    static cageform::Status choose(const Options& options, const Use& use) {
+        if (options.accuracy > 0) return cageform::WithAdaptiveGrid<C>::choose(options, use);
+        using T = typename C::scalar;
+        if constexpr (std::is_same_v<C, cageform::Polygon<T>> || std::is_same_v<C, cageform::TriangleMesh<T>>)
+            return cageform::WithAveragingPyramid<C>::choose(options, use);
+        else
+            return cageform::HarmonicSolverChoice<C>::choose(options, use);
+    }
+};
+template <class C>
+using Harmonic = cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C, EverySolver<C>>;
 
 template <class C>
 class CoordinatesModel : public AnyCoordinates<typename C::scalar, C::dimension> {

@@ -413,6 +413,12 @@ done
 works "polygons that coordinates do not take" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates green -o polygons.obj
 grep -q 'note: box.obj: 6 faces cut into triangles, first in line 9: green takes triangles' log && ok=yes || ok=no
 report $ok "why they are cut is said"
+works "an accuracy in space" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.01 -o accurate.obj --report
+grep -q 'first in line 9: harmonic by --accuracy takes triangles' log && grep -q '^solver: .* unknowns' log && ok=yes || ok=no
+report $ok "the adaptive grid is used, and what it does with polygons said"
+refuses '--accuracy excludes --resolution' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --resolution 32 -o out.obj
+refuses '--accuracy excludes --solver' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --solver multigrid -o out.obj
+refuses '--accuracy: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0 -o out.obj
 works "polygons for the papers' solver" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --solver averaging-pyramid -o polygons.obj
 grep -q "first in line 9: harmonic by the papers' solver takes triangles" log && ok=yes || ok=no
 report $ok "that they are cut for it is said"
@@ -485,6 +491,9 @@ for kind in deform_mesh:obj bind_mesh:figure export_gltf:glb; do
   refuses 'open_box.obj: the cage is not closed' by_green open_box.obj open_box.obj
 done
 refuses 'normals are bound by the multigrid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
+refuses '--accuracy: normals are bound on a uniform grid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --accuracy 0.01 -o out.figure
+works "a cat by accuracy" "$deform" "$cat" --cage "$cage" --pose "$data/cat_pose_leap.svg" --coordinates harmonic --accuracy 0.002 -o accurate.svg
+refuses 'the solver is not there for these coordinates' "$deform" "$cat" --cage "$data/cat_cage_head.csv" --pose "$data/cat_pose_head.csv" --coordinates harmonic --accuracy 0.002 -o out.svg
 refuses 'normals are bound by mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
 # Vertices outside are treated as in all programs.
