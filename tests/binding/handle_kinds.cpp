@@ -583,4 +583,35 @@ TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds
     }
 }
 
+TEMPLATE_TEST_CASE("the vector of a face is a number, however thin it is or becomes",
+                   "[handle_kinds][face_handle]", float, double) {
+    using T = TestType;
+    using Face = std::array<Vec<T, 3>, 3>;
+    std::size_t count = 0;
+    for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+        CAPTURE(seed);
+        const auto p = random_points<T, 3>(6, 1, seed);
+        const T width = T(std::pow(10.0, -double(seed % 8)));
+        Face rest, turned, near, squeezed;
+        for (std::size_t k = 0; k < 3; ++k) {
+            rest[k] = {p[k][0], width * p[k][1], width * p[k][2]};
+            turned[k] = {-2 * rest[k][1], 2 * rest[k][0], 2 * rest[k][2]};
+            near[k] = rest[k] + T(1e-3) * Vec<T, 3>{rest[k][0] * p[3 + k][0], rest[k][1] * p[3 + k][1],
+                                                    rest[k][2] * p[3 + k][2]};
+            squeezed[k] = (k == 0 ? T(0) : k == 1 ? std::numeric_limits<T>::min() : T(1)) * p[k];
+        }
+        const auto handle = cageform::face_handle(rest, rest);
+        if (handle == Vec<T, 3>{}) continue;
+        ++count;
+        const auto u = rest[1] - rest[0], v = rest[2] - rest[0], n = cross(u, v);
+        const double length = std::sqrt(double(dot(handle, handle)));
+        const double sine = std::sqrt(double(dot(n, n)) / (double(dot(u, u)) * double(dot(v, v))));
+        const Vec<T, 3> expected{-2 * handle[1], 2 * handle[0], 2 * handle[2]};
+        CHECK(distance(cageform::face_handle(rest, turned), expected) <= 32 * epsilon<T> * length / sine);
+        CHECK(cageform::is_finite(cageform::face_handle(rest, near)));
+        CHECK(cageform::is_finite(cageform::face_handle(rest, squeezed)));
+    }
+    CHECK(count > 3000);
+}
+
 } // namespace handle_kinds_tests

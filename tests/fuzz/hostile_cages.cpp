@@ -8,10 +8,12 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/harmonic_polyhedral.hpp>
 #include <cageform/coordinates/mean_value_polyhedral.hpp>
+#include <cageform/coordinates/three_point.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -65,6 +67,21 @@ std::vector<Vec<T, D>> hostile_points(Random& random, std::size_t count, bool co
     return points;
 }
 
+/// From poses of the vertices: at rest the handles as they are, and numbers in any pose that is taken.
+template <class T, std::size_t D>
+void pose_faces(const Binding<T, D>& binding, Random& random, unsigned long long seed) {
+    std::vector<Vec<T, D>> rest, vertices, handles(binding.handle_count());
+    for (std::size_t h = 0; h < handles.size(); ++h) {
+        rest.push_back(binding.rest_handle(h));
+        if (binding.handle_view().is_point(h)) vertices.push_back(rest[h]);
+    }
+    const Status at_rest = pose_handles(binding, vertices, handles).status;
+    REQUIRE(at_rest == Status::pose_not_finite || (at_rest == Status::ok && handles == rest));
+    vertices = hostile_points<T, D>(random, vertices.size(), false);
+    if (pose_handles(binding, vertices, handles).status != Status::ok) return;
+    for (const auto& handle : handles) REQUIRE(is_finite(handle));
+}
+
 /// Binds places in and about the cage, and moves them.
 template <class C>
 Status take(const C& coordinates, Random& random, unsigned long long seed) {
@@ -96,6 +113,7 @@ Status take(const C& coordinates, Random& random, unsigned long long seed) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (is_finite(points[i])) REQUIRE(out[i] == points[i]);
     }
+    pose_faces(binding, random, seed);
     pose[0] = pose[pose.size() - 1]; // beyond 1e36 the way there may be no number
     const Status moved = clone(binding, pose, out);
     REQUIRE(moved == Status::ok || moved == Status::pose_not_finite);
@@ -115,8 +133,14 @@ Status in_plane(Random& random, unsigned long long seed) {
         }
         if (random.below(4) == 0) loops.push_back(random.bits() >> random.below(64));
     }
-    if (random.below(2) == 0) return take(GreenCoordinates<T, 2>(Polygon<T>(vertices, loops)), random, seed);
-    return take(MeanValueCoordinates<T, 2>(Polygon<T>(vertices, loops)), random, seed);
+    const Polygon<T> cage(vertices, loops);
+    switch (random.below(4)) {
+    case 0: return take(GreenCoordinates<T, 2>(cage), random, seed);
+    case 1: return take(WachspressCoordinates<T>(cage), random, seed);
+    case 2: return take(DiscreteHarmonicCoordinates<T>(cage), random, seed);
+    default: break;
+    }
+    return take(MeanValueCoordinates<T, 2>(cage), random, seed);
 }
 
 /// The prism's faces as polygons, or any loops.

@@ -73,7 +73,7 @@ Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, cons
 ///            vertices are then moved to their handles
 ///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors that
 ///            belong to no face): `out` is then untouched. Or ok, and the faces without area
-///   cost     O(#handles), no allocation; 40 operations and two roots a face in space, two
+///   cost     O(#handles), no allocation; 80 operations and two roots a face in space, two
 ///            operations in the plane
 ///
 /// The pose at rest gives the handles at rest bit for bit, so `clone` gives the bound points. A
