@@ -69,6 +69,7 @@ private:
         std::uint32_t facet;
         Vec<double, D> inwards;
         double by_altitude;         ///< the size that it asks for by itself
+        std::uint32_t faced;        ///< by the facet there, where a ray was sent last
         bool has_thickness = false; ///< the samples across are made
     };
 
@@ -88,22 +89,20 @@ private:
     }
     Side side_of(std::uint32_t n, bool front) const noexcept {
         const auto inwards = front ? -1.0 * boundary_.normal(n) : boundary_.normal(n);
-        return {n, inwards, altitude(boundary_[n]) / options_.per_facet};
+        return {n, inwards, altitude(boundary_[n]) / options_.per_facet, n};
     }
 
     /// The distance across the domain from a place of a facet to one that faces it; infinite where
     /// what comes first does not, or has a vertex with it in common: wedges have no thickness.
-    double thickness(const Side& side, const Vec<double, D>& from) const {
+    double thickness(Side& side, const Vec<double, D>& from) const {
         const Boundary& boundary = boundary_;
         double nearest = std::ldexp(2.0, int(boundary.depth()));
         std::uint32_t met = side.facet;
-        boundary.boxes().for_each_on_ray(from, side.inwards, nearest, [&](std::uint32_t n) {
+        const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<D>& facet = boundary[n];
             double along = dot(side.inwards, boundary.normal(n));
-            if (!facet.turns) along = std::fabs(along);
-            if (n == side.facet || !(along > 1e-9)) return nearest;
-            const double t =
-                dot(boundary.normal(n), facet.corner[0] - from) / dot(boundary.normal(n), side.inwards);
+            if (n == side.facet || !((facet.turns ? along : std::fabs(along)) > 1e-9)) return nearest;
+            const double t = dot(boundary.normal(n), facet.corner[0] - from) / along;
             if (!(t > touching && t < nearest)) return nearest;
             for (const double w : weights_in_plane(facet, from + t * side.inwards)) {
                 if (w < -1e-9) return nearest;
@@ -111,7 +110,10 @@ private:
             nearest = t;
             met = n;
             return nearest;
-        });
+        };
+        (void)meet(side.faced); // most likely that again, and nothing beyond it is looked at
+        boundary.boxes().for_each_on_ray(from, side.inwards, nearest, meet);
+        side.faced = met;
         if (met == side.facet) return std::numeric_limits<double>::infinity();
         const double along = dot(side.inwards, boundary.normal(met));
         bool counts = (boundary[met].turns ? along : std::fabs(along)) > facing;
@@ -228,7 +230,7 @@ private:
             for (const Ridge& ridge : about) {
                 for (const bool front : {true, false}) {
                     if (!front && boundary_[ridge.facet].turns) continue;
-                    const Side side = side_of(ridge.facet, front);
+                    Side side = side_of(ridge.facet, front);
                     const auto place = at(0.5);
                     const auto inside = place + 0.05 * (boundary_[ridge.facet].corner[ridge.apex] - place);
                     size = std::min({size, side.by_altitude, thickness(side, inside) / options_.across});

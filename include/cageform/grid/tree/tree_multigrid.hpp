@@ -274,8 +274,11 @@ private:
             r = multiply_add(Simd(weight), Simd::load(u[column]), r);
         return r;
     }
-    /// Gauss and Seidel along the Morton curve; keeps the largest change.
-    void relax(Block& block, std::size_t l, Simd& largest) const noexcept {
+    /// Gauss and Seidel along the Morton curve.
+    ///
+    ///   largest  the largest change, if asked for
+    template <bool keeps_largest = false>
+    void relax(Block& block, std::size_t l, [[maybe_unused]] Simd* largest = nullptr) const noexcept {
         const auto& level = levels_[l];
         auto& at = block.levels_[l];
         for (const std::uint32_t n : at.list) {
@@ -283,7 +286,7 @@ private:
             for (const auto& [column, weight] : level.neighbours.of(n))
                 sum = multiply_add(Simd(weight), Simd::load(at.u[column]), sum);
             sum = sum * Simd(level.inverse_diagonal[n]);
-            largest = (detail::max)(largest, abs(sum - Simd::load(at.u[n])));
+            if constexpr (keeps_largest) *largest = (detail::max)(*largest, abs(sum - Simd::load(at.u[n])));
             sum.store(at.u[n]);
         }
     }
@@ -311,19 +314,18 @@ private:
         }
     }
     Simd descend(Block& block, std::size_t l) const noexcept {
-        Simd largest(0.0f), other(0.0f);
+        Simd largest(0.0f);
+        relax<true>(block, l, &largest);
         if (l + 1 == levels_.size()) {
-            relax(block, l, largest);
-            for (std::size_t sweep = 1; sweep < coarsest_sweeps; ++sweep) relax(block, l, other);
+            for (std::size_t sweep = 1; sweep < coarsest_sweeps; ++sweep) relax(block, l);
             return largest;
         }
-        relax(block, l, largest);
-        relax(block, l, other);
+        relax(block, l);
         restrict_residual(block, l);
         for (const std::uint32_t n : block.levels_[l + 1].list) Simd(0.0f).store(block.levels_[l + 1].u[n]);
         (void)descend(block, l + 1);
         interpolate(block, l, largest);
-        relax(block, l, other);
+        relax(block, l);
         return largest;
     }
 
