@@ -62,7 +62,7 @@ public:
     }
     /// Finds on which side the leaves lie that no facet passes. Later splits keep that up.
     void find_states() {
-        tree_.for_each_leaf([&](const Cell& leaf) { // towards the lower end of axis 0 all are known
+        tree_.for_each_leaf([&](const Cell& leaf) { // towards the lower ends of all axes all are known
             if (states_[leaf.number] == CellState::unknown) states_[leaf.number] = state_at_middle(leaf);
         });
         for (std::size_t family = tree_.families(); family-- > 0;) { // children come after their parents
@@ -72,15 +72,17 @@ public:
         states_known_ = true;
     }
 
-    /// Whether a place is inside, by the crossings on the axis line from it down axis 0 to the next
-    /// leaf that no facet passes.
+    /// Whether a place is inside, by the crossings on an axis line from it down to a leaf that no facet
+    /// passes. Along parts thinner than cells that may be far: the axes take turns, and the first
+    /// that arrives tells.
     ///
     ///   line  the place in parts of 2^-fraction units (TreeBoundary::fraction)
     bool is_inside(const std::array<std::int64_t, D>& line) const noexcept {
-        Index doubled{};
-        for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(line[k] >> (boundary_->fraction() - 1));
-        const double at = std::ldexp(double(line[0]), -boundary_->fraction());
-        return is_inside(tree_.leaf_at(doubled), doubled, line, at);
+        for (std::size_t most = 8;; most *= 4) {
+            for (std::size_t axis = 0; axis < D; ++axis) {
+                if (const auto inside = walk(line, axis, most)) return *inside;
+            }
+        }
     }
 
 private:
@@ -89,33 +91,32 @@ private:
     };
 
     CellState state_at_middle(const Cell& leaf) const noexcept {
-        Index doubled{};
         std::array<std::int64_t, D> line{};
-        for (std::size_t k = 0; k < D; ++k) {
-            doubled[k] = 2 * leaf.low[k] + leaf.size;
-            line[k] = std::int64_t(doubled[k]) << (boundary_->fraction() - 1);
-        }
-        doubled[0] = 2 * leaf.low[0] - 1;
-        if (doubled[0] < 0) return CellState::out;
-        return is_inside(tree_.leaf_at(doubled), doubled, line, double(leaf.low[0])) ? CellState::in
-                                                                                     : CellState::out;
+        for (std::size_t k = 0; k < D; ++k)
+            line[k] = (2 * std::int64_t(leaf.low[k]) + leaf.size) << (boundary_->fraction() - 1);
+        return is_inside(line) ? CellState::in : CellState::out;
     }
-    bool is_inside(Cell leaf, Index doubled, const std::array<std::int64_t, D>& line,
-                   double at) const noexcept {
+    /// None after `most` leaves. Every axis line crosses the boundary as often as whole numbers say.
+    std::optional<bool> walk(const std::array<std::int64_t, D>& line, std::size_t axis,
+                             std::size_t most) const noexcept {
+        Index doubled{};
+        for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(line[k] >> (boundary_->fraction() - 1));
+        double at = std::ldexp(double(line[axis]), -boundary_->fraction());
         bool turned = false;
-        for (;;) {
+        for (; most > 0; --most) {
+            const Cell leaf = tree_.leaf_at(doubled);
             const CellState state = states_[leaf.number];
-            if (state != CellState::cut) return turned != (state == CellState::in);
+            if (state == CellState::in || state == CellState::out) return turned != (state == CellState::in);
             for (const std::uint32_t n : facets(leaf.number)) {
                 if (!(*boundary_)[n].turns) continue;
-                const auto position = detail::crossing((*boundary_)[n], 0, line, boundary_->fraction());
-                if (position && *position >= leaf.low[0] && *position < at) turned = !turned;
+                const auto position = detail::crossing((*boundary_)[n], axis, line, boundary_->fraction());
+                if (position && *position >= leaf.low[axis] && *position < at) turned = !turned;
             }
-            if (leaf.low[0] == 0) return turned;
-            at = leaf.low[0];
-            doubled[0] = 2 * leaf.low[0] - 1;
-            leaf = tree_.leaf_at(doubled);
+            if (leaf.low[axis] == 0) return turned;
+            at = leaf.low[axis];
+            doubled[axis] = 2 * leaf.low[axis] - 1;
         }
+        return std::nullopt;
     }
 
     const TreeBoundary<D>* boundary_;
