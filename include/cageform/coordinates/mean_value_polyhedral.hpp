@@ -9,7 +9,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// As MeanValueCoordinates<T, 3>, whose weights it has where all faces are triangles. A face of more
 /// corners shares what its triangles have together among them by its mean value coordinates in its
 /// plane, so that the weights do not depend on how it is cut, and on the face are those in the plane:
-/// `add_polygon` in detail/mean_value_polygons.hpp.
+/// `share_out` in detail/mean_value_polygons.hpp.
 ///
 ///   accuracy   as there; about faces that are not convex there are places, inside or outside, where
 ///              the weights have a kink (mean value coordinates in the plane have one on edges)

@@ -89,6 +89,7 @@ template <class N>
 struct PolygonRows : WeightRows<N> {
     using InPlane = std::conditional_t<has_gradient<N>, Dual<ValueOf<N>, 2>, N>;
     WeightRows<InPlane> in_plane;
+    ValueOf<N> special{}; ///< as in WeightSum
 
     PolygonRows(const PolygonTopology& topology, std::size_t handles)
         : WeightRows<N>(topology, handles)
@@ -119,17 +120,19 @@ N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRow
     return N(S(1));
 }
 
-/// What a face of more than three corners adds to their weights. Its triangles give theirs with
-/// Σ w_k (C_k − p) = m, m as in MeanValueCoordinates<T, 3>; their sum s is that of the face, and
-/// x = Σ w_k C_k / s a place in the convex hull of the face, which does not depend on how it is cut.
-/// Corner i gets s μ_i(x), μ the mean value coordinates in the face's plane: then again
-/// Σ s μ_i(x) (C_i − p) = s (x − p) = m. So vector m is shared out by coordinates of the face's
-/// polygon, as by Langer, Belyaev, Seidel (Spherical barycentric coordinates, SGP 2006, sec. 4), who
-/// take coordinates about the direction of m on the sphere instead.
+/// The sum of the weights of a polygon's corners, and their mean place in its plane.
+template <class N>
+struct PolygonMean {
+    N sum;
+    std::array<N, 2> place;
+};
+
+/// By the triangles, which give their corners weights with Σ w_k (C_k − p) = m, m as in
+/// MeanValueCoordinates<T, 3>: neither depends on how the polygon is cut.
 template <class N, class S>
-void add_polygon(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Polygon& polygon,
-                 const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p, ValueOf<N>& special,
-                 PolygonRows<N>& rows) noexcept {
+PolygonMean<N> mean_of(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Polygon& polygon,
+                       const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
+                       PolygonRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X one(S(1)), zero(S(0));
     N sum = zero;
@@ -138,7 +141,7 @@ void add_polygon(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Po
         const auto& face = cage.faces[t];
         const std::array<N, 3> g{rows.edges[face.edge[0]], rows.edges[face.edge[1]],
                                  rows.edges[face.edge[2]]};
-        const auto w = face_weights<N, S>(face, g, limits, p, special);
+        const auto w = face_weights<N, S>(face, g, limits, p, rows.special);
         const auto& corner = polygon.corners_of_triangle[t - polygon.triangles.first];
         for (std::size_t k = 0; k < 3; ++k) {
             sum += w[k];
@@ -152,6 +155,20 @@ void add_polygon(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Po
         x[axis] = select(value_of(x[axis]) < low, N(low), x[axis]); // by rounding, of small sums
         x[axis] = select(high < value_of(x[axis]), N(high), x[axis]);
     }
+    return {sum, x};
+}
+
+/// What a face of more than three corners adds to their weights. With s the sum that its triangles
+/// give and x = Σ w_k C_k / s, a place in its convex hull, corner i gets s μ_i(x), μ the mean value
+/// coordinates in the face's plane: again Σ s μ_i(x) (C_i − p) = s (x − p) = m. So vector m is shared
+/// out by coordinates of the face's polygon, as by Langer, Belyaev, Seidel (Spherical barycentric
+/// coordinates, SGP 2006, sec. 4), who take coordinates about the direction of m on the sphere
+/// instead.
+template <class N, class S>
+void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polygon& polygon,
+               const MeanValueLimits<S>& limits, PolygonRows<N>& rows) noexcept {
+    using X = ValueOf<N>;
+    const auto& [sum, x] = mean;
     rows.in_plane.weights.resize(polygon.corners.size());
     const auto extent = polygon.upper - polygon.lower;
     const S size = extent[0] + extent[1];
@@ -162,7 +179,7 @@ void add_polygon(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Po
     if constexpr (std::is_floating_point_v<X>) {
         if (near_edge != 0) total = weigh_on_edge(polygon.plane, at, rows.in_plane);
     } else {
-        special = select(zero < near_edge, one, special);
+        rows.special = select(X(S(0)) < near_edge, X(S(1)), rows.special);
     }
     for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
         const auto mu = rows.in_plane.weights[i] / total;
@@ -177,10 +194,12 @@ void add_polygon(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Po
 template <class N, class S>
 WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
                    PolygonRows<N>& rows) noexcept {
-    auto special = start_weights<N, S>(cage, limits, p, rows);
-    for (const std::size_t t : cage.triangles) add_triangle<N, S>(cage.faces[t], limits, p, special, rows);
-    for (const auto& polygon : cage.polygons) add_polygon<N, S>(cage, polygon, limits, p, special, rows);
-    return {rows.sum(), special};
+    rows.special = start_weights<N, S>(cage, limits, p, rows);
+    for (const std::size_t t : cage.triangles)
+        add_triangle<N, S>(cage.faces[t], limits, p, rows.special, rows);
+    for (const auto& polygon : cage.polygons)
+        share_out<N, S>(mean_of<N, S>(cage, polygon, limits, p, rows), polygon, limits, rows);
+    return {rows.sum(), rows.special};
 }
 
 template <Scalar T>
