@@ -8,6 +8,7 @@
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/cageform.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/coordinates/tree_solver.hpp>
 
 #include <benchmark/benchmark.h>
 #if defined(CAGEFORM_BENCH_CGAL)
@@ -17,7 +18,9 @@
 #endif
 
 #include <ctime>
+#include <fstream>
 #include <numbers>
+#include <sstream>
 
 namespace {
 
@@ -613,6 +616,75 @@ void bind_papers_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(report.solver.cells);
 }
 
+/// A production cage: a body of 180 units with fingers 1.7 thick and gaps of 0.4, and weights of all 762 handles at
+/// reference points, by walks on spheres to 2.5e-4 (tests/data/fingers). Turned, so that no face lies along the grid.
+struct Fingers {
+    using Point = cageform::Vec<double, 3>;
+    std::vector<Point> vertices, points;
+    std::vector<std::array<int, 3>> faces;
+    std::vector<std::vector<double>> weights; // [point][handle]
+
+    Fingers() {
+        const std::string folder = CAGEFORM_BENCH_FINGERS;
+        std::ifstream cage(folder + "/cage.obj");
+        for (std::string word; cage >> word;) {
+            double x = 0, y = 0, z = 0;
+            cage >> x >> y >> z;
+            if (word == "v")
+                vertices.push_back(turned({x, y, z}));
+            else
+                faces.push_back({int(x) - 1, int(y) - 1, int(z) - 1});
+        }
+        std::ifstream reference(folder + "/reference.txt");
+        for (std::string line; std::getline(reference, line);) {
+            std::istringstream parts(line);
+            char mark = 0;
+            Point p;
+            parts >> p[0] >> mark >> p[1] >> mark >> p[2];
+            points.push_back(turned(p));
+            auto& row = weights.emplace_back(vertices.size());
+            std::size_t handle = 0;
+            double weight = 0;
+            while (parts >> mark >> handle >> mark >> weight) row[handle] = weight;
+        }
+    }
+    /// Rodrigues' rotation by 1 about (1, 2, 3).
+    static Point turned(const Point& p) {
+        const Point axis = (1 / std::sqrt(14.0)) * Point{1, 2, 3};
+        return std::cos(1.0) * p + std::sin(1.0) * cross(axis, p) +
+               ((1 - std::cos(1.0)) * dot(axis, p)) * axis;
+    }
+};
+
+/// The largest error of a weight at the reference points, and what it takes: on the adaptive grid by the accuracy asked
+/// for, 1e-4 times the argument, or on the uniform one of a resolution.
+template <bool adaptive>
+void bind_fingers(benchmark::State& state) {
+    using Cage = cageform::TriangleMesh<double>;
+    static const Fingers fingers;
+    const Cage cage(fingers.vertices, fingers.faces);
+    cageform::HarmonicOptions options;
+    if (adaptive)
+        options.accuracy = 1e-4 * double(state.range(0));
+    else
+        options.resolution = std::size_t(state.range(0));
+    for (auto _ : state) {
+        const auto [binding, report] = cageform::bind(
+            cageform::HarmonicCoordinates<double, 3, Cage, cageform::WithAdaptiveGrid<Cage>>(cage, options),
+            fingers.points);
+        if (report.status != cageform::Status::ok) return state.SkipWithError(to_string(report.status));
+        double error = 0;
+        for (std::size_t i = 0; i < fingers.points.size(); ++i) {
+            for (std::size_t h = 0; h < cage.size(); ++h)
+                error = std::max(error, std::fabs(binding.weight(i, h) - fingers.weights[i][h]));
+        }
+        state.counters["nodes"] = double(report.solver.cells);
+        state.counters["solver_s"] = report.solver.seconds;
+        state.counters["MB"] = double(report.solver.bytes) / 1e6;
+        state.counters["error"] = error;
+    }
+}
+
 /// Points, normals and tangents of as many vertices as the puppet of examples/make_character has, on a surface in
 /// BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
 void bind_harmonic_figure(benchmark::State& state) {
@@ -778,5 +850,12 @@ BENCHMARK(bind_harmonic_cube)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_harmonic_mesh)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_papers_mesh)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_fingers, true)
+    ->ArgName("accuracy_e-4")
+    ->Arg(50)
+    ->Arg(20)
+    ->Arg(10)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_fingers, false)->ArgName("resolution")->Arg(256)->Unit(benchmark::kMillisecond);
 BENCHMARK(crossing_of_types)->Apply(points_and_cells);
 BENCHMARK(bind_harmonic_figure)->ArgName("resolution")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);

@@ -6,9 +6,9 @@
 //
 // Files are bound by mean value coordinates; those with a skin of floats have as many influences as their sets take.
 
+#include "../support/larger.hpp"
 #include "clip_file.hpp"
 #include "mesh_cage.hpp"
-#include "support/larger.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/skin_weights.hpp>

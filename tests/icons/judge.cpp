@@ -9,7 +9,7 @@
 // Differences are in steps of 1/255 over white. A picture cannot be bent without blur, so they are of means of 2 x 2 pixels,
 // and edges of an icon without a fault differ by some.
 
-#include "support/larger.hpp"
+#include "../support/larger.hpp"
 #include "svg_document.hpp"
 
 #include <cageform/binding/bind.hpp>
