@@ -8,17 +8,28 @@
 
 namespace cageform_examples {
 
+namespace {
+
+/// Why coordinates take no polygons for faces; empty where they do.
+std::string polygon_fault(const CoordinatesChoice& choice) {
+    if (choice.name == "mean-value") return {};
+    if (choice.name != "harmonic") return choice.name + " takes triangles";
+    if (choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
+        return "harmonic by the papers' solver takes triangles";
+    return choice.harmonic.accuracy > 0 ? "harmonic by --accuracy takes triangles" : "";
+}
+
+} // namespace
+
 template <class T>
 std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
-    const cageform::HarmonicOptions options = choice.harmonic_options(3);
-    const bool harmonic = choice.name == "harmonic";
-    const bool papers = harmonic && options.solver == cageform::HarmonicSolver::averaging_pyramid;
-    const bool by_accuracy = harmonic && options.accuracy > 0;
-    const bool takes_polygons = (harmonic && !papers && !by_accuracy) || choice.name == "mean-value";
-    const CageFaces faces = faces_of(file, takes_polygons && choice.faces == "polygons");
-    std::unique_ptr<AnyCoordinates<T, 3>> made;
     if (choice.name == "barycentric")
         return model_of(cageform::BarycentricCoordinates<T, 3>(std::span(file.vertices)));
+    const cageform::HarmonicOptions options = choice.harmonic_options(3);
+    const bool harmonic = choice.name == "harmonic";
+    const std::string why_cut = polygon_fault(choice);
+    const CageFaces faces = faces_of(file, why_cut.empty() && choice.faces == "polygons");
+    std::unique_ptr<AnyCoordinates<T, 3>> made;
     if (faces.polygons > 0) {
         cageform::PolyhedralMesh<T> cage(file.vertices, faces.loops, T(faces.off_plane));
         if (harmonic)
@@ -34,13 +45,7 @@ std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& 
         else
             made = model_of(cageform::GreenCoordinates<T, 3>(cage));
     }
-    made->note = describe_faces(file, faces,
-                                !takes_polygons ? choice.name +
-                                                      (papers        ? " by the papers' solver"
-                                                       : by_accuracy ? " by --accuracy"
-                                                                     : "") +
-                                                      " takes triangles"
-                                                : std::string());
+    made->note = describe_faces(file, faces, why_cut);
     return made;
 }
 template std::unique_ptr<AnyCoordinates<float, 3>> make_coordinates(const CoordinatesChoice&, const ObjFile&);

@@ -111,9 +111,8 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
         data.for_each_weight(value, add);
         return Status::ok;
     });
-    if (status != Status::ok) { // no memory: the data of the place's facet alone
-        for (std::size_t n = 0; n < value.handle.size(); ++n) add(value.handle[n], value.weight[n]);
-    }
+    if (status != Status::ok) // no memory: the data of the place's facet alone
+        detail::HatData<Cage::dimension>::for_each_weight(value, add);
     return place;
 }
 

@@ -31,6 +31,7 @@ public:
     template <class Options>
     BoundaryData(const PolyhedralMesh<T>& mesh, const Options& options) {
         status_ = guard_memory([&] {
+            Status solved = Status::ok; // the first that is not
             const auto extent = bounds_of(mesh.vertices()).upper - bounds_of(mesh.vertices()).lower;
             const double longest = double(std::fmax(extent[0], std::fmax(extent[1], extent[2])));
             const auto make = [&](const Polygon<double>& polygon, double size) {
@@ -41,11 +42,11 @@ public:
                 in_plane.memory_limit = options.memory_limit;
                 Plane plane(polygon, in_plane);
                 const Status status = plane.solve().status;
-                if (solved_ == Status::ok) solved_ = status;
+                if (solved == Status::ok) solved = status;
                 return plane;
             };
             faces_ = FaceCoordinates<Plane>(mesh, make);
-            return solved_;
+            return solved;
         });
     }
 
@@ -89,7 +90,7 @@ public:
 
 private:
     FaceCoordinates<Plane> faces_;
-    Status solved_ = Status::ok, status_ = Status::ok;
+    Status status_ = Status::ok;
 };
 
 } // namespace detail

@@ -25,11 +25,10 @@ public:
             const auto face = std::uint32_t(faces_.size());
             const FacePlane plane = plane_of(mesh, f);
             const auto polygon = flat_face(mesh, f, plane);
-            const auto extent = bounds_of(polygon.vertices()).upper - bounds_of(polygon.vertices()).lower;
-            faces_.push_back({plane,
-                              std::fmax(extent[0], extent[1]),
-                              {loop.begin(), loop.end()},
-                              make(polygon, std::fmax(extent[0], extent[1]))});
+            const auto bounds = bounds_of(polygon.vertices());
+            const auto extent = bounds.upper - bounds.lower;
+            faces_.push_back(
+                {plane, {loop.begin(), loop.end()}, make(polygon, std::fmax(extent[0], extent[1]))});
             const auto [first, last] = mesh.triangles_of(f);
             for (std::size_t t = first; t < last; ++t) add_triangle(mesh.triangles().faces()[t], loop, face);
         }
@@ -37,48 +36,32 @@ public:
         for (const auto& v : mesh.vertices()) vertices_.push_back(vec_cast<double>(v));
     }
 
-    /// f(coordinates) for the coordinates of all faces.
-    template <class F>
-    void for_each_face(F&& f) {
-        for (Face& face : faces_) f(face.coordinates);
-    }
-
     /// f(handle, weight) for the handles whose value at a place is not zero. Throws bad_alloc.
     template <class F>
     void for_each_weight(const Value& value, F&& f) const {
         const Face* const face = face_of(value);
-        if (face != nullptr) {
-            std::vector<double> row(face->corners.size());
-            const auto q = face->plane.flat(place_of(value));
-            const PointState state = weights_at(face->coordinates, q, std::span(row));
-            if (state != PointState::inside && state != PointState::on_boundary)
-                (void)face->coordinates.nearest_boundary(q, row); // outside by rounding
-            for (std::size_t k = 0; k < row.size(); ++k) {
-                if (row[k] != 0) f(face->corners[k], row[k]);
-            }
-            return;
-        }
-        for (std::size_t n = 0; n < Value::most; ++n) {
-            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
+        if (face == nullptr) return HatData<3>::for_each_weight(value, f);
+        std::vector<double> row(face->corners.size());
+        const auto q = face->plane.flat(place_of(value));
+        const PointState state = weights_at(face->coordinates, q, std::span(row));
+        if (state != PointState::inside && state != PointState::on_boundary)
+            (void)face->coordinates.nearest_boundary(q, row); // outside by rounding
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            if (row[k] != 0) f(face->corners[k], row[k]);
         }
     }
 
     /// f(handle) for them, or for all corners of the place's face.
     template <class F>
     void for_each_handle(const Value& value, F&& f) const {
-        if (const Face* const face = face_of(value)) {
-            for (const std::uint32_t corner : face->corners) f(corner);
-            return;
-        }
-        for (std::size_t n = 0; n < Value::most; ++n) {
-            if (value.weight[n] != 0) f(value.handle[n]);
-        }
+        const Face* const face = face_of(value);
+        if (face == nullptr) return HatData<3>::for_each_handle(value, f);
+        for (const std::uint32_t corner : face->corners) f(corner);
     }
 
 private:
     struct Face {
         FacePlane plane;
-        double size;
         std::vector<std::uint32_t> corners;
         Plane coordinates;
     };

@@ -139,9 +139,7 @@ PolygonMean<N> mean_of(const PolygonFrame<S>& cage, const typename PolygonFrame<
     std::array<N, 2> x{N(zero), N(zero)};
     for (std::size_t t = polygon.triangles.first; t < polygon.triangles.second; ++t) {
         const auto& face = cage.faces[t];
-        const std::array<N, 3> g{rows.edges[face.edge[0]], rows.edges[face.edge[1]],
-                                 rows.edges[face.edge[2]]};
-        const auto w = face_weights<N, S>(face, g, limits, p, rows.special);
+        const auto w = face_weights<N, S>(face, angles_at<N, S>(face, rows), limits, p, rows.special);
         const auto& corner = polygon.corners_of_triangle[t - polygon.triangles.first];
         for (std::size_t k = 0; k < 3; ++k) {
             sum += w[k];

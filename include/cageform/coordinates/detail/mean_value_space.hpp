@@ -298,12 +298,18 @@ ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits
     return select(X(limits.far * limits.far) < inner(p, p), one, zero);
 }
 
+/// The edges' angles at a face.
+template <class N, class S>
+std::array<N, 3> angles_at(const typename MeanValueFrame<S, 3>::Face& face,
+                           const WeightRows<N>& rows) noexcept {
+    return {rows.edges[face.edge[0]], rows.edges[face.edge[1]], rows.edges[face.edge[2]]};
+}
+
 /// Adds what a face gives to its corners.
 template <class N, class S>
 void add_triangle(const typename MeanValueFrame<S, 3>::Face& face, const MeanValueLimits<S>& limits,
                   const Vec<ValueOf<N>, 3>& p, ValueOf<N>& special, WeightRows<N>& rows) noexcept {
-    const std::array<N, 3> g{rows.edges[face.edge[0]], rows.edges[face.edge[1]], rows.edges[face.edge[2]]};
-    const auto w = face_weights<N, S>(face, g, limits, p, special);
+    const auto w = face_weights<N, S>(face, angles_at<N, S>(face, rows), limits, p, special);
     for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
 }
 
