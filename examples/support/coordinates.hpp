@@ -10,6 +10,7 @@
 
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/clone/pose_handles.hpp>
+#include <cageform/coordinates/cage_solver.hpp>
 #include <cageform/coordinates/harmonic_options.hpp>
 
 #include <functional>
@@ -114,6 +115,9 @@ public:
     virtual cageform::Evaluation solve(const cageform::Running& running = {}) = 0;
     virtual cageform::BindResult<T, D> bind(Points points, const cageform::BindOptions& options = {},
                                             const cageform::Running& running = {}) const = 0;
+    /// The cells of the adaptive grid; solver_not_supported of what is made by none.
+    virtual cageform::Status
+    for_each_cell(const std::function<void(const cageform::GridCell<T, D>&)>& f) const = 0;
 
     using PointsAndNormals = cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>;
     /// Of float in space, of types that have gradients; solver_not_supported of others.

@@ -123,6 +123,46 @@ TEMPLATE_TEST_CASE("adaptive weights are a mean that reproduces the point",
     check_laws(mesh, points);
 }
 
+template <class C>
+void check_cells(const C& cage, std::uint64_t seed) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    std::vector<cageform::GridCell<T, D>> cells;
+    const Adaptive<C> coordinates(cage, {.accuracy = 0.02});
+    REQUIRE(coordinates.for_each_cell([&](const auto& cell) { cells.push_back(cell); }) == Status::ok);
+    const auto bounds = bounds_of(cage.vertices());
+    Random random(seed);
+    std::size_t inside = 0;
+    for (int n = 0; n < 200; ++n) {
+        Vec<T, D> p{};
+        for (std::size_t k = 0; k < D; ++k) p[k] = T(random.uniform(bounds.lower[k], bounds.upper[k]));
+        std::size_t whole = 0, cut = 0;
+        for (const auto& cell : cells) {
+            bool holds = true;
+            for (std::size_t k = 0; k < D; ++k)
+                holds = holds && p[k] >= cell.low[k] && p[k] < cell.low[k] + cell.size;
+            whole += holds && !cell.is_cut ? 1 : 0;
+            cut += holds && cell.is_cut ? 1 : 0;
+        }
+        const bool is_inside = locate(cage, p, T(0)) == PointState::inside;
+        CHECK((is_inside ? whole + cut == 1 : whole == 0 && cut <= 1));
+        inside += is_inside ? 1 : 0;
+    }
+    CHECK(inside > 0);
+}
+TEMPLATE_TEST_CASE("the cells of an adaptive grid hold every point inside once",
+                   "[coordinates][harmonic][tree][property]", CAGEFORM_SCALARS) {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        CAPTURE(seed);
+        check_cells(Polygon<TestType>(random_star<TestType>(seed)), seed);
+        check_cells(random_mesh(seed).template mesh<TestType>(), seed);
+    }
+    const HarmonicOptions uniform{.resolution = 16};
+    const Adaptive<Polygon<TestType>> coordinates(Polygon<TestType>(random_star<TestType>(1)), uniform);
+    CHECK(coordinates.for_each_cell([](const auto&) { FAIL("a cell of none"); }) ==
+          Status::solver_not_supported);
+}
+
 TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][harmonic][tree][status]") {
     const auto mesh = divided_box({1, 1, 1}, 1.0).mesh<double>();
     const std::vector<Vec<double, 3>> points{{0, 0, 0}};

@@ -96,6 +96,14 @@ concept DifferentiableSolver = CageSolver<S> &&
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
 };
 
+/// A cell of a solver's grid, a square or a cube, in the units of the cage.
+template <Scalar T, std::size_t D>
+struct GridCell {
+    Vec<T, D> low; ///< its lower corner
+    T size;        ///< along each axis
+    bool is_cut;   ///< the cage passes it or comes very near; else the whole cell lies inside
+};
+
 namespace detail {
 
 /// That of a solver's options; none where they have none.

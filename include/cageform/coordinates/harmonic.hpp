@@ -179,6 +179,22 @@ public:
         return memory;
     }
 
+    /// f(GridCell) for every cell of an adaptive grid that is inside or that the cage passes: where a
+    /// cage makes its grid fine. Neighbours come together (along the Morton curve). By the uniform
+    /// grid solver_not_supported, else fails and costs as `solve` before its first cycle.
+    template <class F>
+    Status for_each_cell(F&& f) const {
+        const auto evaluation = with_solution([&](const auto& solution, SolverReport&) {
+            if constexpr (requires { solution->solver->for_each_cell(f); }) {
+                solution->solver->for_each_cell(f);
+                return Status::ok;
+            } else {
+                return Status::solver_not_supported;
+            }
+        });
+        return evaluation.status;
+    }
+
 private:
     using Problem = CageProblem<Cage, Options>;
 

@@ -79,6 +79,15 @@ public:
     const grid::CutTree<D>& tree() const noexcept { return tree_; }
     const grid::TreeNodes<D>& nodes() const noexcept { return nodes_; }
     std::size_t bytes() const noexcept { return tree_.bytes() + nodes_.bytes(); }
+    template <class F>
+    void for_each_cell(F&& f) const {
+        tree_.cells().for_each_leaf([&](const Cell& leaf) {
+            const auto state = tree_.state(leaf.number);
+            if (state == grid::CellState::out) return;
+            const auto low = vec_cast<T>(boundary_.in_cage(node_position<D>(leaf.low)));
+            f(GridCell<T, D>{low, T(boundary_.unit() * leaf.size), state == grid::CellState::cut});
+        });
+    }
 
     /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
     /// outside and beyond the batch.
@@ -240,6 +249,10 @@ public:
 
     SolverMemory memory() const noexcept {
         return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
+    }
+    template <class F>
+    void for_each_cell(F&& f) const {
+        cage_->for_each_cell(f);
     }
 
     // ---- groups
