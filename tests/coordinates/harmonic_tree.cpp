@@ -26,12 +26,12 @@ double largest_error(const C& cage, const Points& points, const std::vector<std:
                      double accuracy) {
     const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), points);
     REQUIRE(weights.status() == Status::ok);
-    CHECK(weights.evaluation.solver.error_estimate <= 0.05 * accuracy);
+    CHECK(weights.evaluation.solver.error_estimate <= 0.17 * accuracy);
     CHECK(weights.evaluation.solver.convergence_factor <= 0.25);
     double error = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         CHECK(weights.states[i] == PointState::inside);
-        error = std::max(error, difference(weights.rows[i], expected[i]));
+        error = cageform_tests::larger(error, difference(weights.rows[i], expected[i]));
     }
     return error;
 }
@@ -70,7 +70,8 @@ template <class C, class Points>
 void check_laws(const C& cage, const Points& points) {
     using T = typename C::scalar;
     constexpr std::size_t D = C::dimension;
-    Adaptive<C> coordinates(cage, {.accuracy = 0.02});
+    constexpr double accuracy = 0.02;
+    Adaptive<C> coordinates(cage, {.accuracy = accuracy});
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
     const double size = double(bounds_of(cage.vertices()).diagonal());
@@ -89,8 +90,8 @@ void check_laws(const C& cage, const Points& points) {
             sum += w;
             p = p + w * vec_cast<double>(cage.vertices()[k]);
         }
-        CHECK(std::fabs(sum - 1) <= 3e-3); // to the solver's tolerance, of each function
-        CHECK(cageform::detail::length(p - vec_cast<double>(points[i])) <= 3e-3 * size);
+        CHECK(std::fabs(sum - 1) <= 0.5 * accuracy); // each function is solved to a sixth of it
+        CHECK(cageform::detail::length(p - vec_cast<double>(points[i])) <= 0.5 * accuracy * size);
     }
     CHECK(inside > 0);
     // The same bits on any number of threads, and from functions that are kept, but for float.

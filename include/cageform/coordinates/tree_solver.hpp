@@ -242,7 +242,7 @@ public:
     }
     TreeSolver(std::unique_ptr<detail::TreeCage<C>> cage, const HarmonicOptions& options)
         : cage_(std::move(cage))
-        , tolerance_(std::min(0.05 * options.accuracy, 1e-4))
+        , tolerance_(0.1 * options.accuracy)
         , max_cycles_(options.multigrid.max_cycles)
         , order_(cage_->cage().vertices(), width)
         , multigrid_(cage_->tree(), cage_->nodes(), links(*cage_, order_)) {}
@@ -271,10 +271,11 @@ public:
             if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
             const double change = multigrid_.cycle(block, count);
             ++report.cycles;
-            // A cycle's change is the error before it, but for what is left.
-            const double factor = std::clamp(before > 0 ? change / before : 0.5, 0.05, 0.9);
-            if (before > tolerance_) report.convergence_factor = std::max(report.convergence_factor, factor);
-            report.error_estimate = change * factor;
+            // A cycle's change is the error before it, but for what is left. The first ones gain more
+            // than those that follow.
+            const double gained = before > 0 ? change / before : 0.5;
+            if (before > tolerance_) report.convergence_factor = std::max(report.convergence_factor, gained);
+            report.error_estimate = change * std::clamp(gained, 0.2, 0.9);
             before = change;
             if (report.error_estimate <= tolerance_) break;
             if (report.cycles == max_cycles_) {
@@ -283,7 +284,7 @@ public:
             }
             if (is_refined() && report.cycles > 3) multigrid_.refine(block);
         }
-        report.error_estimate += 2 * cutoff();
+        report.error_estimate += 0.25 * cutoff();
         return Status::ok;
     }
 
@@ -333,9 +334,8 @@ private:
         });
         return links;
     }
-    /// Where functions are below it they are left at zero. So small, as the sum over all of them is
-    /// left short by a hundred times that.
-    double cutoff() const noexcept { return is_refined() ? 0 : 0.02 * tolerance_; }
+    /// Where functions are below it the next coarser level is exact enough.
+    double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
     /// Float alone stalls at some 3e-7.
     bool is_refined() const noexcept { return tolerance_ < 2e-6; }
     /// The rank of a group's first handle, and how many it has.

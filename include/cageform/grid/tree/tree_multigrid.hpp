@@ -26,14 +26,27 @@ public:
             for (std::size_t k = 0; k < width; ++k) values[k] += double(levels_[0].u[node][k]);
             return values;
         }
-        /// The nodes whose values are not left at zero.
+        /// The number of nodes that are solved for.
         std::size_t active() const noexcept { return levels_[0].list.size(); }
+        /// Those whose values may be other than zero, in no order.
+        std::span<const std::uint32_t> valued() const noexcept {
+            return {levels_[0].touched.data(), levels_[0].touched.size()};
+        }
 
     private:
         friend TreeMultigrid;
+        static constexpr std::uint8_t once = 2; ///< a flag that stays
         struct Level : detail::Fields {
-            Buffer<std::uint8_t> flags;   ///< by node
-            Buffer<std::uint32_t> list{}; ///< the active nodes, ascending
+            Buffer<std::uint8_t> flags;      ///< by node
+            Buffer<std::uint32_t> touched{}; ///< with any flag, now or before: all that is not zero
+            std::size_t with_data = 0;       ///< so many first of them have data
+            Buffer<std::uint32_t> list{};    ///< the active nodes, ascending
+            Buffer<std::uint32_t> rim{};     ///< those of them that others may lie beside
+
+            void mark(std::uint32_t n, std::uint8_t flag) {
+                if (flags[n] == 0) touched.push_back(n);
+                flags[n] |= flag | once;
+            }
         };
         std::vector<Level> levels_;
         Buffer<Values> refined_; ///< empty until it is needed
@@ -61,7 +74,7 @@ public:
     std::size_t block_bytes(bool refined) const noexcept {
         std::size_t rows = 0;
         for (const auto& level : levels_) rows += level.nodes();
-        return rows * (2 * sizeof(Row) + sizeof(std::uint32_t) + 1) +
+        return rows * (2 * sizeof(Row) + 3 * sizeof(std::uint32_t) + 1) +
                (refined ? unknowns() * sizeof(Values) : 0);
     }
     Block make_block() const {
@@ -70,7 +83,9 @@ public:
             auto& fields = block.levels_.emplace_back();
             fields.u.resize(level.nodes());
             fields.b.resize(level.nodes());
-            fields.flags.resize(level.nodes());
+            fields.flags = Buffer<std::uint8_t>(level.nodes(), 0);
+            detail::set_zero(fields.u);
+            detail::set_zero(fields.b);
         }
         return block;
     }
@@ -78,32 +93,25 @@ public:
     /// Begins with functions first … first + width − 1: from the coarsest level up a cycle on each
     /// but the finest, for which `cycle` is to be called.
     ///
-    ///   cutoff  the functions are solved for where any is larger, and are zero elsewhere. As they
-    ///           are given no data there, they are too small by about twice that at most (by 1.8 as
-    ///           measured). 0: everywhere
+    ///   cutoff  the functions are solved for where any is larger. Elsewhere they are as the next
+    ///           level has left them, on which they are solved for where they are larger than a
+    ///           quarter of that, and so on; below a thousandth of it zero. What is left unsolved
+    ///           has errors of its own size times those of the next level: a quarter of the cutoff
+    ///           at most was measured. 0: everywhere
     void start(Block& block, std::size_t first, double cutoff = 0) const {
         block.first_ = first;
         block.cutoff_ = cutoff;
         block.refined_.clear();
-        for (auto& level : block.levels_) {
-            set_zero(level.u);
-            set_zero(level.b);
-            std::fill(level.flags.begin(), level.flags.end(), cutoff > 0 ? std::uint8_t{0} : active);
-        }
+        for (auto& level : block.levels_) clear(level);
         set_data(block);
         const std::size_t coarsest = levels_.size() - 1;
-        auto& bottom = block.levels_[coarsest].flags;
-        std::fill(bottom.begin(), bottom.end(), active);
+        for (std::uint32_t n = 0; n < levels_[coarsest].nodes(); ++n) block.levels_[coarsest].mark(n, active);
         list_active(block, coarsest);
-        for (std::size_t l = coarsest;; --l) {
-            if (l < coarsest) {
-                interpolate_all(block, l);
-                if (cutoff > 0) add_ring(block, l);
-                list_active(block, l);
-            }
-            if (l == 0) return;
+        for (std::size_t l = coarsest; l > 0; --l) {
             (void)descend(block, l);
-            grow(block, l);
+            if (cutoff > 0) grow(block, l);
+            take_over(block, l - 1);
+            relax_data(block, l - 1);
         }
     }
 
@@ -111,7 +119,7 @@ public:
     /// cutoff the nodes that are solved for may become more.
     double cycle(Block& block, std::size_t functions) const {
         const Simd largest = descend(block, 0);
-        grow(block, 0);
+        if (block.cutoff_ > 0) grow(block, 0);
         detail::NodeRow row;
         largest.store(row);
         double change = 0;
@@ -156,12 +164,22 @@ public:
 
 private:
     using Simd = detail::Simd<float>;
-    static constexpr std::uint8_t active = 1, with_data = 2, ringed = 4; ///< flags
-    static constexpr std::size_t coarsest_sweeps = 15;
+    static constexpr std::uint8_t active = 1; ///< a flag
+    static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
 
     // ---- which nodes are solved for -------------------------------------------------------------------
 
-    /// The right-hand sides of all levels, and the nodes that have one.
+    static void clear(typename Block::Level& level) noexcept {
+        for (const std::uint32_t n : level.touched) {
+            Simd(0.0f).store(level.u[n]);
+            Simd(0.0f).store(level.b[n]);
+            level.flags[n] = 0;
+        }
+        level.touched.clear();
+        level.list.clear();
+        level.rim.clear();
+    }
+    /// The right-hand sides of all levels.
     void set_data(Block& block) const {
         const auto by_handle = [](const TreeData& a, std::size_t handle) { return a.handle < handle; };
         const auto from = std::lower_bound(data_.begin(), data_.end(), block.first_, by_handle);
@@ -169,25 +187,31 @@ private:
         block.data_ = {from, to};
         for (const auto& [handle, node, weight] : block.data_) {
             block.levels_[0].b[node][handle - block.first_] += weight;
-            block.levels_[0].flags[node] |= with_data;
+            block.levels_[0].mark(node, 0);
         }
-        for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
-            auto& fine = block.levels_[l];
+        for (std::size_t l = 0; l < levels_.size(); ++l) {
+            auto& level = block.levels_[l];
+            level.with_data = level.touched.size();
+            std::sort(level.touched.begin(), level.touched.end());
+            if (l + 1 == levels_.size()) return;
             auto& coarse = block.levels_[l + 1];
-            for (std::uint32_t n = 0; n < levels_[l].nodes(); ++n) {
-                if ((fine.flags[n] & with_data) == 0) continue;
+            for (const std::uint32_t n : level.touched) {
                 for (const auto& [column, weight] : levels_[l].interpolation.of(n)) {
-                    coarse.flags[column] |= with_data;
-                    multiply_add(Simd(weight), Simd::load(fine.b[n]), Simd::load(coarse.b[column]))
+                    coarse.mark(column, 0);
+                    multiply_add(Simd(weight), Simd::load(level.b[n]), Simd::load(coarse.b[column]))
                         .store(coarse.b[column]);
                 }
             }
         }
     }
-    static float largest_lane(const Row& row) noexcept {
-        float largest = 0;
-        for (std::size_t k = 0; k < width; ++k) largest = std::max(largest, std::fabs(row[k]));
-        return largest;
+    static bool any_larger(const Row& row, float limit) noexcept {
+        bool any = false;
+        for (std::size_t k = 0; k < width; ++k) any |= std::fabs(row[k]) > limit;
+        return any;
+    }
+    /// Of a level: a coarser one's functions are less exact by four.
+    static float cutoff_of(const Block& block, std::size_t l) noexcept {
+        return float(std::ldexp(block.cutoff_, -2 * int(l)));
     }
     /// Lists the active nodes of a level, and of the coarser ones those of them that stay.
     void list_active(Block& block, std::size_t l) const {
@@ -198,103 +222,120 @@ private:
         }
         for (; l + 1 < levels_.size(); ++l) {
             auto& coarse = block.levels_[l + 1];
-            for (const std::uint32_t n : coarse.list) {
-                coarse.flags[n] &= std::uint8_t(~active);
-                Simd(0.0f).store(coarse.u[n]);
-            }
+            for (const std::uint32_t n : coarse.list) coarse.flags[n] &= std::uint8_t(~active);
             coarse.list.clear();
             for (const std::uint32_t n : block.levels_[l].list) {
                 const std::uint32_t number = levels_[l].numbers[n];
                 if (number == TreeNodes<D>::none) continue;
-                coarse.flags[number] |= active;
+                coarse.mark(number, active);
                 coarse.list.push_back(number);
             }
         }
     }
-    /// Takes over the functions of the next level. Those that are larger than the cutoff are active,
-    /// and those with data.
-    void interpolate_all(Block& block, std::size_t l) const noexcept {
+    /// Takes the functions of the next level over and leaves zero there, where corrections will be.
+    /// Those that are larger than the cutoff are active, and those with data.
+    void take_over(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
-        const auto& coarse = block.levels_[l + 1];
+        auto& coarse = block.levels_[l + 1];
+        const float cutoff = cutoff_of(block, l), least = float(1e-3 * block.cutoff_);
+        const bool everywhere = block.cutoff_ == 0;
+        for (std::size_t k = 0; k < level.with_data; ++k) level.mark(level.touched[k], active);
         for (std::uint32_t n = 0; n < levels_[l].nodes(); ++n) {
             bool any = false;
             for (const auto& [column, weight] : levels_[l].interpolation.of(n))
-                any = any || (coarse.flags[column] & active) != 0;
-            if ((level.flags[n] & with_data) != 0) level.flags[n] |= active;
-            if (!any) continue;
-            Simd sum(0.0f);
-            for (const auto& [column, weight] : levels_[l].interpolation.of(n))
-                sum = multiply_add(Simd(weight), Simd::load(coarse.u[column]), sum);
-            sum.store(level.u[n]);
-            if (block.cutoff_ == 0 || double(largest_lane(level.u[n])) > block.cutoff_)
-                level.flags[n] |= active;
+                any = any || coarse.flags[column] != 0;
+            if (any) {
+                Simd sum(0.0f);
+                for (const auto& [column, weight] : levels_[l].interpolation.of(n))
+                    sum = multiply_add(Simd(weight), Simd::load(coarse.u[column]), sum);
+                Row row;
+                sum.store(row);
+                any = any_larger(row, least);
+                if (any) level.mark(n, any_larger(row, cutoff) ? active : std::uint8_t{0});
+                // What is left unsolved is not negative, as functions are.
+                if ((level.flags[n] & active) == 0) sum = (detail::max)(sum, Simd(0.0f));
+                if (level.flags[n] != 0) sum.store(level.u[n]);
+            }
+            if (everywhere) level.mark(n, active);
         }
+        for (const std::uint32_t n : coarse.touched) Simd(0.0f).store(coarse.u[n]);
+        level.rim.clear();
+        for (std::uint32_t n = 0; n < levels_[l].nodes() && !everywhere; ++n) {
+            if ((level.flags[n] & active) != 0) level.rim.push_back(n);
+        }
+        add_ring(block, l);
+        list_active(block, l);
     }
-    /// Makes the neighbours of active nodes active, and leaves zero elsewhere.
+    /// Makes the neighbours of the rim active: the new rim.
     void add_ring(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
-        for (std::uint32_t n = 0; n < level.flags.size(); ++n) {
-            if ((level.flags[n] & active) == 0) continue;
-            for (const auto& [column, weight] : levels_[l].neighbours.of(n)) level.flags[column] |= ringed;
-        }
-        for (std::uint32_t n = 0; n < level.flags.size(); ++n) {
-            if ((level.flags[n] & ringed) != 0)
-                level.flags[n] = std::uint8_t((level.flags[n] & ~ringed) | active);
-            if ((level.flags[n] & active) == 0) Simd(0.0f).store(level.u[n]);
-        }
-    }
-    /// Adds nodes where functions larger than the cutoff end at nodes that are not active.
-    void grow(Block& block, std::size_t l) const {
-        if (block.cutoff_ == 0) return;
-        const std::size_t rings = l == 0 ? 3 : 1;
-        for (bool grown = true; grown;) {
-            auto& level = block.levels_[l];
-            grown = false;
-            for (const std::uint32_t n : level.list) {
-                if (!(double(largest_lane(level.u[n])) > block.cutoff_)) continue;
-                for (const auto& [column, weight] : levels_[l].neighbours.of(n)) {
-                    if ((level.flags[column] & active) != 0) continue;
-                    level.flags[column] |= active;
-                    grown = true;
-                }
+        Buffer<std::uint32_t> rim;
+        for (const std::uint32_t n : level.rim) {
+            for (const auto& [column, weight] : levels_[l].neighbours.of(n)) {
+                if ((level.flags[column] & active) != 0) continue;
+                level.mark(column, active);
+                rim.push_back(column);
             }
-            if (!grown) return;
-            for (std::size_t ring = 0; ring < rings; ++ring) add_ring(block, l);
-            list_active(block, l);
-            (void)descend(block, l);
         }
+        level.rim = std::move(rim);
+    }
+    /// Goes on where functions larger than the cutoff end at nodes that are not active.
+    void grow(Block& block, std::size_t l) const {
+        auto& level = block.levels_[l];
+        Buffer<std::uint32_t> large, rest;
+        const float cutoff = cutoff_of(block, l);
+        for (const std::uint32_t n : level.rim) (any_larger(level.u[n], cutoff) ? large : rest).push_back(n);
+        level.rim = std::move(large);
+        add_ring(block, l);
+        const bool grown = !level.rim.empty();
+        for (const std::uint32_t n : rest) level.rim.push_back(n);
+        if (grown) list_active(block, l);
     }
 
     // ---- cycles, on the active nodes ------------------------------------------------------------------
 
-    Simd residual(const Block& block, std::size_t l, std::uint32_t n) const noexcept {
-        const auto& [u, b] = static_cast<const detail::Fields&>(block.levels_[l]);
-        Simd r = Simd::load(b[n]) - Simd::load(u[n]) * Simd(1 / levels_[l].inverse_diagonal[n]);
-        for (const auto& [column, weight] : levels_[l].neighbours.of(n))
-            r = multiply_add(Simd(weight), Simd::load(u[column]), r);
-        return r;
+    /// b + (neighbours) u at a node.
+    CAGEFORM_DETAIL_INLINE Simd sum_about(const typename Block::Level& at, std::size_t l,
+                                          std::uint32_t n) const noexcept {
+        const auto row = levels_[l].neighbours.of(n);
+        Simd even = Simd::load(at.b[n]), odd(0.0f); // two sums, so that neither waits for the other
+        std::size_t k = 0;
+        for (; k + 2 <= row.size(); k += 2) {
+            even = multiply_add(Simd(row[k].weight), Simd::load(at.u[row[k].column]), even);
+            odd = multiply_add(Simd(row[k + 1].weight), Simd::load(at.u[row[k + 1].column]), odd);
+        }
+        if (k < row.size()) even = multiply_add(Simd(row[k].weight), Simd::load(at.u[row[k].column]), even);
+        return even + odd;
     }
     /// Gauss and Seidel along the Morton curve.
     ///
     ///   largest  the largest change, if asked for
     template <bool keeps_largest = false>
     void relax(Block& block, std::size_t l, [[maybe_unused]] Simd* largest = nullptr) const noexcept {
-        const auto& level = levels_[l];
         auto& at = block.levels_[l];
         for (const std::uint32_t n : at.list) {
-            Simd sum = Simd::load(at.b[n]);
-            for (const auto& [column, weight] : level.neighbours.of(n))
-                sum = multiply_add(Simd(weight), Simd::load(at.u[column]), sum);
-            sum = sum * Simd(level.inverse_diagonal[n]);
-            if constexpr (keeps_largest) *largest = (detail::max)(*largest, abs(sum - Simd::load(at.u[n])));
-            sum.store(at.u[n]);
+            const Simd u = sum_about(at, l, n) * Simd(levels_[l].inverse_diagonal[n]);
+            if constexpr (keeps_largest) *largest = (detail::max)(*largest, abs(u - Simd::load(at.u[n])));
+            u.store(at.u[n]);
+        }
+    }
+    /// The same of the nodes with data, next to the boundary, whose values the next level knows least.
+    void relax_data(Block& block, std::size_t l) const noexcept {
+        auto& at = block.levels_[l];
+        for (std::size_t sweep = 0; sweep < data_sweeps; ++sweep) {
+            for (std::size_t k = 0; k < at.with_data; ++k) {
+                const std::uint32_t n = at.touched[k];
+                (sum_about(at, l, n) * Simd(levels_[l].inverse_diagonal[n])).store(at.u[n]);
+            }
         }
     }
     void restrict_residual(Block& block, std::size_t l) const noexcept {
+        const auto& at = block.levels_[l];
         auto& coarse = block.levels_[l + 1];
         for (const std::uint32_t n : coarse.list) Simd(0.0f).store(coarse.b[n]);
-        for (const std::uint32_t n : block.levels_[l].list) {
-            const Simd r = residual(block, l, n);
+        for (const std::uint32_t n : at.list) {
+            const Simd r =
+                sum_about(at, l, n) - Simd::load(at.u[n]) * Simd(1 / levels_[l].inverse_diagonal[n]);
             for (const auto& [column, weight] : levels_[l].interpolation.of(n)) {
                 if ((coarse.flags[column] & active) != 0)
                     multiply_add(Simd(weight), r, Simd::load(coarse.b[column])).store(coarse.b[column]);
