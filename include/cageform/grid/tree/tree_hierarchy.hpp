@@ -94,16 +94,9 @@ private:
         void at_place(const BoundaryValue<D>&, const Vec<double, D>&, double) noexcept {}
     };
 
-    Cell leaf_at(const Index& doubled) const noexcept {
-        const auto& cells = tree_.cells();
-        Cell cell = cells.root();
-        auto place = doubled;
-        for (auto& x : place) x = std::clamp(x, 0, 2 * cells.size() - 1);
-        while (merges_at_[cell.number] > level_) cell = cells.child_at(cell, place);
-        return cell;
-    }
     LeavesAbout<D> about(std::uint32_t node) const {
-        return {nodes_.index(node), [&](const Index& doubled) { return leaf_at(doubled); },
+        return {tree_.cells(), nodes_.index(node),
+                [&](std::uint32_t cell) { return merges_at_[cell] <= level_; },
                 [&](std::uint32_t cell) { return tree_.state(cell) != grid::CellState::out; }};
     }
     static bool is_corner(const Index& index, const LeavesAbout<D>& about) noexcept {

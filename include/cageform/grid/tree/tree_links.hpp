@@ -39,13 +39,26 @@ struct LeavesAbout {
     std::array<Cell, grid::CellTree<D>::children> leaf;
     std::array<bool, grid::CellTree<D>::children> counts; ///< not outside
 
-    /// leaf_at(doubled place) and whether such a leaf counts.
-    template <class LeafAt, class Counts>
-    LeavesAbout(const std::array<std::int32_t, D>& node, const LeafAt& leaf_at, const Counts& does_count) {
+    /// Which cells are leaves, and which leaves count. All octants share the way down to the cell
+    /// whose middle the node is level with.
+    template <class IsLeaf, class Counts>
+    LeavesAbout(const grid::CellTree<D>& tree, const std::array<std::int32_t, D>& node, const IsLeaf& is_leaf,
+                const Counts& does_count) {
+        Cell shared = tree.root();
+        auto doubled = node;
+        for (auto& x : doubled) x *= 2;
+        const auto parts_octants = [&] {
+            bool parts = false;
+            for (std::size_t k = 0; k < D; ++k)
+                parts = parts || doubled[k] == 2 * shared.low[k] + shared.size;
+            return parts;
+        };
+        while (!is_leaf(shared.number) && !parts_octants()) shared = tree.child_at(shared, doubled);
         for (std::size_t n = 0; n < leaf.size(); ++n) {
-            auto doubled = node;
-            for (std::size_t k = 0; k < D; ++k) doubled[k] = 2 * node[k] + (((n >> k) & 1u) != 0 ? 1 : -1);
-            leaf[n] = leaf_at(doubled);
+            auto place = doubled;
+            for (std::size_t k = 0; k < D; ++k) place[k] += ((n >> k) & 1u) != 0 ? 1 : -1;
+            leaf[n] = shared;
+            while (!is_leaf(leaf[n].number)) leaf[n] = tree.child_at(leaf[n], place);
             counts[n] = does_count(leaf[n].number);
         }
     }
@@ -149,7 +162,7 @@ private:
     void add_equation(std::uint32_t node) {
         const Index index = nodes_.index(node);
         const LeavesAbout<D> about(
-            index, [&](const Index& doubled) { return tree_.cells().leaf_at(doubled); },
+            tree_.cells(), index, [&](std::uint32_t cell) { return tree_.cells().is_leaf(cell); },
             [&](std::uint32_t cell) { return tree_.state(cell) != grid::CellState::out; });
         for (std::size_t n = 0; n < 2 * D; ++n) set_side(sides_[n], index, about, n / 2, n % 2 == 1);
         double volume = 1;
