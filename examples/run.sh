@@ -2,8 +2,9 @@
 # Usage: sh examples/run.sh [--build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
 # pictures: the cat at rest and in every pose by mean value and harmonic coordinates, with cells inside its cage,
-# the man, the aleph, a fish moved by points without a cage, a character in space, heat maps of coordinates, how
-# the solver converges, a key-frame curve and its pieces. What programs print goes to out/*.txt: tables of figures and of fits of key-frame curves.
+# the man, the aleph, a fish moved by points without a cage, a character in space, heat maps of coordinates, how the
+# solver converges and where its grid is fine, a key-frame curve and its pieces. What programs print goes to out/*.txt:
+# tables of figures and of fits of key-frame curves.
 # Prints a line a step, and at the end what to open.
 set -eu
 cd "$(dirname "$0")/.."
@@ -229,6 +230,20 @@ awk 'function cell(x, y, n) { if (y == 0) return int(1000 * sin(3.14159 * x / n)
 step "how the solver converges"
 "$programs/relaxation" "$data/line.csv" -o out/relaxation.svg --png --play out/relaxation_plays.svg >>$report
 "$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png >>$report
+# Where the adaptive grid is fine: in narrow parts, at corners, in fingers.
+grid() { # NAME CAGE [OPTION ...]
+  name=$1 cage=$2
+  shift 2
+  "$programs/adaptive_grid" --cage "$cage" "$@" -o "out/$name.svg" >>$report
+}
+fingers=tests/data/fingers/cage.obj
+grid grid_cat "$data/cat_cage.svg" --figure "$data/cat.svg" --accuracy 0.001
+grid grid_corner "$data/cat_cage.svg" --accuracy 0.001 --zoom 254.5,518,16,14.2
+grid grid_body $fingers --accuracy 0.002 --slice z=0.9
+grid grid_fingers $fingers --accuracy 0.002 --slice y=138.5 --zoom 64,-12,26,24
+"$programs/contact_sheet" -o out/adaptive_grid.svg --columns 2 --tile 560 --png --png-width 1200 \
+  "to 0.001, the finer the darker" out/grid_cat.svg "at a corner" out/grid_corner.svg \
+  "a body of 180 units to 0.002, cut from the front" out/grid_body.svg "its hand, fingers 1.7 thick, from above" out/grid_fingers.svg
 
 # Every grid point of the biped's cage, as numbers.
 awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print x "," y }' >out/biped_points.csv
@@ -268,6 +283,7 @@ Open, in out/:
                              surface_cat_8.png: one as a surface
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
   relaxation.png             sweeps on a line; relaxation_plays.svg: the same in a browser
+  adaptive_grid.png          cells of the grid by accuracy: of the cat, at a corner, through a hand
   convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
 END

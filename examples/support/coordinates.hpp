@@ -116,7 +116,7 @@ public:
     virtual cageform::BindResult<T, D> bind(Points points, const cageform::BindOptions& options = {},
                                             const cageform::Running& running = {}) const = 0;
     /// The cells of the adaptive grid; solver_not_supported of what is made by none.
-    virtual cageform::Status
+    virtual cageform::Evaluation
     for_each_cell(const std::function<void(const cageform::GridCell<T, D>&)>& f) const = 0;
 
     using PointsAndNormals = cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>;

@@ -56,12 +56,12 @@ public:
                                     const cageform::Running& running) const override {
         return cageform::bind(own, points, options, running);
     }
-    cageform::Status
+    cageform::Evaluation
     for_each_cell(const std::function<void(const cageform::GridCell<T, D>&)>& f) const override {
         if constexpr (requires { own.for_each_cell(f); })
             return own.for_each_cell(f);
         else
-            return cageform::Status::solver_not_supported;
+            return {cageform::Status::solver_not_supported, {}};
     }
 
     cageform::FigureBindResult<T, D>

@@ -130,7 +130,7 @@ void check_cells(const C& cage, std::uint64_t seed) {
     constexpr std::size_t D = C::dimension;
     std::vector<cageform::GridCell<T, D>> cells;
     const Adaptive<C> coordinates(cage, {.accuracy = 0.02});
-    REQUIRE(coordinates.for_each_cell([&](const auto& cell) { cells.push_back(cell); }) == Status::ok);
+    REQUIRE(coordinates.for_each_cell([&](const auto& cell) { cells.push_back(cell); }).status == Status::ok);
     const auto bounds = bounds_of(cage.vertices());
     Random random(seed);
     std::size_t inside = 0;
@@ -160,7 +160,7 @@ TEMPLATE_TEST_CASE("the cells of an adaptive grid hold every point inside once",
     }
     const HarmonicOptions uniform{.resolution = 16};
     const Adaptive<Polygon<TestType>> coordinates(Polygon<TestType>(random_star<TestType>(1)), uniform);
-    CHECK(coordinates.for_each_cell([](const auto&) { FAIL("a cell of none"); }) ==
+    CHECK(coordinates.for_each_cell([](const auto&) { FAIL("a cell of none"); }).status ==
           Status::solver_not_supported);
 }
 

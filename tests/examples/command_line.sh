@@ -720,6 +720,19 @@ report $ok "mean value is negative in the biped's other leg"
 works "a field of a chain" "$field" --cage "$data/cat_cage_spine.csv" --vertex 26 --coordinates harmonic --resolution 64 --size 120 -o field.png
 refuses 'there is no vertex 29' "$field" --cage "$data/cat_cage_spine.csv" --vertex 29 --coordinates harmonic -o out.png
 refuses 'interior cells not supported' "$field" --cage "$data/cat_cage_head.csv" --vertex 0 -o out.png
+grid="$programs/adaptive_grid"
+works "the grid of a cat" "$grid" --cage "$cage" --figure "$cat" --accuracy 0.01 -o grid.svg --png
+grep -q 'cells inside the cage or passed by it' log && [ -s grid.png ] && ok=yes || ok=no
+report $ok "its cells are counted and drawn"
+works "a part of it" "$grid" --cage "$data/cat_cage_spine.csv" --zoom 254,518,16,14 -o grid.svg
+refuses 'no part of the grid is at --zoom' "$grid" --cage "$cage" --zoom 5000,0,1,1 -o out.svg
+refuses 'the solver is not there for these coordinates' "$grid" --cage "$data/cat_cage_head.csv" -o out.svg
+refuses 'cross' "$grid" --cage bow_tie.svg -o out.svg
+refuses '--accuracy' "$grid" --cage "$cage" --accuracy 1e-9 -o out.svg
+refuses '--slice: ' "$grid" --cage "$cage" --slice z=1 -o out.svg
+refuses '"z" is no plane' "$grid" --cage box.obj --slice z -o out.svg
+refuses 'the plane passes the cage by' "$grid" --cage box.obj --slice x=7 -o out.svg
+works "a slice" "$grid" --cage box.obj --figure inner.obj --accuracy 0.02 --slice y=0.5 -o grid.svg
 refuses 'cells inside' "$programs/convergence" --cage "$data/cat_cage_head.csv" -o out.svg
 refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
 refuses 'cross' "$field" --cage bow_tie.svg --vertex 0 -o out.png
@@ -1151,7 +1164,7 @@ done
 
 # ---- what all programs have ----
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence deform_mesh make_character bind_mesh \
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid deform_mesh make_character bind_mesh \
   export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no

@@ -183,8 +183,8 @@ public:
     /// cage makes its grid fine. Neighbours come together (along the Morton curve). By the uniform
     /// grid solver_not_supported, else fails and costs as `solve` before its first cycle.
     template <class F>
-    Status for_each_cell(F&& f) const {
-        const auto evaluation = with_solution([&](const auto& solution, SolverReport&) {
+    Evaluation for_each_cell(F&& f) const {
+        return with_solution([&](const auto& solution, SolverReport&) {
             if constexpr (requires { solution->solver->for_each_cell(f); }) {
                 solution->solver->for_each_cell(f);
                 return Status::ok;
@@ -192,7 +192,6 @@ public:
                 return Status::solver_not_supported;
             }
         });
-        return evaluation.status;
     }
 
 private:
