@@ -229,7 +229,10 @@ awk 'function cell(x, y, n) { if (y == 0) return int(1000 * sin(3.14159 * x / n)
 
 step "how the solver converges"
 "$programs/relaxation" "$data/line.csv" -o out/relaxation.svg --png --play out/relaxation_plays.svg >>$report
-"$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" -o out/convergence.svg --png >>$report
+known=tests/data/oracle # weights to many digits
+"$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" --oracle $known/harmonic2d_cat.json \
+  --oracle $known/harmonic2d_l_shape.json --oracle $known/harmonic3d_l_prism_triangulated.json \
+  --oracle tests/data/fingers/reference.txt -o out/convergence.svg --png >out/convergence.txt
 # Where the adaptive grid is fine: in narrow parts, at corners, in fingers.
 grid() { # NAME CAGE [OPTION ...]
   name=$1 cage=$2
@@ -284,6 +287,6 @@ Open, in out/:
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
   relaxation.png             sweeps on a line; relaxation_plays.svg: the same in a browser
   adaptive_grid.png          cells of the grid by accuracy: of the cat, at a corner, through a hand
-  convergence.png            errors of the solver; fit_curve.png: a key-frame curve and its pieces
+  convergence.png            errors of the solver, convergence.txt: as a table; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
 END

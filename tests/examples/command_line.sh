@@ -734,6 +734,17 @@ refuses '"z" is no plane' "$grid" --cage box.obj --slice z -o out.svg
 refuses 'the plane passes the cage by' "$grid" --cage box.obj --slice x=7 -o out.svg
 works "a slice" "$grid" --cage box.obj --figure inner.obj --accuracy 0.02 --slice y=0.5 -o grid.svg
 refuses 'cells inside' "$programs/convergence" --cage "$data/cat_cage_head.csv" -o out.svg
+refuses '--cage or --oracle is required' "$programs/convergence" -o out.svg
+printf '{"cage": {"vertices": [[0, 0], [1, 0], [0, 1]], "loops": [[0, 1, 2]]}, "points": [[0.25, 0.25]], "coordinates": [[0.5, 0.25, 0.25]]}' >triangle.json
+works "errors of known weights" "$programs/convergence" --oracle triangle.json -o errors.svg
+grep -q 'triangle, 32 cells: [0-9]* unknowns, 0.[0-9]* s, error ' log && grep -q 'triangle, accuracy 1e-03: ' log && ok=yes || ok=no
+report $ok "they are said of both grids"
+sed 's/\[0.5, /[/' triangle.json >short.json
+printf '0.2,0.2,0.2;0:x\n' >word.txt
+cp box.obj cage.obj
+refuses 'short.json: a weight of each vertex is missing' "$programs/convergence" --oracle short.json -o out.svg
+refuses 'box.obj: ' "$programs/convergence" --oracle box.obj -o out.svg
+refuses 'word.txt:1: no line of an oracle' "$programs/convergence" --oracle word.txt -o out.svg
 refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
 refuses 'cross' "$field" --cage bow_tie.svg --vertex 0 -o out.png
 works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic,green
