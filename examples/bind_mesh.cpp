@@ -266,8 +266,6 @@ int run_program(int argc, char** argv) {
     if (given.choice.name == "harmonic" &&
         given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
         return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
-    if (given.choice.name == "harmonic" && given.choice.harmonic.accuracy > 0)
-        return fail("--accuracy: normals are bound on a uniform grid alone, --resolution");
     if (given.choice.takes_normals() && given.distance > 0 && given.clip.empty() && given.poses.empty())
         return fail("--max-distance with --coordinates green is kept over a motion: --clip or --pose");
     for (const WeightFormat known :

@@ -14,9 +14,8 @@ namespace {
 std::string polygon_fault(const CoordinatesChoice& choice) {
     if (choice.name == "mean-value") return {};
     if (choice.name != "harmonic") return choice.name + " takes triangles";
-    if (choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
-        return "harmonic by the papers' solver takes triangles";
-    return choice.harmonic.accuracy > 0 ? "harmonic by --accuracy takes triangles" : "";
+    const bool by_pyramid = choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid;
+    return by_pyramid ? "harmonic by the papers' solver takes triangles" : "";
 }
 
 } // namespace

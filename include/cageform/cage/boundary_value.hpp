@@ -25,4 +25,26 @@ BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
     return value;
 }
 
+namespace detail {
+
+/// Hat functions of the vertices: a place's BoundaryValue is all there is to say.
+template <std::size_t D>
+class HatData {
+public:
+    using Value = BoundaryValue<D>;
+
+    template <class F>
+    static void for_each_weight(const Value& value, F&& f) {
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
+        }
+    }
+    template <class F>
+    static void for_each_handle(const Value& value, F&& f) {
+        for_each_weight(value, [&](std::uint32_t handle, double) { f(handle); });
+    }
+};
+
+} // namespace detail
+
 } // namespace cageform::inline CAGEFORM_ABI

@@ -68,6 +68,32 @@ public:
         return value;
     }
 
+    /// f(triangle), as arrays of vertices: the rectangles, each cut in two, counter-clockwise seen from
+    /// outside.
+    template <class F>
+    void for_each_triangle(F&& f) const {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto [a, b] = detail::other_axes[axis];
+            for (const bool upper : {false, true}) {
+                std::array<std::size_t, 3> low{};
+                low[axis] = upper ? divisions_[axis] : 0;
+                for (low[b] = 0; low[b] < divisions_[b]; ++low[b]) {
+                    for (low[a] = 0; low[a] < divisions_[a]; ++low[a]) {
+                        const auto corner = [&](std::size_t n) { // around the rectangle
+                            auto index = low;
+                            index[a] += n == 1 || n == 2 ? 1 : 0;
+                            index[b] += n >= 2 ? 1 : 0;
+                            return std::uint32_t(number_of(index));
+                        };
+                        const bool turned = upper == (axis == 1); // a, b and the axis are left-handed
+                        f(std::array{corner(0), corner(turned ? 2 : 1), corner(turned ? 1 : 2)});
+                        f(std::array{corner(0), corner(turned ? 3 : 2), corner(turned ? 2 : 3)});
+                    }
+                }
+            }
+        }
+    }
+
     /// The parts of the box's extents at which a point lies: 0 at the lower end, 1 at the upper.
     Vec<double, 3> parts(const Vec<double, 3>& p) const noexcept {
         Vec<double, 3> part;
@@ -118,6 +144,12 @@ private:
     std::vector<Vec<T, 3>> vertices_;
     Status status_ = Status::ok; // last: what fills the others is its initialiser
 };
+
+/// f(triangle), as arrays of vertices.
+template <Scalar T, class F>
+void for_each_facet(const Box<T>& box, F&& f) {
+    box.for_each_triangle(f);
+}
 
 // ---- inside -------------------------------------------------------------------------------------
 

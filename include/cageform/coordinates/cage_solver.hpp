@@ -82,16 +82,16 @@ concept CageSolver = grid::GroupSolver<S> &&
 
 /// A solver whose functions can be differentiated, by differences of samples up to a cell apart.
 ///
-///   spacing()                  of its grid
+///   spacing(p)                 of its grid about a point, in units of the cage
 ///   state_of(p)                where a point lies, as `samples` says
 ///   free_distance(p, axis, up, limit)
 ///                              from a point inside along an axis, up or down, to the boundary, in
-///                              cells; at most `limit`
+///                              such spacings; at most `limit`
 template <class S>
 concept DifferentiableSolver = CageSolver<S> &&
     requires(const S& solver, const Vec<typename S::Problem::scalar, S::Problem::dimension>& p,
              std::size_t axis, bool up, double limit) {
-    { solver.spacing() } -> std::same_as<double>;
+    { solver.spacing(p) } -> std::same_as<double>;
     { solver.state_of(p) } -> std::same_as<PointState>;
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
 };

@@ -142,7 +142,7 @@ public:
         samples.at_corners.finish(options_.tolerance, rows);
     }
 
-    double spacing() const noexcept { return grid_.lattice().spacing; }
+    double spacing(const Vec<T, D>& /*p*/) const noexcept { return grid_.lattice().spacing; }
     PointState state_of(const Vec<T, D>& p) const noexcept { return grid_.state_of(p); }
     double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return grid_.free_distance(p, axis, up, limit);

@@ -89,13 +89,27 @@ public:
         });
     }
 
+    /// The size of the leaf at a place, in units of the cage.
+    double spacing(const Vec<T, D>& p) const noexcept { return boundary_.unit() * leaf_at(placed(p)).size; }
+    PointState state_of(const Vec<T, D>& p) const noexcept {
+        const auto at = placed(p);
+        return located(p, at, leaf_at(at)).state;
+    }
+    /// From a place inside along an axis, up or down, to the boundary, in sizes of the leaf there; at
+    /// most `limit`.
+    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        const auto at = placed(p);
+        const double size = leaf_at(at).size;
+        return std::fmin(limit, boundary_.free_distance({at, axis, up, limit * size}) / size);
+    }
+
     /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
     /// outside and beyond the batch.
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const {
         grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
         const auto p = block_point<D>(batch.points, i);
-        const auto at = boundary_.in_units(vec_cast<double>(p));
+        const auto at = placed(p);
         const auto leaf = leaf_at(at);
         const auto facets = tree_.facets(leaf.number);
         const auto [state, value] = located(p, at, leaf);
@@ -117,6 +131,9 @@ public:
 private:
     using Cell = typename grid::CellTree<D>::Cell;
 
+    Vec<double, D> placed(const Vec<T, D>& p) const noexcept {
+        return boundary_.in_units(vec_cast<double>(p));
+    }
     Cell leaf_at(const Vec<double, D>& p) const noexcept {
         typename grid::CellTree<D>::Index doubled{};
         const double end = 2.0 * tree_.cells().size();
@@ -169,14 +186,6 @@ public:
     std::uint32_t handle(std::size_t rank) const noexcept { return handle_[rank]; }
     std::uint32_t rank(std::size_t handle) const noexcept { return rank_[handle]; }
 
-    /// As StencilTable asks for boundary data, by ranks.
-    template <class Value, class F>
-    void for_each_weight(const Value& value, F&& f) const {
-        for (std::size_t n = 0; n < Value::most; ++n) {
-            if (value.weight[n] != 0) f(rank_[value.handle[n]], value.weight[n]);
-        }
-    }
-
 private:
     template <Scalar T, std::size_t D>
     void divide(std::span<const Vec<T, D>> places, std::size_t width, std::size_t begin, std::size_t end) {
@@ -205,6 +214,40 @@ private:
     Buffer<std::uint32_t> handle_, rank_;
 };
 
+/// The boundary data of a tree's facets, triangles whatever the cage's faces are, by the ranks of the
+/// handles.
+template <class C>
+class RankedData {
+public:
+    using Value = BoundaryValue<C::dimension>;
+
+    RankedData(const C& cage, const BoundaryData<C>& data, const HandleOrder& order)
+        : cage_(cage)
+        , data_(data)
+        , order_(order) {}
+
+    template <class F>
+    void for_each_weight(const Value& value, F&& f) const {
+        const auto ranked = [&](std::uint32_t handle, double weight) { f(order_.rank(handle), weight); };
+        if constexpr (requires { cage_.divisions(); }) { // a box: bilinear on its rectangles
+            Vec<double, 3> place{};
+            HatData<3>::for_each_weight(value, [&](std::uint32_t handle, double weight) {
+                place = place + weight * vec_cast<double>(cage_.vertices()[handle]);
+            });
+            Vec<typename C::scalar, 3> on_box;
+            HatData<3>::for_each_weight(
+                nearest_boundary_value(cage_, vec_cast<typename C::scalar>(place), on_box), ranked);
+        } else {
+            data_.for_each_weight(value, ranked);
+        }
+    }
+
+private:
+    const C& cage_;
+    const BoundaryData<C>& data_;
+    const HandleOrder& order_;
+};
+
 } // namespace detail
 
 /// A CageSolver for polygons, meshes and complexes without bones; groups are of sixteen functions.
@@ -215,6 +258,9 @@ class TreeSolver {
     static constexpr std::size_t D = C::dimension;
     using Multigrid = grid::TreeMultigrid<D>;
     static constexpr std::size_t width = Multigrid::width;
+    /// How far functions are solved. In the plane farther: it takes little, and about corners, where
+    /// cells are tiny, gradients are differences of values near each other.
+    static constexpr double of_accuracy = D == 2 ? 0.01 : 0.1;
 
 public:
     using Problem = CageProblem<C, HarmonicOptions>;
@@ -224,6 +270,7 @@ public:
         constexpr double bytes_of_leaf = 700; // tree, hierarchy and a block, as measured
         const double accuracy = problem.options.accuracy;
         if (!(accuracy >= 1e-5 && accuracy <= 0.1)) return Status::accuracy_not_supported;
+        if (problem.data.status() != Status::ok) return problem.data.status();
         if (!interior_cells(problem.cage).bones.empty()) return Status::solver_not_supported;
         if (detail::TreeCage<C>::depth_of(problem.cage, problem.tolerance) < detail::TreeCage<C>::least_depth)
             return Status::resolution_not_supported;
@@ -235,17 +282,19 @@ public:
             report.bytes = std::size_t(bytes_of_leaf * leaves);
             return Status::out_of_memory;
         }
-        made.emplace(std::move(cage), problem.options);
+        made.emplace(std::move(cage), problem);
         report.cells = made->multigrid_.unknowns();
         report.unseen_handle = made->first_unseen(problem.report);
         return report.unseen_handle == SolverReport::none ? Status::ok : Status::grid_too_coarse;
     }
-    TreeSolver(std::unique_ptr<detail::TreeCage<C>> cage, const HarmonicOptions& options)
+    TreeSolver(std::unique_ptr<detail::TreeCage<C>> cage, const Problem& problem)
         : cage_(std::move(cage))
-        , tolerance_(0.1 * options.accuracy)
-        , max_cycles_(options.multigrid.max_cycles)
+        , data_(&problem.data)
+        , tolerance_(of_accuracy * problem.options.accuracy)
+        , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices(), width)
-        , multigrid_(cage_->tree(), cage_->nodes(), links(*cage_, order_)) {}
+        , multigrid_(cage_->tree(), cage_->nodes(),
+                     grid::links_of(cage_->tree(), cage_->nodes(), data_by_rank())) {}
 
     SolverMemory memory() const noexcept {
         return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
@@ -314,7 +363,8 @@ public:
 
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
-        for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), order_);
+        const auto data = data_by_rank();
+        for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
         return samples;
     }
     template <class Solved> // a block or what is kept
@@ -324,16 +374,14 @@ public:
     }
     void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
 
-private:
-    /// Their data by ranks.
-    static grid::TreeLinks links(const detail::TreeCage<C>& cage, const detail::HandleOrder& order) {
-        auto links = grid::links_of(cage.tree(), cage.nodes());
-        for (auto& part : links.data) part.handle = order.rank(part.handle);
-        std::sort(links.data.begin(), links.data.end(), [](const auto& a, const auto& b) {
-            return a.handle != b.handle ? a.handle < b.handle : a.node < b.node;
-        });
-        return links;
+    double spacing(const Vec<T, D>& p) const noexcept { return cage_->spacing(p); }
+    PointState state_of(const Vec<T, D>& p) const noexcept { return cage_->state_of(p); }
+    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        return cage_->free_distance(p, axis, up, limit);
     }
+
+private:
+    detail::RankedData<C> data_by_rank() const noexcept { return {cage_->cage(), *data_, order_}; }
     /// Where functions are below it the next coarser level is exact enough.
     double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
     /// Float alone stalls at some 3e-7.
@@ -354,6 +402,7 @@ private:
     }
 
     std::unique_ptr<detail::TreeCage<C>> cage_;
+    const detail::BoundaryData<C>* data_;
     double tolerance_;
     std::size_t max_cycles_;
     detail::HandleOrder order_;
@@ -361,7 +410,7 @@ private:
 };
 
 /// The adaptive grid where HarmonicOptions::accuracy is given, else the uniform one. On the adaptive
-/// one boxes, faces of more than three corners, bones and gradients are solver_not_supported.
+/// one bones are solver_not_supported.
 template <class C>
 struct WithAdaptiveGrid {
     using Options = HarmonicOptions;
@@ -370,13 +419,7 @@ struct WithAdaptiveGrid {
     static Status choose(const Options& options, const Use& use) {
         if (options.accuracy == 0) return HarmonicSolverChoice<C>::choose(options, use);
         if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
-        if constexpr (std::is_same_v<typename grid::GridBoundaryOf<C>::type,
-                                     grid::SimplexBoundary<C::dimension>> &&
-                      std::is_base_of_v<detail::HatData<C::dimension>, detail::BoundaryData<C>>) {
-            return use(std::type_identity<TreeSolver<C>>{});
-        } else {
-            return Status::solver_not_supported;
-        }
+        return use(std::type_identity<TreeSolver<C>>{});
     }
 };
 

@@ -8,24 +8,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Hat functions of the vertices: a place's BoundaryValue is all there is to say.
-template <std::size_t D>
-class HatData {
-public:
-    using Value = BoundaryValue<D>;
-
-    template <class F>
-    static void for_each_weight(const Value& value, F&& f) {
-        for (std::size_t n = 0; n < Value::most; ++n) {
-            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
-        }
-    }
-    template <class F>
-    static void for_each_handle(const Value& value, F&& f) {
-        for_each_weight(value, [&](std::uint32_t handle, double) { f(handle); });
-    }
-};
-
 /// The data of harmonic functions; of most cages hat functions. A cage with others has a
 /// specialisation.
 ///

@@ -111,7 +111,7 @@ private:
     Point neighbour(const Point& p, std::size_t axis, bool up) const noexcept {
         const double cells = solver_.free_distance(p, axis, up, 1.0);
         Point q = p;
-        q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * solver_.spacing());
+        q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * solver_.spacing(p));
         return q;
     }
     /// Of the value here less that below, and of that above less that here, for the derivative:
@@ -125,7 +125,7 @@ private:
     /// From the boundary half a cell inwards, along the diagonal that is farthest from the
     /// boundary; false where none is inside.
     bool step_inside(Point& p) const noexcept {
-        const double step = 0.5 * solver_.spacing() / std::sqrt(double(D));
+        const double step = 0.5 * solver_.spacing(p) / std::sqrt(double(D));
         double most = 0;
         const Point from = p;
         for (std::size_t direction = 0; direction < (std::size_t{1} << D); ++direction) {

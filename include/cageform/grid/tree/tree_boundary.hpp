@@ -216,8 +216,10 @@ public:
         return detail::passes(facets_[facet], middle, half + slack_);
     }
     /// Where a ray from inside meets a facet: one that it would leave the inside by, or a wall.
-    std::optional<Hit<D>> hit(std::size_t facet, const AxisRay<D>& ray) const noexcept {
-        const auto& part = facets_[facet];
+    ///
+    ///   rounded  of the facets rounded, or as they are
+    std::optional<Hit<D>> hit(std::size_t facet, const AxisRay<D>& ray, bool rounded = true) const noexcept {
+        const auto& part = rounded ? facets_[facet] : exact_[facet];
         const double along = ray.up ? normals_[facet][ray.axis] : -normals_[facet][ray.axis];
         if (part.turns && !(along > 0)) return std::nullopt;
         return detail::hit(part, ray);
@@ -232,6 +234,18 @@ public:
             ray.length = ray.distance(found->position);
         }
         return first;
+    }
+
+    /// From inside along a ray to the boundary as it is, at most the ray's length.
+    double free_distance(AxisRay<D> ray) const noexcept {
+        Vec<double, D> direction{};
+        direction[ray.axis] = ray.up ? 1 : -1;
+        boxes_->for_each_on_ray(ray.from, direction, ray.length, [&](std::uint32_t facet) {
+            if (const auto found = hit(facet, ray, false))
+                ray.length = std::fmin(ray.length, ray.distance(found->position));
+            return ray.length;
+        });
+        return std::fmax(ray.length, 0.0);
     }
 
     struct Nearest {

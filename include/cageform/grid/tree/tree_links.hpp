@@ -73,8 +73,8 @@ struct LeavesAbout {
     }
 };
 
-/// Makes the equations node by node.
-template <std::size_t D>
+/// Makes the equations node by node. Data is what cages call it: data.for_each_weight(value, f).
+template <std::size_t D, class Data>
 class LinkMaker {
 public:
     using Nodes = grid::TreeNodes<D>;
@@ -82,9 +82,10 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     using AxisRay = grid::AxisRay<D>;
 
-    LinkMaker(const grid::CutTree<D>& tree, const Nodes& nodes)
+    LinkMaker(const grid::CutTree<D>& tree, const Nodes& nodes, const Data& data)
         : tree_(tree)
-        , nodes_(nodes) {}
+        , nodes_(nodes)
+        , data_(data) {}
 
     grid::TreeLinks make() {
         for (std::uint32_t node = 0; node < nodes_.count(); ++node) add_equation(node);
@@ -182,12 +183,12 @@ private:
                 add_to_row(end.nodes[k].node, weight * end.nodes[k].share);
             for (std::uint32_t k = 0; k < end.place_count; ++k) {
                 const auto& [value, share] = end.places[k];
-                for (std::size_t h = 0; h < BoundaryValue<D>::most; ++h) {
-                    const auto part = float(weight * share * value.weight[h]);
-                    if (!(part > 0)) continue;
-                    out_.data.push_back({value.handle[h], node, part});
+                data_.for_each_weight(value, [&, w = weight * share](std::uint32_t handle, double of_handle) {
+                    const auto part = float(w * of_handle);
+                    if (!(part > 0)) return;
+                    out_.data.push_back({handle, node, part});
                     diagonal += double(part);
-                }
+                });
             }
         }
         std::sort(row_.begin(), row_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -232,6 +233,7 @@ private:
 
     const grid::CutTree<D>& tree_;
     const Nodes& nodes_;
+    const Data& data_;
     std::array<Side, 2 * D> sides_;
     std::vector<std::pair<std::uint32_t, double>> row_;
     grid::TreeLinks out_;
@@ -240,9 +242,11 @@ private:
 } // namespace detail
 namespace grid {
 
-template <std::size_t D>
-TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes) {
-    return detail::LinkMaker<D>(tree, nodes).make();
+///   data  data.for_each_weight(value, f): f(handle, weight) for the handles whose value at a place of
+///         the boundary is not zero; none negative
+template <std::size_t D, class Data = detail::HatData<D>>
+TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {}) {
+    return detail::LinkMaker<D, Data>(tree, nodes, data).make();
 }
 
 } // namespace grid
