@@ -107,6 +107,15 @@ std::vector<cageform::GridCell<double, D>> cells_of(const AnyCoordinates<double,
     return cells;
 }
 
+std::string number(double x) {
+    return text_of("%.9g", x);
+}
+/// " x=… y=… width=… height=…".
+std::string place(double x, double y, double width, double height) {
+    return " x=\"" + number(x) + "\" y=\"" + number(y) + "\" width=\"" + number(width) + "\" height=\"" +
+           number(height) + "\"";
+}
+
 struct Arguments {
     std::string cage, figure, out, slice, zoom;
     bool png = false;
@@ -126,10 +135,8 @@ SvgResult<Section> in_plane(const Arguments& given) {
         if (!figure) return figure.error();
         const auto view = view_box(*figure);
         if (!view) return view.error();
-        section.image = "<image x=\"" + text_of("%.9g", view->x) + "\" y=\"" + text_of("%.9g", view->y) +
-                        "\" width=\"" + text_of("%.9g", view->width) + "\" height=\"" +
-                        text_of("%.9g", view->height) + "\" href=\"data:image/svg+xml;base64," +
-                        base64(to_text(*figure)) + "\"/>\n";
+        section.image = "<image" + place(view->x, view->y, view->width, view->height) +
+                        " href=\"data:image/svg+xml;base64," + base64(to_text(*figure)) + "\"/>\n";
     }
     const auto coordinates = make_coordinates<double>(given.choice, *cage);
     cageform::BindReport report;
@@ -170,11 +177,6 @@ SvgResult<Section> in_space(const Arguments& given) {
     return section;
 }
 
-/// A PlaneBox as SVG has it: y down.
-ViewBox view_of(const PlaneBox& box, bool y_up) {
-    return {box.low.x, y_up ? -box.high.y : box.low.y, box.width(), box.height()};
-}
-
 /// As CSS has it.
 std::string name_of(const Colour& colour) {
     std::string name = "rgb(";
@@ -183,23 +185,21 @@ std::string name_of(const Colour& colour) {
     name.back() = ')';
     return name;
 }
+std::string view_box_of(double x, double y, double width, double height) {
+    return " viewBox=\"" + number(x) + " " + number(y) + " " + number(width) + " " + number(height) + "\"";
+}
+std::string lines(const Segments& segments, double up, const char* colour, double thickness) {
+    std::string path;
+    for (const auto& [a, b] : segments)
+        path += "M" + number(a.x) + "," + number(up * a.y) + "L" + number(b.x) + "," + number(up * b.y);
+    return "<path d=\"" + path + "\" fill=\"none\" stroke-linecap=\"round\" stroke=\"" + colour +
+           "\" stroke-width=\"" + number(thickness) + "\"/>\n";
+}
 
 /// Each size in a colour, the finer the darker, beside a scale of sizes. Empty where no cell is seen.
 std::string draw(const Section& section, const PlaneBox& box) {
-    const double pen = box.extent() / 400, letter = box.extent() / 45;
-    const ViewBox view = view_of(box, section.y_up);
-    const auto number = [](double x) { return text_of("%.9g", x); };
-    const auto lines = [&](const Segments& segments, const char* colour) {
-        std::string path;
-        for (const auto& [a, b] : segments) {
-            const double up = section.y_up ? -1 : 1;
-            path += "M" + number(a.x) + "," + number(up * a.y) + "L" + number(b.x) + "," + number(up * b.y);
-        }
-        return "<path d=\"" + path + "\" fill=\"none\" stroke-linecap=\"round\" stroke=\"" + colour +
-               "\" stroke-width=\"" + number(pen) + "\"/>\n";
-    };
+    const double up = section.y_up ? -1 : 1, unit = section.cells.front().size;
     std::map<int, std::string> paths; // by the logarithm of the size
-    const double unit = section.cells.front().size;
     for (const Square& cell : section.cells) {
         const bool is_seen = cell.low.x < box.high.x && cell.low.x + cell.size > box.low.x &&
                              cell.low.y < box.high.y && cell.low.y + cell.size > box.low.y;
@@ -210,36 +210,34 @@ std::string draw(const Section& section, const PlaneBox& box) {
             "M" + number(cell.low.x) + "," + y + "h" + size + "v" + size + "h-" + size + "z";
     }
     if (paths.empty()) return {};
-    const std::string at = " x=\"" + number(view.x) + "\" y=\"" + number(view.y) + "\" width=\"",
-                      high = "\" height=\"";
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"" + number(view.x) + " " +
-                      number(view.y) + " " + number(view.width + 7 * letter) + " " + number(view.height) +
-                      "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"" + number(letter) +
-                      "\">\n<rect" + at + number(view.width + 7 * letter) + high + number(view.height) +
-                      "\" fill=\"white\"/>\n<svg" + at + number(view.width) + high + number(view.height) +
-                      "\" viewBox=\"" + number(view.x) + " " + number(view.y) + " " + number(view.width) +
-                      " " + number(view.height) + "\">\n" + section.image;
-    std::string scale;
-    double row = view.y + 2 * letter;
-    const double steps = double(paths.rbegin()->first - paths.begin()->first);
-    for (auto path = paths.rbegin(); path != paths.rend(); ++path) { // the largest first
+    constexpr double side = 1000, letter = 22; // of the picture, in its own units
+    const double scale = side / box.extent(), width = scale * box.width(),
+                 height = std::max(scale * box.height(), 36.0 * double(paths.size()));
+    const double pen = box.extent() / 400;
+    std::string svg =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\"" + view_box_of(0, 0, width + 7 * letter, height) +
+        " font-family=\"DejaVu Sans, sans-serif\" font-size=\"" + number(letter) + "\">\n<rect" +
+        place(0, 0, width + 7 * letter, height) + " fill=\"white\"/>\n<svg" +
+        place(0, 0, width, scale * box.height()) +
+        view_box_of(box.low.x, section.y_up ? -box.high.y : box.low.y, box.width(), box.height()) + ">\n" +
+        section.image;
+    std::string sizes;
+    double row = 1.2 * letter;
+    const int largest = paths.rbegin()->first, steps = std::max(largest - paths.begin()->first, 1);
+    for (auto path = paths.rbegin(); path != paths.rend(); ++path, row += 1.5 * letter) { // the largest first
         const auto& [level, cells] = *path;
-        const double size = std::ldexp(unit, level),
-                     share = double(paths.rbegin()->first - level) / std::max(steps, 1.0);
-        const Colour colour = heat(-0.05 - 0.35 * share);
+        const double size = std::ldexp(unit, level);
+        const Colour colour = heat(-0.05 - 0.35 * double(largest - level) / steps);
         const std::string style =
-            "fill=\"" + name_of(colour) + "\" stroke=\"" + name_of(mix(colour, {0, 0, 0}, 0.45f));
-        svg += "<path " + style + "\" fill-opacity=\"0.55\" stroke-width=\"" +
+            " fill=\"" + name_of(colour) + "\" stroke=\"" + name_of(mix(colour, {0, 0, 0}, 0.45f)) + "\"";
+        svg += "<path" + style + " fill-opacity=\"0.55\" stroke-width=\"" +
                number(std::min(0.2 * pen, 0.06 * size)) + "\" d=\"" + cells + "\"/>\n";
-        scale += "<rect x=\"" + number(view.x + view.width + letter) + "\" y=\"" +
-                 number(row - 0.8 * letter) + "\" width=\"" + number(letter) + "\" height=\"" +
-                 number(letter) + "\" " + style + "\" stroke-width=\"" + number(0.2 * pen) +
-                 "\"/><text x=\"" + number(view.x + view.width + 2.4 * letter) + "\" y=\"" + number(row) +
-                 "\">" + text_of("%.3g", size) + "</text>\n";
-        row += 1.5 * letter;
+        sizes += "<rect" + place(width + letter, row - 0.8 * letter, letter, letter) + style +
+                 "/><text x=\"" + number(width + 2.4 * letter) + "\" y=\"" + number(row) + "\">" +
+                 text_of("%.3g", size) + "</text>\n";
     }
-    return svg + lines(section.figure, "#1b4f9c") + lines(section.cage, "#111111") + "</svg>\n" + scale +
-           "</svg>\n";
+    return svg + lines(section.figure, up, "#1b4f9c", pen) + lines(section.cage, up, "#111111", pen) +
+           "</svg>\n" + sizes + "</svg>\n";
 }
 
 int run_program(int argc, char** argv) {

@@ -244,8 +244,10 @@ grid grid_cat "$data/cat_cage.svg" --figure "$data/cat.svg" --accuracy 0.001
 grid grid_corner "$data/cat_cage.svg" --accuracy 0.001 --zoom 254.5,518,16,14.2
 grid grid_body $fingers --accuracy 0.002 --slice z=0.9
 grid grid_fingers $fingers --accuracy 0.002 --slice y=138.5 --zoom 64,-12,26,24
-"$programs/contact_sheet" -o out/adaptive_grid.svg --columns 2 --tile 560 --png --png-width 1200 \
+grid grid_hand out/hand_cage.obj --figure out/hand.obj --accuracy 0.005 --slice z=0 --zoom -0.29,0.42,0.64,0.56
+"$programs/contact_sheet" -o out/adaptive_grid.svg --columns 3 --tile 560 --png --png-width 1500 \
   "to 0.001, the finer the darker" out/grid_cat.svg "at a corner" out/grid_corner.svg \
+  "fingers in a cage to 0.005, cut from above" out/grid_hand.svg \
   "a body of 180 units to 0.002, cut from the front" out/grid_body.svg "its hand, fingers 1.7 thick, from above" out/grid_fingers.svg
 
 # Every grid point of the biped's cage, as numbers.

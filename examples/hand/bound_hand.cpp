@@ -1,6 +1,9 @@
 #include "bound_hand.hpp"
 
+#include "surface_nets.hpp"
+
 #include <cageform/binding/pack.hpp>
+#include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/clone/clone_rational.hpp>
 
 namespace cageform_examples {
@@ -19,6 +22,16 @@ std::vector<Point3> BoundHand::clone(const std::vector<Point3>& pose,
     std::vector<Point3> out(hand.skin.vertices.size());
     if (cageform::clone_rational(packed, pose, weights, out) != cageform::Status::ok) out.clear();
     return out;
+}
+
+ImplicitMesh cage_of(const Hand& hand) {
+    for (const double beside : {0.008, 0.012, 0.016}) { // not every surface of coarse nets is a manifold
+        const auto cage = surface_nets([&](const Point3& p) { return skin_function(hand, p) - beside; },
+                                       {-0.7, -0.4, -0.4}, {0.56, 1.2, 0.3}, 0.03);
+        const cageform::TriangleMesh<double> checked(cage.vertices, cage.faces);
+        if (cageform::check(checked).status == cageform::Status::ok) return cage;
+    }
+    throw std::runtime_error("no cage of the hand is a manifold");
 }
 
 } // namespace cageform_examples

@@ -50,6 +50,10 @@ struct BoundHand {
     }
 };
 
+/// A closed mesh of some 2,300 vertices about the hand, so near to it that no two fingers share a part of it. Throws where
+/// none is sound.
+ImplicitMesh cage_of(const Hand& hand);
+
 /// Seen from the inner side.
 inline std::vector<Point3> turned_over(std::vector<Point3> points) {
     for (Point3& p : points) p = {-p[0], p[1], -p[2]};

@@ -3,8 +3,6 @@
 #include "coordinates.hpp"
 #include "model_sheet.hpp"
 
-#include <cageform/cage/triangle_mesh.hpp>
-
 #include <cstdio>
 #include <numbers>
 #include <stdexcept>
@@ -473,33 +471,39 @@ std::size_t nearest_joint(const Hand& hand, const Point3& p) {
     return std::size_t(nearest - hand.joints.begin());
 }
 
-/// A coarse closed mesh about the hand, as near as tells its fingers apart.
-ObjFile cage_of(const Hand& hand) {
-    ObjFile cage;
-    for (const double beside : {0.025, 0.03, 0.035}) { // not every surface of coarse nets is a manifold
-        const ImplicitMesh mesh =
-            surface_nets([&](const Point3& p) { return skin_function(hand, p) - beside; }, {-0.7, -0.4, -0.4},
-                         {0.56, 1.2, 0.3}, 0.06);
-        cage.vertices = mesh.vertices;
-        cage.triangles = mesh.faces;
-        const cageform::TriangleMesh<double> checked(mesh.vertices, mesh.faces);
-        if (cageform::check(checked).status == cageform::Status::ok) return cage;
-    }
-    throw std::runtime_error("no cage of the hand is a manifold");
-}
-
-/// The most of what is measured of the skin, of fingers and thumb beyond their first joint, but for one of them.
-double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray) {
+/// The most of what is measured of the skin, of fingers and thumb but for one of them, from so many radii of the finger
+/// beyond its first joint on.
+double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray, double radii) {
     double most = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
         for (std::size_t other = 0; other < 5; ++other) {
             const HandJoint& base = hand.joints[hand.rays[other][other == 4 ? 0 : 1]];
+            const Point3 along = base.end - base.place;
             if (other != ray && is_of_finger(hand, i, other) &&
-                dot(hand.skin.vertices[i] - base.place, base.end - base.place) > 0)
+                dot(hand.skin.vertices[i] - base.place, along) > radii * base.radius * length(along))
                 most = std::max(most, values[i]);
         }
     }
     return most;
+}
+
+/// The skin by harmonic coordinates in a cage of the hand, whose vertices move with the nearest joints.
+Skin in_posed_cage(const Hand& hand, const ImplicitMesh& cage, const HandPose& angles) {
+    ObjFile file;
+    file.vertices = cage.vertices;
+    file.triangles = cage.faces;
+    CoordinatesChoice choice;
+    choice.name = "harmonic";
+    choice.harmonic.accuracy = 0.005; // a uniform grid of 128 cells does not see all of the cage
+    const auto [binding, report] = make_coordinates<double>(choice, file)->bind(hand.skin.vertices);
+    if (report.status != cageform::Status::ok || !report.outside.empty())
+        throw std::runtime_error(std::string("the cage of the hand: ") + cageform::to_string(report.status));
+    const auto motions = hand.bones(angles);
+    Skin pose, skin(hand.skin.vertices.size());
+    for (const Point3& p : cage.vertices) pose.push_back(blended(hand, motions, nearest_joint(hand, p), p));
+    if (cageform::clone(binding, pose, skin) != cageform::Status::ok)
+        throw std::runtime_error("the hand in its cage cannot be cloned");
+    return skin;
 }
 
 Picture locality(const BoundHand& bound) {
@@ -510,32 +514,19 @@ Picture locality(const BoundHand& bound) {
     const auto pose_of = [](std::size_t finger) { return with({{HandAngle(4 * finger + 1), 90}}); };
     for (std::size_t finger = 0; finger < names.size(); ++finger) {
         const double most =
-            most_beside(hand, distances(bound.clone(pose_of(finger)), hand.skin.vertices), finger);
+            most_beside(hand, distances(bound.clone(pose_of(finger)), hand.skin.vertices), finger, 0);
         if (most > worst) ray = finger;
         worst = std::max(worst, most);
     }
     const HandPose angles = pose_of(ray);
-    const ObjFile cage = cage_of(hand);
-    CoordinatesChoice choice;
-    choice.name = "harmonic";
-    choice.resolution = 48;
-    const auto coordinates = make_coordinates<double>(choice, cage);
-    const auto harmonic = coordinates->bind(hand.skin.vertices);
-    if (harmonic.report.status != cageform::Status::ok || !harmonic.report.outside.empty())
-        throw std::runtime_error(std::string("the cage of the hand: ") +
-                                 cageform::to_string(harmonic.report.status));
-    const auto motions = hand.bones(angles);
-    Skin pose, in_cage(hand.skin.vertices.size());
-    for (const Point3& p : cage.vertices) pose.push_back(blended(hand, motions, nearest_joint(hand, p), p));
-    if (cageform::clone(harmonic.binding, pose, in_cage) != cageform::Status::ok)
-        throw std::runtime_error("the hand in its cage cannot be cloned");
-
-    const std::array<Skin, 2> skins{bound.clone(angles), in_cage};
+    const ImplicitMesh cage = cage_of(hand);
+    const std::array<Skin, 2> skins{bound.clone(angles), in_posed_cage(hand, cage, angles)};
     std::array<std::vector<double>, 2> moved;
-    std::array<double, 2> most{};
+    std::array<double, 2> most{}, past_web{};
     for (std::size_t n = 0; n < 2; ++n) {
         moved[n] = distances(skins[n], hand.skin.vertices);
-        most[n] = most_beside(hand, moved[n], ray);
+        most[n] = most_beside(hand, moved[n], ray, 0);
+        past_web[n] = most_beside(hand, moved[n], ray, 1.5);
     }
     const double scale = std::ceil(std::max({most[0], most[1], 1.0}));
     std::vector<Tile> tiles;
@@ -550,14 +541,14 @@ Picture locality(const BoundHand& bound) {
             Model model;
             model.add(skins[n], hand.skin.faces, colours);
             tiles.push_back(
-                {model.mapped(view),
-                 words("%s\nother fingers move by %.2f %% at most",
-                       n == 0 ? "natural neighbours" : "harmonic coordinates in the cage", most[n])});
+                {model.mapped(view), words("%s\nothers move by %.2f %%, beyond the web %.2f",
+                                           n == 0 ? "natural neighbours" : "harmonic coordinates in the cage",
+                                           most[n], past_web[n])});
         }
     }
     std::array<Skin, 2> cages{cage.vertices, cage.vertices};
     for (Point3& p : cages[1]) p = from_palm(p);
-    for (std::size_t n = 0; n < 2; ++n) tiles[3 * n].cage = {cages[n], cage.triangles};
+    for (std::size_t n = 0; n < 2; ++n) tiles[3 * n].cage = {cages[n], cage.faces};
     return with_title(
         words("The %s finger (grey), bent by 90 degrees at its first joint, moves the others most",
               names[ray]),

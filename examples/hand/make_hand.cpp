@@ -2,7 +2,7 @@
 //
 //     make_hand out
 //
-// writes out/hand.obj, out/hand_points.csv (what each control point is, and what moves it), out/hand_poses.csv (22
+// writes out/hand.obj, out/hand_cage.obj (a cage of it), out/hand_points.csv (what each control point is, and what moves it), out/hand_poses.csv (22
 // angles a line, as pose_hand takes them) and out/hand.glb: it opens, closes to a fist, points and grasps a ball, in
 // 4 s. A clip is morph targets a quarter of a second apart: a rational clone is not linear in the pose.
 
@@ -129,7 +129,8 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Makes the skin of a hand, its control points, some poses of its 22 joint angles, and a clip.");
     std::string folder;
-    line.add("folder", folder, "where hand.obj, hand_points.csv, hand_poses.csv and hand.glb are written")
+    line.add("folder", folder,
+             "where hand.obj, hand_cage.obj, hand_points.csv, hand_poses.csv and hand.glb are written")
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 
@@ -142,17 +143,20 @@ int run_program(int argc, char** argv) {
     const auto sound = cageform::check(cageform::TriangleMesh<double>(hand.skin.vertices, hand.skin.faces));
     if (sound.status != cageform::Status::ok)
         return fail(std::string("the skin: ") + to_string(sound.status));
+    const ImplicitMesh cage = cage_of(hand);
     const auto clip = clip_text(bound);
     if (!clip) return fail(clip.error().message);
     OutputFiles outputs;
     const auto path = std::filesystem::path(folder);
     outputs.add(path / "hand.obj").write(obj_text(hand.skin, "A right hand, made by make_hand"));
+    outputs.add(path / "hand_cage.obj").write(obj_text(cage, "A cage of hand.obj, made by make_hand"));
     outputs.add(path / "hand_points.csv").write(points_text(hand));
     outputs.add(path / "hand_poses.csv").write(poses_text(bound));
     outputs.add(path / "hand.glb").write(*clip);
     if (const auto failure = outputs.commit()) return fail(*failure);
     std::cout << (path / "hand.obj").string() << ": " << hand.skin.vertices.size() << " vertices, "
               << hand.skin.faces.size() << " faces\n"
+              << (path / "hand_cage.obj").string() << ": " << cage.vertices.size() << " vertices\n"
               << (path / "hand_points.csv").string() << ": " << hand.points.size() << " control points\n"
               << (path / "hand_poses.csv").string() << ": " << hand_poses().size() << " poses\n"
               << (path / "hand.glb").string() << ": " << clip->size() << " bytes\n";
