@@ -32,7 +32,7 @@ std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& 
     if (faces.polygons > 0) {
         cageform::PolyhedralMesh<T> cage(file.vertices, faces.loops, T(faces.off_plane));
         if (harmonic)
-            made = model_of(cageform::HarmonicCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage, options));
+            made = model_of(Harmonic<cageform::PolyhedralMesh<T>>(cage, options));
         else
             made = model_of(cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage));
     } else {
