@@ -83,7 +83,10 @@ void CoordinatesChoice::add_options(CommandLine& line) {
     line.add_number(
             "--tolerance",
             [this](double t) { harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t; },
-            "harmonic: where the solver ends; the error (multigrid) or the mean change of a cell")
+            "harmonic: where the solver of the uniform grid ends; the error (multigrid) or the mean change "
+            "of a "
+            "cell")
+        .excludes(accuracy)
         .show_default("1e-06");
     line.add_text(
             "--solver",

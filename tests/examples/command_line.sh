@@ -418,6 +418,10 @@ grep -q 'note: box.obj: 6 faces of more than three corners taken as polygons' lo
 report $ok "the adaptive grid is used, with the polygons as they are"
 refuses '--accuracy excludes --resolution' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --resolution 32 -o out.obj
 refuses '--accuracy excludes --solver' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --solver multigrid -o out.obj
+refuses '--accuracy excludes --tolerance' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --tolerance 1e-9 -o out.obj
+for wrong in -1 nan inf 1e-9 0.5 little; do
+  refuses '--accuracy: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy $wrong -o out.obj
+done
 refuses '--accuracy: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0 -o out.obj
 works "polygons for the papers' solver" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --solver averaging-pyramid -o polygons.obj
 grep -q "first in line 9: harmonic by the papers' solver takes triangles" log && ok=yes || ok=no
