@@ -1,4 +1,10 @@
 // A tree of cells: a cube that is halved along all axes where it has to be finer.
+//
+// The headers of this folder in the order of the work: cell_tree (cells, their balance), tree_boundary
+// (a cage's facets in units of the tree), cut_tree (which facets pass which cells, what is inside),
+// sizing (how fine a cage asks it to be), tree_nodes (the unknowns), leaf_gather (values within a
+// leaf), tree_links (the equations) in level_rows (sparse matrices), tree_hierarchy (the coarser
+// levels), tree_multigrid (the cycles). coordinates/tree_solver.hpp puts them together.
 #pragma once
 
 #include <cageform/core/buffer.hpp>

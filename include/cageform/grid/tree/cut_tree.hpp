@@ -10,7 +10,7 @@ enum class CellState : std::uint8_t {
     out,     ///< no facet passes it, its middle outside
     in,      ///< no facet passes it, its middle inside
     cut,     ///< facets pass it
-    unknown, ///< out or in; none once find_states has been called
+    unknown, ///< out or in, until find_states is called
 };
 
 /// The boundary outlives it.

@@ -25,7 +25,7 @@ struct TreeLinks {
     detail::TreeEquations equations;
     Buffer<TreeData> data;  ///< sorted by handle, then by node
     Buffer<float> volume;   ///< by node
-    double least_share = 1; ///< what the corrections have left of an axis at least
+    double least_share = 1; ///< of all factors that the corrections put before second differences
 };
 
 } // namespace grid
@@ -39,8 +39,10 @@ struct LeavesAbout {
     std::array<Cell, grid::CellTree<D>::children> leaf;
     std::array<bool, grid::CellTree<D>::children> counts; ///< not outside
 
-    /// Which cells are leaves, and which leaves count. All octants share the way down to the cell
-    /// whose middle the node is level with.
+    ///   is_leaf(cell number)     where the way down ends: a leaf of the tree or of a coarser level
+    ///   does_count(cell number)  whether a leaf counts
+    /// All octants share the way down to the first cell that the node lies in the middle of, along
+    /// any axis.
     template <class IsLeaf, class Counts>
     LeavesAbout(const grid::CellTree<D>& tree, const std::array<std::int32_t, D>& node, const IsLeaf& is_leaf,
                 const Counts& does_count) {

@@ -108,7 +108,7 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree) {
     using Cell = typename CellTree<D>::Cell;
     struct LeafCorner {
         typename TreeNodes<D>::Key key;
-        std::uint32_t cut; ///< the leaf, if facets pass it; 0: inside
+        std::uint32_t cut; ///< 1 + the number of the leaf where facets pass it; 0: inside
     };
     Buffer<LeafCorner> corners;
     tree.cells().for_each_leaf([&](const Cell& leaf) {
@@ -117,7 +117,6 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree) {
         for (std::size_t n = 0; n < CellTree<D>::children; ++n) {
             auto corner = leaf.low;
             for (std::size_t k = 0; k < D; ++k) corner[k] += ((n >> k) & 1u) != 0 ? leaf.size : 0;
-            // Of a tree that is one leaf the number would be 0; facets pass it then.
             corners.push_back({TreeNodes<D>::key(corner), state == CellState::cut ? leaf.number + 1 : 0});
         }
     });
