@@ -3,6 +3,7 @@
 // Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no boundary cases,
 // no report), as beside Green coordinates, and the time it takes to merely write as many weights, which no bind can
 // beat. Beside harmonic coordinates in space: the bare solve of their equations.
+#include "../tests/support/fingers.hpp"
 #include "workloads.hpp"
 
 #include <cageform/binding/bind_figure.hpp>
@@ -618,45 +619,7 @@ void bind_papers_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(report.solver.cells);
 }
 
-/// A production cage: a body of 180 units with fingers 1.7 thick and gaps of 0.4, and weights of all 762 handles at
-/// reference points, by walks on spheres to 2.5e-4 (tests/data/fingers). Turned, so that no face lies along the grid.
-struct Fingers {
-    using Point = cageform::Vec<double, 3>;
-    std::vector<Point> vertices, points;
-    std::vector<std::array<int, 3>> faces;
-    std::vector<std::vector<double>> weights; // [point][handle]
-
-    Fingers() {
-        const std::string folder = CAGEFORM_BENCH_FINGERS;
-        std::ifstream cage(folder + "/cage.obj");
-        for (std::string word; cage >> word;) {
-            double x = 0, y = 0, z = 0;
-            cage >> x >> y >> z;
-            if (word == "v")
-                vertices.push_back(turned({x, y, z}));
-            else
-                faces.push_back({int(x) - 1, int(y) - 1, int(z) - 1});
-        }
-        std::ifstream reference(folder + "/reference.txt");
-        for (std::string line; std::getline(reference, line);) {
-            std::istringstream parts(line);
-            char mark = 0;
-            Point p;
-            parts >> p[0] >> mark >> p[1] >> mark >> p[2];
-            points.push_back(turned(p));
-            auto& row = weights.emplace_back(vertices.size());
-            std::size_t handle = 0;
-            double weight = 0;
-            while (parts >> mark >> handle >> mark >> weight) row[handle] = weight;
-        }
-    }
-    /// Rodrigues' rotation about (1, 2, 3).
-    static Point turned(const Point& p, double angle = 1) {
-        const Point axis = (1 / std::sqrt(14.0)) * Point{1, 2, 3};
-        return std::cos(angle) * p + std::sin(angle) * cross(axis, p) +
-               ((1 - std::cos(angle)) * dot(axis, p)) * axis;
-    }
-};
+using cageform_tests::Fingers;
 
 using Mesh = cageform::TriangleMesh<double>;
 using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh, cageform::WithAdaptiveGrid<Mesh>>;
@@ -688,7 +651,7 @@ cageform::Binding<double, 3> bind_on_grid(benchmark::State& state, const AnyGrid
 /// The largest error of a weight at the reference points, and what it takes.
 template <bool adaptive>
 void bind_fingers(benchmark::State& state) {
-    static const Fingers fingers;
+    static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), options_of<adaptive>(state));
     for (auto _ : state) {
         const auto binding = bind_on_grid(state, coordinates, fingers.points);
@@ -703,14 +666,14 @@ void bind_fingers(benchmark::State& state) {
 
 /// The same cage with its hands at 1 / argument of their size, bound to an accuracy of 2e-3: what finer parts cost.
 void bind_smaller_fingers(benchmark::State& state) {
-    static const Fingers fingers;
+    static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     auto vertices = fingers.vertices;
     for (auto& p : vertices) { // hands begin at x = ±70 of the cage as it was before it was turned
-        const auto before = Fingers::turned(p, -1);
+        const auto before = cageform_tests::turned_about_123(p, -1);
         const double side = before[0] < 0 ? -1 : 1, size = 1 / double(state.range(0));
         if (side * before[0] <= 70.5) continue;
         const cageform::Vec<double, 3> wrist{70 * side, 138.5, 0};
-        p = Fingers::turned(wrist + size * (before - wrist));
+        p = cageform_tests::turned_about_123(wrist + size * (before - wrist), 1);
     }
     const AnyGrid coordinates(Mesh(vertices, fingers.faces), {.accuracy = 2e-3});
     for (auto _ : state)
@@ -719,7 +682,7 @@ void bind_smaller_fingers(benchmark::State& state) {
 
 /// The same bind on some threads: the grid is made by one, the functions are solved by all.
 void bind_fingers_threads(benchmark::State& state) {
-    static const Fingers fingers;
+    static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});
     const cageform::ThreadedFor threads{unsigned(state.range(0))};
     for (auto _ : state)

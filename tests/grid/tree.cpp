@@ -2,8 +2,10 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/meshes.hpp"
+#include "../support/oracle.hpp"
 
 #include <cageform/cage/cell_complex.hpp>
+#include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
 #include <cageform/grid/tree/tree_nodes.hpp>
 
@@ -138,10 +140,20 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
     constexpr std::size_t D = Cage::dimension;
     REQUIRE(check(cage).status == Status::ok);
     const TreeBoundary<D> boundary(cage, 10);
-    const SizingOptions options{.across = across, .largest = 1.0 / 16};
-    const auto samples = size_samples(boundary, options, 1000000);
     CutTree<D> tree(boundary);
-    REQUIRE(refine(tree, view(samples), options, 1000000));
+    if constexpr (D == 2) {
+        const SizingOptions options{.across = across};
+        const auto samples = size_samples(boundary, options, 1000000);
+        REQUIRE(refine(tree, view(samples), options, 1000000));
+        for (const auto& sample : samples.list) { // every one has its size
+            typename CellTree<D>::Index doubled{};
+            for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.place[k]));
+            CHECK(tree.cells().leaf_at(doubled).size <= std::max(1.0, sample.size));
+        }
+    } else {
+        FinestCells finest;
+        REQUIRE(refine(tree, {.across = across}, 1000000, finest));
+    }
     // Leaves that no facet passes are on one side, which is that of any place in them.
     Random random(seed);
     std::size_t inside = 0, beyond = 0;
@@ -179,12 +191,6 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
         CHECK(state_at(p) == PointState::outside);
         CHECK(state_at(q) == PointState::inside);
     }
-    // Every sample has its size.
-    for (const auto& sample : samples.list) {
-        typename CellTree<D>::Index doubled{};
-        for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.place[k]));
-        CHECK(tree.cells().leaf_at(doubled).size <= std::max(1.0, sample.size));
-    }
 }
 
 TEST_CASE("trees know what is inside, of polygons", "[grid][tree][property]") {
@@ -221,16 +227,105 @@ TEST_CASE("sizes are bounded at wedges and narrow gaps", "[grid][tree][sizing]")
         CutTree<2> tree(boundary);
         CHECK(refine(tree, view(samples), options, 200000));
     }
+}
+
+// ---- sizes in space -------------------------------------------------------------------------------
+
+/// What is asked of the cells about a mesh, of those that hold places inside.
+void check_sizes(const TriangleMesh<double>& mesh, const RefinementOptions& options, std::uint64_t seed) {
+    const TreeBoundary<3> boundary(mesh, 12);
+    CutTree<3> tree(boundary);
+    FinestCells finest;
+    REQUIRE(refine(tree, options, 2000000, finest));
+    const double largest = options.largest * cageform::detail::CellSizes::size_of_cage(boundary);
+    Random random(seed);
+    std::int32_t smallest = tree.cells().size();
+    tree.cells().for_each_leaf([&](const auto& leaf) {
+        if (tree.state(leaf.number) == CellState::out) return;
+        smallest = std::min(smallest, leaf.size);
+        CHECK(leaf.size <= largest);
+        for (const std::uint32_t n : tree.facets(leaf.number)) {
+            const auto& c = boundary[n].corner;
+            double longest = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                longest = std::max(longest, cageform::detail::length(c[(k + 1) % 3] - c[k]));
+            CHECK(leaf.size <= std::max(1.0, cageform::detail::length(normal_of(boundary[n])) / longest /
+                                                 options.per_facet * (1 + 1e-9)));
+        }
+    });
+    CHECK(finest.size >= smallest); // before neighbours, and what is thin inside, asked for more
+    CHECK(finest.size <= 4 * smallest);
+}
+TEST_CASE("cells in space are as small as facets ask", "[grid][tree][sizing][property]") {
+    const int seed = GENERATE(range(0, 3));
+    CAPTURE(seed);
+    check_sizes(cageform_tests::random_mesh(std::uint64_t(seed)).mesh<double>(), {.across = 3}, 1);
+    check_sizes(cageform_tests::divided_box({2, 1, 1}, 0.5).mesh<double>(), {.per_facet = 3, .largest = 0.03},
+                2);
+}
+TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
+    const auto finest_of = [](const TriangleMesh<double>& mesh, const RefinementOptions& options) {
+        const TreeBoundary<3> boundary(mesh, 12);
+        CutTree<3> tree(boundary);
+        FinestCells finest;
+        REQUIRE(refine(tree, options, 2000000, finest));
+        return std::tuple(boundary.unit() * finest.size, boundary.in_cage(finest.place), finest.reason);
+    };
+    // A plate 0.1 thick.
+    auto plate = cageform_tests::divided_box({1, 1, 1}, 1.0);
+    for (auto& p : plate.vertices) p[2] *= 0.1;
+    {
+        const auto [size, place, reason] = finest_of(plate.mesh<double>(), {.across = 5, .per_facet = 0.1});
+        CHECK(reason == SizeReason::thickness);
+        CHECK((size <= 0.02 && size > 0.005));
+    }
+    const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0).mesh<double>();
+    {
+        const auto [size, place, reason] = finest_of(box, {.across = 1, .per_facet = 0.1});
+        CHECK(reason == SizeReason::largest);
+        CHECK((size <= std::sqrt(3) / 16 && size > std::sqrt(3) / 64));
+    }
+    {
+        const auto [size, place, reason] = finest_of(box, {.across = 1, .at_vertex = 1e-3});
+        CHECK(reason == SizeReason::singular_vertex);
+        CHECK((size <= std::sqrt(3) * 1e-3 && size > std::sqrt(3) * 2.5e-4));
+    }
+    {
+        const auto [size, place, reason] = finest_of(box, {.across = 1, .per_facet = 30});
+        CHECK(reason == SizeReason::facet);
+        CHECK((size <= std::sqrt(0.5) / 30 && size > std::sqrt(0.5) / 120));
+    }
+    // An L-shaped prism, whose one reflex edge is at (1, 1).
+    const auto json = cageform_tests::read_json("harmonic3d_l_prism_triangulated");
+    const TriangleMesh<double> prism(json["cage"]["vertices"].get<std::vector<std::array<double, 3>>>(),
+                                     json["cage"]["faces"].get<std::vector<std::array<int, 3>>>());
+    const auto [size, place, reason] = finest_of(prism, {.across = 2, .edge_levels = 5, .reflex_levels = 2});
+    CHECK(reason == SizeReason::singular_edge);
+    CHECK(std::hypot(place[0] - 1, place[1] - 1) < 4 * size);
+}
+TEST_CASE("what trees take is known beforehand", "[grid][tree][sizing]") {
+    for (const double finer : {1.0, 2.0, 3.0}) {
+        const auto mesh = cageform_tests::random_mesh(4).mesh<double>();
+        const RefinementOptions options{.across = 5 * finer, .per_facet = finer, .largest = 0.03 / finer};
+        const auto plan = RefinementPlanner(TreeBoundary<3>(mesh, 12)).plan(options);
+        CHECK((plan.scale >= 1 && plan.scale < 2));
+        const TreeBoundary<3> boundary(mesh, 12, 0, plan.scale);
+        CutTree<3> tree(boundary);
+        FinestCells finest;
+        REQUIRE(refine(tree, options, 4000000, finest));
+        CAPTURE(finer, plan.leaves, tree.cells().leaves());
+        CHECK(plan.leaves < 4 * double(tree.cells().leaves()));
+        CHECK(plan.leaves > 0.25 * double(tree.cells().leaves()));
+    }
     // Two plates 1e-6 apart: more cells than allowed are counted, not made.
     const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0);
     auto vertices = box.vertices;
     for (auto& p : vertices) p[2] *= 1e-6;
-    const TreeBoundary<3> boundary(TriangleMesh<double>(vertices, box.faces), 12);
-    const auto samples = size_samples(boundary, options, 100000);
-    CHECK(samples.list.size() == 100000);
-    CHECK(samples.count > 1e6);
+    const TreeBoundary<3> boundary(TriangleMesh<double>(vertices, box.faces), 16);
+    CHECK(RefinementPlanner(boundary).plan({}).leaves > 1e9);
     CutTree<3> tree(boundary);
-    CHECK(!refine(tree, view(samples), options, 5000));
+    FinestCells finest;
+    CHECK(!refine(tree, {}, 5000, finest));
     CHECK(tree.cells().leaves() < 6000);
 }
 

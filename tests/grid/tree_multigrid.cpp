@@ -4,6 +4,7 @@
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 
+#include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
 #include <cageform/grid/tree/tree_multigrid.hpp>
 
@@ -28,6 +29,15 @@ struct Problem {
         : boundary(cage, depth)
         , tree(boundary) {
         refine_by(size_samples(boundary, options, 10000000).list, options);
+    }
+    template <class Cage>
+    explicit Problem(const Cage& cage, const RefinementOptions& options, unsigned depth = 12)
+        : boundary(cage, depth)
+        , tree(boundary) {
+        FinestCells finest;
+        REQUIRE(refine(tree, options, 1000000, finest));
+        nodes = nodes_of(tree);
+        REQUIRE(nodes.count() > 0);
     }
     /// By samples of one's own.
     template <class Cage>
@@ -221,7 +231,7 @@ TEST_CASE("a cycle leaves a quarter of the error at most, on every oracle cage",
         const auto vertices = json["cage"]["vertices"].get<std::vector<std::array<double, 3>>>();
         const auto faces = json["cage"]["faces"].get<std::vector<std::array<int, 3>>>();
         const TriangleMesh<double> mesh(vertices, faces);
-        CHECK(convergence_factor(Problem<3>(mesh, SizingOptions{.across = 4, .singular_levels = 2})) <= 0.25);
+        CHECK(convergence_factor(Problem<3>(mesh, RefinementOptions{.across = 4, .edge_levels = 2})) <= 0.25);
     }
 }
 
@@ -229,7 +239,7 @@ TEST_CASE("functions solved where they exceed a cutoff are off by half of it at 
           "[grid][tree][property]") {
     // A long bar, its handles from one end to the other: sixteen of them are felt by few nodes.
     const auto bar = cageform_tests::divided_box({16, 1, 1}, 1.0).mesh<double>();
-    const Problem<3> problem(bar, SizingOptions{.across = 4});
+    const Problem<3> problem(bar, RefinementOptions{.across = 4});
     const TreeMultigrid<3> multigrid(problem.tree, problem.nodes);
     auto full = multigrid.make_block(), local = multigrid.make_block();
     for (const double cutoff : {1e-2, 1e-3, 1e-5}) {
@@ -279,7 +289,7 @@ TEST_CASE("what a wall or a common plane parts knows nothing of the other side",
         for (auto& p : turned)
             p = {std::cos(turn) * p[0] - std::sin(turn) * p[1], std::sin(turn) * p[0] + std::cos(turn) * p[1],
                  p[2]};
-        const Problem<3> problem(TriangleMesh<double>(turned, faces), SizingOptions{.across = 3});
+        const Problem<3> problem(TriangleMesh<double>(turned, faces), RefinementOptions{.across = 3});
         const TreeMultigrid<3> multigrid(problem.tree, problem.nodes);
         auto block = multigrid.make_block();
         multigrid.start(block, 0);

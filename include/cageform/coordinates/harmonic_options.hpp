@@ -22,9 +22,11 @@ struct MultigridOptions {
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
     /// The largest error wanted of a weight, 1e-5 … 0.1, which an adaptive grid is made for: of
-    /// coordinates WithAdaptiveGrid alone (coordinates/tree_solver.hpp). In the plane it is met; in
-    /// space, next to reflex edges, three times that was measured. 0: the uniform grid of
-    /// `resolution`.
+    /// coordinates WithAdaptiveGrid alone (coordinates/tree_solver.hpp). In the plane it is met. In
+    /// space it is met where faces are large, up to edges and corners, within 1.5 times next to reflex
+    /// edges; and in thin parts and deep below small faces, where three times that was measured. Less
+    /// deep than a small face is wide it is not, as its hat falls off within a cell or two: a few per
+    /// cent of the weight there. 0: the uniform grid of `resolution`.
     double accuracy = 0;
     std::size_t resolution = 128; ///< cells along the cage's longest side: 8 … 16384, in space 8 … 1024
     /// In bytes. What takes more on one thread (hierarchy and block, with `solve` the functions kept)

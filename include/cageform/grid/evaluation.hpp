@@ -18,6 +18,26 @@ struct CornerError {
     std::size_t resolution = 0; ///< if that is notable, one at which it is not; 0: no grid is so fine
 };
 
+/// Why an adaptive grid is as fine as it is somewhere.
+enum class SizeReason : std::uint8_t {
+    largest,         ///< the largest cells allowed
+    thickness,       ///< of the cage, cells across it
+    facet,           ///< the least altitude of a face, in the plane the length of an edge
+    singular_edge,   ///< in space: a reflex edge or the rim of a wall
+    singular_vertex, ///< a corner, the end of a wall, in space the end of a reflex edge
+};
+/// In words, of an enumerator.
+constexpr const char* to_string(SizeReason reason) noexcept {
+    switch (reason) {
+    case SizeReason::largest: return "the largest cells allowed";
+    case SizeReason::thickness: return "the thickness of the cage";
+    case SizeReason::facet: return "the size of a face";
+    case SizeReason::singular_edge: return "a reflex edge";
+    case SizeReason::singular_vertex: return "a corner";
+    }
+    return "unknown";
+}
+
 /// What a solver did. All zero for closed forms.
 struct SolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
@@ -50,6 +70,9 @@ struct SolverReport {
     /// A resolution that would do, where grid_too_coarse or out_of_memory say that the given one does
     /// not; 0: none is offered. With out_of_memory `bytes` is what was asked for, if known.
     std::size_t sufficient_resolution = 0;
+    /// On an adaptive grid in space: an accuracy that would do, where out_of_memory says that the given
+    /// one does not, by an estimate; 0: none is offered.
+    double sufficient_accuracy = 0;
     /// The place in what is refused: a cell or value (grid/dirichlet.hpp), a node or link
     /// (grid/puzzle.hpp), a stroke (grid/strokes.hpp).
     std::size_t culprit = none;

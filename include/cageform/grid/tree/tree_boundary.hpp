@@ -158,17 +158,18 @@ public:
     using Index = std::array<std::int32_t, D>;
 
     /// Of a Polygon, a TriangleMesh or a CellComplex that `check` finds sound; bones are left out.
-    /// The cube is the smallest about it.
     ///
     ///   tolerance  what is as near to a cell counts as passing it; in the units of the cage
+    ///   scale      the side of the cube, of the cage's longest side; at least 1
     template <class Cage>
-    TreeBoundary(const Cage& cage, unsigned depth, double tolerance = 0)
+    TreeBoundary(const Cage& cage, unsigned depth, double tolerance = 0, double scale = 1)
         : depth_(depth)
-        , fraction_(30 - int(depth)) {
+        , fraction_(30 - int(depth))
+        , scale_(scale) {
         const auto bounds = bounds_of(cage.vertices());
         const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
         double longest = 0;
-        for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, extent[k]);
+        for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, scale * extent[k]);
         unit_ = std::ldexp(longest, -int(depth));
         slack_ = rounding + tolerance / unit_;
         for (std::size_t k = 0; k < D; ++k) origin_[k] = lower[k] - 0.5 * (longest - extent[k]);
@@ -196,7 +197,8 @@ public:
     }
 
     unsigned depth() const noexcept { return depth_; }
-    double unit() const noexcept { return unit_; } ///< in the units of the cage
+    double unit() const noexcept { return unit_; }   ///< in the units of the cage
+    double scale() const noexcept { return scale_; } ///< the side of the cube, of the cage's longest side
     int fraction() const noexcept { return fraction_; }
     Vec<double, D> in_units(const Vec<double, D>& p) const noexcept { return (1 / unit_) * (p - origin_); }
     Vec<double, D> in_cage(const Vec<double, D>& p) const noexcept { return origin_ + unit_ * p; }
@@ -324,6 +326,7 @@ private:
 
     unsigned depth_;
     int fraction_; ///< bits of a coordinate behind the point
+    double scale_;
     double unit_ = 1, slack_ = rounding;
     Vec<double, D> origin_{};
     Buffer<Facet> facets_, exact_;
