@@ -12,7 +12,7 @@ sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev 
 
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 17 "$1"
+  printf '[%d/%d] %s\n' $count 19 "$1"
 }
 mkdir -p out
 step "configure"
