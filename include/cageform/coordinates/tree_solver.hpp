@@ -78,6 +78,7 @@ public:
                                        .per_facet = finer,
                                        .singular_levels = 0.5 * std::log2(1 / accuracy) + 1,
                                        .layers = 3,
+                                       .per_radius = 4 * finer,
                                        .largest = std::min(0.125, 1.0 / (16 * finer))};
         } else {
             const double finer = std::sqrt(2e-3 / accuracy), levels = std::max(0.0, 1 + std::log2(finer));
@@ -86,6 +87,7 @@ public:
                                            .edge_levels = levels,
                                            .reflex_levels = levels,
                                            .at_vertex = 7 * accuracy, // errors there are of first order
+                                           .per_radius = 10 * finer,
                                            .largest = std::min(0.08, 0.0253 / finer)};
         }
     }
@@ -290,7 +292,7 @@ private:
 
 } // namespace detail
 
-/// A CageSolver for polygons, meshes and complexes without bones; groups are of sixteen functions.
+/// A CageSolver for every kind of cage; groups are of sixteen functions.
 /// HarmonicOptions::accuracy says how fine the grid is, and how far it is solved.
 template <class C>
 class TreeSolver {
@@ -313,7 +315,6 @@ public:
         if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
             return Status::accuracy_not_supported;
         if (problem.data.status() != Status::ok) return problem.data.status();
-        if (!interior_cells(problem.cage).bones.empty()) return Status::solver_not_supported;
         if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
         const typename Cage::Plan plan(problem.cage, problem.tolerance);
@@ -444,8 +445,7 @@ private:
     Multigrid multigrid_;
 };
 
-/// The adaptive grid where HarmonicOptions::accuracy is given, else the uniform one. On the adaptive
-/// one bones are solver_not_supported.
+/// The adaptive grid where HarmonicOptions::accuracy is given, else the uniform one.
 template <class C>
 struct WithAdaptiveGrid {
     using Options = HarmonicOptions;

@@ -29,6 +29,8 @@ public:
 
     std::size_t size() const noexcept { return bones_.size(); }
 
+    const PlacedBone<D>& operator[](std::size_t n) const noexcept { return bones_[n]; }
+
     /// A handle of a bone thinner than a cell, which too few nodes are near to.
     std::optional<std::uint32_t> too_thin() const noexcept {
         for (const PlacedBone<D>& bone : bones_) {

@@ -25,6 +25,7 @@ enum class SizeReason : std::uint8_t {
     facet,           ///< the least altitude of a face, in the plane the length of an edge
     singular_edge,   ///< in space: a reflex edge or the rim of a wall
     singular_vertex, ///< a corner, the end of a wall, in space the end of a reflex edge
+    bone,            ///< the radius of a bone, or what is near it
 };
 /// In words, of an enumerator.
 constexpr const char* to_string(SizeReason reason) noexcept {
@@ -34,6 +35,7 @@ constexpr const char* to_string(SizeReason reason) noexcept {
     case SizeReason::facet: return "the size of a face";
     case SizeReason::singular_edge: return "a reflex edge";
     case SizeReason::singular_vertex: return "a corner";
+    case SizeReason::bone: return "a bone";
     }
     return "unknown";
 }

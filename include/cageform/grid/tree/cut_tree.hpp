@@ -23,7 +23,7 @@ public:
     explicit CutTree(const TreeBoundary<D>& boundary)
         : boundary_(&boundary)
         , tree_(boundary.depth()) {
-        for (std::uint32_t n = 0; n < boundary.size(); ++n) facets_.push_back(n);
+        for (std::uint32_t n = 0; n < boundary.parts(); ++n) facets_.push_back(n);
         ranges_.push_back({0, std::uint32_t(facets_.size())});
         states_.push_back(CellState::cut);
     }
@@ -108,7 +108,7 @@ private:
             const CellState state = states_[leaf.number];
             if (state == CellState::in || state == CellState::out) return turned != (state == CellState::in);
             for (const std::uint32_t n : facets(leaf.number)) {
-                if (!(*boundary_)[n].turns) continue;
+                if (!boundary_->turns(n)) continue;
                 const auto position = detail::crossing((*boundary_)[n], axis, line, boundary_->fraction());
                 if (position && *position >= leaf.low[axis] && *position < at) turned = !turned;
             }

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cageform/grid/evaluation.hpp>
-#include <cageform/grid/tree/cut_tree.hpp>
+#include <cageform/grid/tree/bone_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
@@ -15,6 +15,7 @@ struct RefinementOptions {
     double edge_levels = 1;      ///< halvings more at reflex edges and rims of walls
     double reflex_levels = 1;    ///< halvings more at the ends of such edges
     double at_vertex = 1.0 / 16; ///< largest cell at a vertex of more than three facets, of the cage
+    double per_radius = 12;      ///< see BoneSizes
     double largest = 1.0 / 16;   ///< largest cell of all, of the same: the distance between two vertices
 };
 
@@ -97,6 +98,7 @@ public:
                      std::vector<ThinPlace>& thin) {
         Demand least{largest_, SizeReason::largest};
         for (const std::uint32_t n : facets) {
+            if (n >= boundary_.size()) break; // a bone
             const double by_altitude = altitudes_[n] / options_.per_facet;
             if (by_altitude < least.size) least = {by_altitude, SizeReason::facet};
             const auto& facet = boundary_[n];
@@ -331,6 +333,7 @@ public:
     Refiner(grid::CutTree<3>& tree, const grid::RefinementOptions& options, std::size_t most_leaves)
         : tree_(tree)
         , sizes_(tree.boundary(), options)
+        , bones_(tree.boundary(), options.per_radius)
         , features_(sizes_.features())
         , most_leaves_(most_leaves) {}
 
@@ -369,6 +372,7 @@ private:
         const auto middle = middle_of(cell);
         thin_here_.clear();
         auto least = sizes_.of_facets(tree_.facets(cell.number), middle, thin_here_);
+        if (const double size = bones_.size_of(cell); size < least.size) least = {size, SizeReason::bone};
         const Range near = ranges_[cell.number];
         for (std::uint32_t n = near.begin; n < near.end; ++n) {
             const auto& feature = features_[near_[n]];
@@ -406,6 +410,7 @@ private:
 
     grid::CutTree<3>& tree_;
     CellSizes sizes_;
+    grid::BoneSizes<3> bones_;
     std::vector<CellSizes::Feature> features_;
     std::size_t most_leaves_;
     Buffer<std::uint32_t> near_; ///< features

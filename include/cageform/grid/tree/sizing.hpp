@@ -2,7 +2,7 @@
 // functions are singular. Told by samples: a leaf that holds one is at most as large as it says.
 #pragma once
 
-#include <cageform/grid/tree/cut_tree.hpp>
+#include <cageform/grid/tree/bone_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
@@ -17,6 +17,7 @@ struct SizingOptions {
     /// Cells of each size about what is singular, before those of twice the size; 0: as few as a
     /// balanced tree has, one or two.
     unsigned layers = 0;
+    double per_radius = 12;    ///< see BoneSizes
     double largest = 1.0 / 16; ///< cell, of the cage's longest side
 };
 
@@ -301,9 +302,12 @@ bool refine(CutTree<D>& tree, std::span<const SizeSample<D>> samples, const Sizi
     using Index = typename CellTree<D>::Index;
     const auto& cells = tree.cells();
     const double largest = options.largest * double(cells.size());
+    const BoneSizes<D> bones(tree.boundary(), options.per_radius);
     for (std::size_t n = 0; n < cells.cells(); ++n) { // cells are added while they are gone through
         const auto cell = cells.cell(std::uint32_t(n));
-        if (cells.is_leaf(cell.number) && cell.size > 1 && cell.size > largest) tree.split(cell);
+        const double most = std::fmin(largest, bones.size_of(cell));
+        if (cells.is_leaf(cell.number) && cell.size > 1 && cell.size > most) tree.split(cell);
+        if (cells.leaves() > most_leaves) return false;
     }
     for (const auto& sample : samples) {
         Index doubled{};

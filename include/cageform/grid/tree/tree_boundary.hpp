@@ -1,7 +1,8 @@
-// The facets of a cage in the units of a tree of cells: which axis lines cross them, where rays meet
-// them, which cells they pass.
+// The facets and bones of a cage in the units of a tree of cells: which axis lines cross them, where
+// rays meet them, which cells they pass.
 #pragma once
 
+#include <cageform/grid/bones.hpp>
 #include <cageform/grid/detail/placed_facet.hpp>
 #include <cageform/grid/tree/cell_tree.hpp>
 
@@ -149,15 +150,16 @@ inline std::optional<double> crossing(const PlacedFacet<3>& face, std::size_t ax
 } // namespace detail
 namespace grid {
 
-/// The facets of a cage, its vertices rounded to 2⁻³⁰ of the cube that a tree divides, so that what
-/// is inside can be decided in whole numbers. In units of the tree.
+/// The parts of a cage's boundary: its facets and those of the cells inside, their vertices rounded to
+/// 2⁻³⁰ of the cube that a tree divides, so that what is inside can be decided in whole numbers; and,
+/// numbered after the facets, its bones, whose inside is no domain. In units of the tree.
 template <std::size_t D>
 class TreeBoundary {
 public:
     using Facet = detail::PlacedFacet<D>;
     using Index = std::array<std::int32_t, D>;
 
-    /// Of a Polygon, a TriangleMesh or a CellComplex that `check` finds sound; bones are left out.
+    /// Of a cage that `check` finds sound.
     ///
     ///   tolerance  what is as near to a cell counts as passing it; in the units of the cage
     ///   scale      the side of the cube, of the cage's longest side; at least 1
@@ -188,6 +190,8 @@ public:
         for_each_facet(boundary_of(cage), [&](const auto& facet) { add(facet, true); });
         for (const auto& facet : interior_cells(cage).facets) add(facet, false);
         boxes_.emplace(facets_);
+        bones_ = GridBones<D>(interior_cells(cage).bones, std::span<const Vec<double, D>>(placed),
+                              Lattice<double, D>{{}, origin_, unit_});
         for (const Facet& facet : facets_) {
             const auto normal = normal_of(facet);
             const double size = detail::length(normal);
@@ -203,34 +207,40 @@ public:
     Vec<double, D> in_units(const Vec<double, D>& p) const noexcept { return (1 / unit_) * (p - origin_); }
     Vec<double, D> in_cage(const Vec<double, D>& p) const noexcept { return origin_ + unit_ * p; }
 
-    std::size_t size() const noexcept { return facets_.size(); }
+    std::size_t parts() const noexcept { return facets_.size() + bones_.size(); }
+    bool turns(std::size_t part) const noexcept { return part < size() && facets_[part].turns; }
+    const GridBones<D>& bones() const noexcept { return bones_; }
+    std::size_t size() const noexcept { return facets_.size(); } ///< facets
     const Facet& operator[](std::size_t facet) const noexcept { return facets_[facet]; }
     const Facet& exact(std::size_t facet) const noexcept { return exact_[facet]; } ///< not rounded
     /// Of length 1, away from the inside; of a wall either. Zero where the facet has no area.
     const Vec<double, D>& normal(std::size_t facet) const noexcept { return normals_[facet]; }
     const detail::FacetBoxes<D>& boxes() const noexcept { return *boxes_; } // NOLINT: always made
 
-    /// Whether a facet passes a cell or comes as near to it as the tolerance.
-    bool passes(std::size_t facet, const typename CellTree<D>::Cell& cell) const noexcept {
+    /// Whether a part passes a cell or comes as near to it as the tolerance; a bone also where it only
+    /// may.
+    bool passes(std::size_t part, const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
         auto middle = node_position<D>(cell.low);
         for (std::size_t k = 0; k < D; ++k) middle[k] += half;
-        return detail::passes(facets_[facet], middle, half + slack_);
+        if (part < size()) return detail::passes(facets_[part], middle, half + slack_);
+        return bones_[part - size()].distance(middle) <= half * std::sqrt(double(D)) + slack_;
     }
-    /// Where a ray from inside meets a facet: one that it would leave the inside by, or a wall.
+    /// Where a ray from inside meets a part; a facet: one that it would leave the inside by, or a wall.
     ///
     ///   rounded  of the facets rounded, or as they are
-    std::optional<Hit<D>> hit(std::size_t facet, const AxisRay<D>& ray, bool rounded = true) const noexcept {
-        const auto& part = rounded ? facets_[facet] : exact_[facet];
-        const double along = ray.up ? normals_[facet][ray.axis] : -normals_[facet][ray.axis];
-        if (part.turns && !(along > 0)) return std::nullopt;
-        return detail::hit(part, ray);
+    std::optional<Hit<D>> hit(std::size_t part, const AxisRay<D>& ray, bool rounded = true) const noexcept {
+        if (part >= size()) return bones_.hit(part - size(), ray);
+        const auto& facet = rounded ? facets_[part] : exact_[part];
+        const double along = ray.up ? normals_[part][ray.axis] : -normals_[part][ray.axis];
+        if (facet.turns && !(along > 0)) return std::nullopt;
+        return detail::hit(facet, ray);
     }
-    /// The same of any of some facets: the nearest.
-    std::optional<Hit<D>> first_hit(std::span<const std::uint32_t> facets, AxisRay<D> ray) const noexcept {
+    /// The same of any of some parts: the nearest.
+    std::optional<Hit<D>> first_hit(std::span<const std::uint32_t> parts, AxisRay<D> ray) const noexcept {
         std::optional<Hit<D>> first;
-        for (const std::uint32_t facet : facets) {
-            const auto found = hit(facet, ray);
+        for (const std::uint32_t part : parts) {
+            const auto found = hit(part, ray);
             if (!found || (first && !(ray.distance(found->position) < ray.length))) continue;
             first = found;
             ray.length = ray.distance(found->position);
@@ -247,18 +257,27 @@ public:
                 ray.length = std::fmin(ray.length, ray.distance(found->position));
             return ray.length;
         });
+        for (std::size_t part = size(); part < parts(); ++part) {
+            if (const auto found = hit(part, ray))
+                ray.length = std::fmin(ray.length, ray.distance(found->position));
+        }
         return std::fmax(ray.length, 0.0);
     }
 
     struct Nearest {
-        double distance;
+        double distance; ///< negative within a bone
         BoundaryValue<D> value;
     };
-    /// The nearest place of some facets, as they are or rounded.
-    Nearest nearest(std::span<const std::uint32_t> facets, const Vec<double, D>& p,
+    /// The nearest place of some parts, of facets as they are or rounded.
+    Nearest nearest(std::span<const std::uint32_t> parts, const Vec<double, D>& p,
                     bool rounded = true) const noexcept {
         Nearest best{std::numeric_limits<double>::infinity(), {}};
-        for (const std::uint32_t n : facets) {
+        for (const std::uint32_t n : parts) {
+            if (n >= size()) {
+                const auto bone = bones_.nearest(p, best.distance); // of all: at joints they overlap
+                if (bone) best = {bone->distance, bone->value};
+                continue;
+            }
             const Facet& facet = rounded ? facets_[n] : exact_[n];
             const auto weights = detail::nearest_on_facet(p, facet.corner);
             const double distance = detail::length(facet.place(weights) - p);
@@ -331,6 +350,7 @@ private:
     Vec<double, D> origin_{};
     Buffer<Facet> facets_, exact_;
     Buffer<Vec<double, D>> normals_;
+    GridBones<D> bones_{{}, {}, {}};
     std::optional<detail::FacetBoxes<D>> boxes_;
 };
 

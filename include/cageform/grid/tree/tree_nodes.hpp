@@ -98,7 +98,7 @@ private:
     Buffer<std::uint32_t> table_{1, none}; ///< numbers by the hash of the key; at most half full
 };
 
-/// A node nearer to a facet than this, in units, is on the boundary and no unknown.
+/// A node nearer to the boundary than this, in units, or within a bone, is no unknown.
 inline constexpr double on_facet_distance = 1e-6;
 
 /// The corners inside of all leaves that are not outside. Corners of leaves that no facet passes are
