@@ -67,6 +67,11 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
         text += need.str();
         if (report.solver.sufficient_resolution != 0)
             text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " fits";
+        if (report.solver.sufficient_accuracy != 0) {
+            std::ostringstream fits;
+            fits << std::setprecision(2) << "; --accuracy " << report.solver.sufficient_accuracy << " fits";
+            text += fits.str();
+        }
     }
     std::size_t listed = 0;
     for (const auto& fault : report.cage.faults) {
@@ -107,6 +112,17 @@ std::string describe_corners(const cageform::SolverReport& solver) {
     text << ": weights there may be off by up to " << worst.error << " (an estimate)";
     if (worst.resolution != 0)
         text << "; less than " << worst.notable << " at --resolution " << worst.resolution;
+    return text.str();
+}
+
+std::string describe_grid(const cageform::SolverReport& solver) {
+    const auto& place = solver.finest_place;
+    std::ostringstream text;
+    text << std::setprecision(2) << "cells down to " << solver.finest_size << ", by "
+         << to_string(solver.finest_reason) << " at " << std::setprecision(4) << place[0] << ' ' << place[1];
+    if (place[2] != 0) text << ' ' << place[2];
+    text << std::setprecision(2) << "; weights are off by up to " << solver.grid_error()
+         << ", in nine of ten cells by less than " << solver.grid_error(0.9) << " (estimates)";
     return text.str();
 }
 
@@ -158,6 +174,7 @@ std::string describe(const cageform::BindReport& report) {
         if (report.solver.error_bound > 0) text << " (never above " << report.solver.error_bound << ")";
         text << ", convergence factor " << report.solver.convergence_factor << ", "
              << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
+        if (report.solver.finest_size > 0) text << "grid: " << describe_grid(report.solver) << '\n';
         const auto worst = report.solver.worst_corner();
         const std::string coarse = describe_corners(report.solver);
         if (!coarse.empty()) {

@@ -22,6 +22,9 @@ std::string describe_fault(const cageform::CageFault& fault);
 std::string describe_faults(const std::string& name, const cageform::BindReport& report);
 std::string describe_faults(const std::string& name, const cageform::CageReport& report);
 
+/// An adaptive grid: its finest cells, where they are and why, and what errors it leaves.
+std::string describe_grid(const cageform::SolverReport& solver);
+
 /// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": of what no grid that was used is fine
 /// enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0 in the plane, from 1
 /// in space, as OBJ files do.

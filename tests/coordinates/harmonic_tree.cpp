@@ -93,6 +93,44 @@ TEST_CASE("adaptive weights see fingers", "[coordinates][harmonic][tree][oracle]
     CHECK(error <= accuracy);
 }
 
+/// Against a grid for a tenth of the error.
+template <class C, class Points>
+void check_estimate(const C& cage, const Points& points, double accuracy) {
+    const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), points);
+    const auto finer = evaluate_all(Adaptive<C>(cage, {.accuracy = 0.1 * accuracy}), points);
+    REQUIRE(weights.status() == Status::ok);
+    REQUIRE(finer.status() == Status::ok);
+    double error = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        error = larger(error, double(difference(weights.rows[i], finer.rows[i])));
+    const auto& report = weights.evaluation.solver;
+    CAPTURE(error, report.grid_error());
+    CHECK(report.grid_error() >= 0.5 * error);
+    CHECK(report.grid_error() <= 10 * error);
+    CHECK(report.grid_error(0.5) <= report.grid_error(0.9));
+    CHECK(report.grid_error(0.9) <= report.grid_error());
+    CHECK(report.finest_size > 0);
+}
+TEST_CASE("the errors of an adaptive grid are known by an estimate",
+          "[coordinates][harmonic][tree][property]") {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        CAPTURE(seed);
+        Random random(seed + 3);
+        const Polygon<double> star(random_star<double>(seed));
+        Points2<double> in_plane;
+        for (int n = 0; n < 1000; ++n) in_plane.push_back(random_inside(star, random, 1e-4));
+        check_estimate(star, in_plane, 0.01);
+        if (seed >= 2) continue;
+        const auto data = random_mesh(seed);
+        const auto mesh = data.mesh<double>();
+        Points3<double> in_space;
+        for (const auto& p : points_about(data, 2000, seed)) {
+            if (locate(mesh, p, 1e-6) == PointState::inside) in_space.push_back(p);
+        }
+        check_estimate(mesh, in_space, 0.02);
+    }
+}
+
 template <class C, class Points>
 void check_laws(const C& cage, const Points& points) {
     using T = typename C::scalar;

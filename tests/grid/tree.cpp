@@ -151,7 +151,7 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
             CHECK(tree.cells().leaf_at(doubled).size <= std::max(1.0, sample.size));
         }
     } else {
-        FinestCells finest;
+        FinestCells<3> finest;
         REQUIRE(refine(tree, {.across = across}, 1000000, finest));
     }
     // Leaves that no facet passes are on one side, which is that of any place in them.
@@ -235,7 +235,7 @@ TEST_CASE("sizes are bounded at wedges and narrow gaps", "[grid][tree][sizing]")
 void check_sizes(const TriangleMesh<double>& mesh, const RefinementOptions& options, std::uint64_t seed) {
     const TreeBoundary<3> boundary(mesh, 12);
     CutTree<3> tree(boundary);
-    FinestCells finest;
+    FinestCells<3> finest;
     REQUIRE(refine(tree, options, 2000000, finest));
     const double largest = options.largest * cageform::detail::CellSizes::size_of_cage(boundary);
     Random random(seed);
@@ -267,7 +267,7 @@ TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
     const auto finest_of = [](const TriangleMesh<double>& mesh, const RefinementOptions& options) {
         const TreeBoundary<3> boundary(mesh, 12);
         CutTree<3> tree(boundary);
-        FinestCells finest;
+        FinestCells<3> finest;
         REQUIRE(refine(tree, options, 2000000, finest));
         return std::tuple(boundary.unit() * finest.size, boundary.in_cage(finest.place), finest.reason);
     };
@@ -311,7 +311,7 @@ TEST_CASE("what trees take is known beforehand", "[grid][tree][sizing]") {
         CHECK((plan.scale >= 1 && plan.scale < 2));
         const TreeBoundary<3> boundary(mesh, 12, 0, plan.scale);
         CutTree<3> tree(boundary);
-        FinestCells finest;
+        FinestCells<3> finest;
         REQUIRE(refine(tree, options, 4000000, finest));
         CAPTURE(finer, plan.leaves, tree.cells().leaves());
         CHECK(plan.leaves < 4 * double(tree.cells().leaves()));
@@ -324,7 +324,7 @@ TEST_CASE("what trees take is known beforehand", "[grid][tree][sizing]") {
     const TreeBoundary<3> boundary(TriangleMesh<double>(vertices, box.faces), 16);
     CHECK(RefinementPlanner(boundary).plan({}).leaves > 1e9);
     CutTree<3> tree(boundary);
-    FinestCells finest;
+    FinestCells<3> finest;
     CHECK(!refine(tree, {}, 5000, finest));
     CHECK(tree.cells().leaves() < 6000);
 }

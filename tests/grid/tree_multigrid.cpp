@@ -34,7 +34,7 @@ struct Problem {
     explicit Problem(const Cage& cage, const RefinementOptions& options, unsigned depth = 12)
         : boundary(cage, depth)
         , tree(boundary) {
-        FinestCells finest;
+        FinestCells<3> finest;
         REQUIRE(refine(tree, options, 1000000, finest));
         nodes = nodes_of(tree);
         REQUIRE(nodes.count() > 0);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cageform/coordinates/detail/cut_samples.hpp>
+#include <cageform/coordinates/detail/grid_errors.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
@@ -105,12 +106,27 @@ public:
             if (double(samples.list.size()) < samples.count) return false;
             const std::span<const grid::SizeSample<D>> list(samples.list.data(), samples.list.size());
             whole = grid::refine(tree_, list, options, std::size_t(most));
+            for (const auto& [place, size, reason] : list) {
+                if (size < finest_.size) finest_ = {size, place, reason};
+            }
         } else {
             whole = grid::refine(tree_, options, std::size_t(most), finest_);
         }
         leaves = whole ? double(tree_.cells().leaves()) : std::max(leaves, most + 1);
         if (whole) nodes_ = grid::nodes_of(tree_);
         return whole;
+    }
+
+    /// Puts its finest cells into the report.
+    void report_finest(SolverReport& report) const noexcept {
+        std::int32_t smallest = tree_.cells().size();
+        tree_.cells().for_each_leaf([&](const Cell& leaf) {
+            if (tree_.state(leaf.number) != grid::CellState::out) smallest = std::min(smallest, leaf.size);
+        });
+        const auto place = boundary_.in_cage(finest_.place);
+        report.finest_size = boundary_.unit() * smallest;
+        for (std::size_t k = 0; k < D; ++k) report.finest_place[k] = place[k];
+        report.finest_reason = finest_.reason;
     }
 
     const C& cage() const noexcept { return cage_; }
@@ -208,7 +224,7 @@ private:
     grid::TreeBoundary<D> boundary_;
     grid::CutTree<D> tree_;
     grid::TreeNodes<D> nodes_;
-    grid::FinestCells finest_; ///< in space
+    grid::FinestCells<D> finest_;
 };
 
 /// Handles in an order in which neighbours come together: functions of a group are then large in the
@@ -331,6 +347,7 @@ public:
         }
         made.emplace(std::move(cage), problem);
         report.cells = made->multigrid_.unknowns();
+        made->cage_->report_finest(report);
         return Status::ok;
     }
     TreeSolver(std::unique_ptr<Cage> cage, const Problem& problem)
@@ -340,7 +357,8 @@ public:
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices(), width)
         , multigrid_(cage_->tree(), cage_->nodes(),
-                     grid::links_of(cage_->tree(), cage_->nodes(), data_by_rank())) {}
+                     grid::links_of(cage_->tree(), cage_->nodes(), data_by_rank()))
+        , errors_(cage_->tree(), cage_->nodes(), data_by_rank()) {}
 
     SolverMemory memory() const noexcept {
         return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
@@ -380,6 +398,7 @@ public:
             if (is_refined() && report.cycles > 3) multigrid_.refine(block);
         }
         report.error_estimate += 0.25 * cutoff();
+        report.grid_errors = errors_.of(block, group * width, count);
         return Status::ok;
     }
 
@@ -443,6 +462,7 @@ private:
     std::size_t max_cycles_;
     detail::HandleOrder order_;
     Multigrid multigrid_;
+    detail::GridErrors<D> errors_;
 };
 
 /// The adaptive grid where HarmonicOptions::accuracy is given, else the uniform one.

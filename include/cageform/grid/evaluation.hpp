@@ -62,6 +62,14 @@ struct SolverReport {
     /// above all errors and less than fifteen times the largest (grid/corner_errors.hpp).
     std::vector<CornerError> corners;
 
+    // Of an adaptive grid (coordinates/tree_solver.hpp).
+    /// At up to a thousand places spread over its cells, by an estimate, how far the largest error of a
+    /// weight is that the grid leaves. In cells that facets pass they are largest.
+    std::vector<float> grid_errors;
+    double finest_size = 0;                         ///< of its cells, in units of the cage; 0: none
+    std::array<double, 3> finest_place{};           ///< in one of them or beside it
+    SizeReason finest_reason = SizeReason::largest; ///< why they are so small
+
     // Of the averaging pyramid (grid/pyramid/averaging_pyramid.hpp).
     std::size_t sweeps = 0;         ///< on the finest grid, over all functions
     double largest_mean_change = 0; ///< of the last sweep, over all functions
@@ -79,6 +87,15 @@ struct SolverReport {
     /// (grid/puzzle.hpp), a stroke (grid/strokes.hpp).
     std::size_t culprit = none;
     std::size_t unreached_cells = 0; ///< cells_unreached: in all parts without a given value
+
+    /// What grid_errors do not exceed at a part of their places, in [0, 1]. Of all of them it has been
+    /// measured between half and four times the largest error anywhere.
+    double grid_error(double part = 1) const {
+        if (grid_errors.empty()) return 0;
+        auto sorted = grid_errors;
+        std::sort(sorted.begin(), sorted.end());
+        return double(sorted[std::size_t(part * double(sorted.size() - 1))]);
+    }
 
     /// Where the largest error is to be feared, of error 0 where nowhere; with a resolution at which
     /// no corner's is notable.
@@ -110,12 +127,26 @@ struct SolverReport {
         error_estimate = std::max(error_estimate, part.error_estimate);
         error_bound = std::max(error_bound, part.error_bound);
         add_corners(part.corners);
+        add_grid_errors(part.grid_errors);
+        if (part.finest_size > 0 && !(finest_size > 0 && finest_size <= part.finest_size)) {
+            finest_size = part.finest_size;
+            finest_place = part.finest_place;
+            finest_reason = part.finest_reason;
+        }
         sweeps += part.sweeps;
         largest_mean_change = std::max(largest_mean_change, part.largest_mean_change);
         crowded_cells += part.crowded_cells;
     }
 
 private:
+    /// Of other functions on the same grid, or of another grid.
+    void add_grid_errors(const std::vector<float>& more) {
+        if (grid_errors.size() != more.size()) {
+            grid_errors.insert(grid_errors.end(), more.begin(), more.end());
+            return;
+        }
+        for (std::size_t n = 0; n < more.size(); ++n) grid_errors[n] = std::max(grid_errors[n], more[n]);
+    }
     /// The list of other functions of the same cage, whose corners are the same, or of another cage.
     void add_corners(const std::vector<CornerError>& more) {
         const auto same = [](const CornerError& a, const CornerError& b) { return a.handles == b.handles; };

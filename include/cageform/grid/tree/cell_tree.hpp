@@ -58,8 +58,10 @@ public:
         return cell;
     }
     Cell cell(std::uint32_t number) const noexcept {
-        return number == 0 ? root() : child(families_[(number - 1) / children], (number - 1) % children);
+        return number == 0 ? root() : child(parent_of(number), (number - 1) % children);
     }
+    /// Of a cell that is not the root.
+    const Cell& parent_of(std::uint32_t number) const noexcept { return families_[(number - 1) / children]; }
 
     /// Gives a leaf of at least two units a family.
     void split(const Cell& leaf) {

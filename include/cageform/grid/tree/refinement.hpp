@@ -28,9 +28,10 @@ struct RefinementPlan {
 };
 
 /// The finest cells of a tree.
+template <std::size_t D>
 struct FinestCells {
     double size = std::numeric_limits<double>::infinity(); ///< in units
-    Vec<double, 3> place{};                                ///< in one of them
+    Vec<double, D> place{};                                ///< in one of them
     SizeReason reason = SizeReason::largest;
 };
 
@@ -355,7 +356,7 @@ public:
         grid::balance(tree_);
         return cells.leaves() <= most_leaves_;
     }
-    const grid::FinestCells& finest() const noexcept { return finest_; }
+    const grid::FinestCells<3>& finest() const noexcept { return finest_; }
 
 private:
     struct Range {
@@ -416,7 +417,7 @@ private:
     Buffer<std::uint32_t> near_; ///< features
     Buffer<Range> ranges_;       ///< of them, by cell
     std::vector<CellSizes::ThinPlace> thin_here_, thin_;
-    grid::FinestCells finest_;
+    grid::FinestCells<3> finest_;
 };
 
 } // namespace detail
@@ -472,7 +473,7 @@ private:
 ///   finest       out
 ///   cost         a ray across the domain for each facet in each cell
 inline bool refine(CutTree<3>& tree, const RefinementOptions& options, std::size_t most_leaves,
-                   FinestCells& finest) {
+                   FinestCells<3>& finest) {
     detail::Refiner refiner(tree, options, most_leaves);
     const bool whole = refiner.make();
     finest = refiner.finest();

@@ -2,6 +2,7 @@
 // functions are singular. Told by samples: a leaf that holds one is at most as large as it says.
 #pragma once
 
+#include <cageform/grid/evaluation.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -26,6 +27,7 @@ template <std::size_t D>
 struct SizeSample {
     Vec<double, D> place;
     double size;
+    SizeReason reason = SizeReason::largest;
 };
 
 /// Samples; more than the most allowed are only counted.
@@ -74,9 +76,9 @@ private:
         bool has_thickness = false; ///< the samples across are made
     };
 
-    void add(const Vec<double, D>& place, double size) {
+    void add(const Vec<double, D>& place, double size, SizeReason reason) {
         out_.count += 1;
-        if (out_.list.size() < most_) out_.list.push_back({place, std::max(size, 1.0)});
+        if (out_.list.size() < most_) out_.list.push_back({place, std::max(size, 1.0), reason});
     }
     double altitude(const PlacedFacet<D>& facet) const noexcept {
         double longest = 0;
@@ -132,7 +134,11 @@ private:
         for (const auto& corner : piece) middle = middle + (1 / double(D)) * corner;
         const double t = thickness(side, middle), across = t / options_.across;
         const double size = std::max(std::min({across, side.by_altitude, largest_}), 1.0);
-        add(middle + (0.25 * size) * side.inwards, size); // where cells meet on a facet, the inner one
+        const auto reason = across < std::min(side.by_altitude, largest_) ? SizeReason::thickness
+                            : side.by_altitude < largest_                 ? SizeReason::facet
+                                                                          : SizeReason::largest;
+        add(middle + (0.25 * size) * side.inwards, size,
+            reason); // where cells meet on a facet, the inner one
         std::size_t first = 0;
         double longest = 0;
         for (std::size_t k = 0; k < (D == 2 ? 1 : D); ++k) {
@@ -145,7 +151,7 @@ private:
         if (!side.has_thickness && longest < 1.5 * across && across < largest_) {
             side.has_thickness = true; // the middle of the domain is as fine as its skin
             for (double d = across; d < 0.55 * t && across >= 1; d += across)
-                add(middle + d * side.inwards, across);
+                add(middle + d * side.inwards, across, SizeReason::thickness);
         }
         if (!(longest > spacing * size)) return;
         if (out_.count > double(most_)) { // only to tell how many there would be
@@ -268,7 +274,7 @@ private:
         for (int i = 0; i <= steps; ++i) {
             for (int j = 0; j <= steps; ++j) {
                 const auto part = [&](int n) { return reach * (2.0 * n / steps - 1); };
-                add(place + part(i) * axes[0] + part(j) * axes[1], size);
+                add(place + part(i) * axes[0] + part(j) * axes[1], size, SizeReason::singular_vertex);
             }
         }
     }
