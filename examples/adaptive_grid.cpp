@@ -102,6 +102,7 @@ std::vector<cageform::GridCell<double, D>> cells_of(const AnyCoordinates<double,
     report.cage = coordinates.cage_report;
     if (report.status != cageform::Status::ok) return cells;
     std::cout << cells.size() << " cells inside the cage or passed by it\n";
+    if (report.solver.finest_size > 0) std::cout << describe_grid(report.solver) << '\n';
     for (const auto& [size, count] : counts)
         std::cout << text_of("%12.4g", size) << " wide: " << count.all << ", passed " << count.cut << '\n';
     return cells;

@@ -121,6 +121,7 @@ std::string describe_grid(const cageform::SolverReport& solver) {
     text << std::setprecision(2) << "cells down to " << solver.finest_size << ", by "
          << to_string(solver.finest_reason) << " at " << std::setprecision(4) << place[0] << ' ' << place[1];
     if (place[2] != 0) text << ' ' << place[2];
+    if (solver.grid_errors.empty()) return text.str();
     text << std::setprecision(2) << "; weights are off by up to " << solver.grid_error()
          << ", in nine of ten cells by less than " << solver.grid_error(0.9) << " (estimates)";
     return text.str();

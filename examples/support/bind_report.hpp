@@ -22,7 +22,7 @@ std::string describe_fault(const cageform::CageFault& fault);
 std::string describe_faults(const std::string& name, const cageform::BindReport& report);
 std::string describe_faults(const std::string& name, const cageform::CageReport& report);
 
-/// An adaptive grid: its finest cells, where they are and why, and what errors it leaves.
+/// An adaptive grid: its finest cells, where they are and why, and once it is solved what errors it leaves.
 std::string describe_grid(const cageform::SolverReport& solver);
 
 /// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": of what no grid that was used is fine
