@@ -92,11 +92,13 @@ public:
 
     // ---- facets -----------------------------------------------------------------------------------
 
-    /// What facets ask of a cell that they pass.
+    /// What facets ask of a cell that they pass. Looks as far across the domain as matters to cells of
+    /// that size.
     ///
-    ///   thin  out: places where the domain is thin, one of each facet
-    Demand of_facets(std::span<const std::uint32_t> facets, const Place& middle,
+    ///   thin  out: added, places where the domain is as thin as asks for such cells
+    Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Place& middle,
                      std::vector<ThinPlace>& thin) {
+        const double most = options_.across * std::min(2.0 * cell.size, largest_);
         Demand least{largest_, SizeReason::largest};
         for (const std::uint32_t n : facets) {
             if (n >= boundary_.size()) break; // a bone
@@ -106,10 +108,9 @@ public:
             const auto place = facet.place(nearest_on_facet(middle, facet.corner));
             for (const bool front : {true, false}) {
                 if (!front && facet.turns) continue;
-                const double t = thickness(n, front, place), size = std::max(t / options_.across, 1.0);
-                if (!(size < largest_)) continue;
-                thin.push_back({place, inwards(n, front), size, t});
+                const double t = thickness(n, front, place, most), size = std::max(t / options_.across, 1.0);
                 if (size < least.size) least = {size, SizeReason::thickness};
+                if (t < most && size >= cell.size) thin.push_back({place, inwards(n, front), size, t});
             }
         }
         return least;
@@ -178,12 +179,13 @@ private:
     }
     /// The distance across the domain from a place of a facet to one that faces it (Shapira, Shamir,
     /// Cohen-Or, Visual Computer 24 (2008)); infinite where what comes first does not, or has a vertex
-    /// with it in common: wedges have no thickness.
-    double thickness(std::uint32_t from_facet, bool front, const Place& from) {
+    /// with it in common: wedges have no thickness. Infinite too if it is `most` or more.
+    double thickness(std::uint32_t from_facet, bool front, const Place& from,
+                     double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();
         const auto direction = inwards(from_facet, front);
         if (!(dot(direction, direction) > 0)) return none;
-        double nearest = std::ldexp(2.0, int(boundary_.depth()));
+        double nearest = std::min(most, std::ldexp(2.0, int(boundary_.depth())));
         std::uint32_t met = from_facet;
         const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<3>& facet = boundary_[n];
@@ -201,8 +203,8 @@ private:
         std::uint32_t& faced = faced_[2 * from_facet + (front ? 0 : 1)];
         (void)meet(faced); // most likely that again, and nothing beyond it is looked at
         boundary_.boxes().for_each_on_ray(from, direction, nearest, meet);
-        faced = met;
         if (met == from_facet) return none;
+        faced = met;
         const double along = dot(direction, boundary_.normal(met));
         bool counts = (boundary_[met].turns ? along : std::fabs(along)) > facing;
         for (const std::uint32_t v : boundary_[met].vertex) counts = counts && !boundary_[from_facet].has(v);
@@ -371,8 +373,7 @@ private:
     void ask(const Cell& cell) {
         if (tree_.state(cell.number) == grid::CellState::out) return;
         const auto middle = middle_of(cell);
-        thin_here_.clear();
-        auto least = sizes_.of_facets(tree_.facets(cell.number), middle, thin_here_);
+        auto least = sizes_.of_facets(tree_.facets(cell.number), cell, middle, thin_);
         if (const double size = bones_.size_of(cell); size < least.size) least = {size, SizeReason::bone};
         const Range near = ranges_[cell.number];
         for (std::uint32_t n = near.begin; n < near.end; ++n) {
@@ -380,10 +381,7 @@ private:
             const double size = CellSizes::size_at(feature, middle);
             if (size < least.size) least = {size, feature.reason};
         }
-        if (cell.size == 1 || cell.size <= least.size) {
-            thin_.insert(thin_.end(), thin_here_.begin(), thin_here_.end());
-            return;
-        }
+        if (cell.size == 1 || cell.size <= least.size) return;
         tree_.split(cell);
         if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, middle, least.reason};
         for (std::size_t n = 0; n < grid::CellTree<3>::children; ++n)
@@ -416,7 +414,7 @@ private:
     std::size_t most_leaves_;
     Buffer<std::uint32_t> near_; ///< features
     Buffer<Range> ranges_;       ///< of them, by cell
-    std::vector<CellSizes::ThinPlace> thin_here_, thin_;
+    std::vector<CellSizes::ThinPlace> thin_;
     grid::FinestCells<3> finest_;
 };
 

@@ -23,11 +23,14 @@ public:
     template <class Visit>
     void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
                          const Visit& visit) const {
-        std::array<std::uint32_t, 64> stack{}; // as deep as 2^32 facets halved
+        Vec<double, D> inverse{};
+        for (std::size_t k = 0; k < D; ++k) inverse[k] = direction[k] == 0 ? 0 : 1 / direction[k];
+        std::array<std::uint32_t, 64> stack; // as deep as 2^32 facets halved
+        stack[0] = 0;
         std::size_t count = order_.empty() ? 0 : 1;
         while (count > 0) {
             const Node& node = nodes_[stack[--count]];
-            if (!meets(node.box, from, direction, length)) continue;
+            if (!meets(node.box, from, inverse, length)) continue;
             if (node.second == 0) {
                 for (std::uint32_t n = node.begin; n < node.end; ++n) length = visit(order_[n]);
                 continue;
@@ -43,16 +46,17 @@ private:
         std::uint32_t begin, end;
         std::uint32_t second; ///< node of the second half, the first follows; 0: not halved
     };
-    static bool meets(const Bounds<double, D>& box, const Vec<double, D>& from,
-                      const Vec<double, D>& direction, double length) noexcept {
+    ///   inverse  1 / the direction; 0 where it is 0
+    static bool meets(const Bounds<double, D>& box, const Vec<double, D>& from, const Vec<double, D>& inverse,
+                      double length) noexcept {
         double begin = 0, end = length;
         for (std::size_t k = 0; k < D; ++k) {
             const double low = box.lower[k] - slack - from[k], high = box.upper[k] + slack - from[k];
-            if (direction[k] == 0) {
+            if (inverse[k] == 0) {
                 if (low > 0 || high < 0) return false;
                 continue;
             }
-            const double a = low / direction[k], b = high / direction[k];
+            const double a = low * inverse[k], b = high * inverse[k];
             begin = std::max(begin, std::min(a, b));
             end = std::min(end, std::max(a, b));
         }

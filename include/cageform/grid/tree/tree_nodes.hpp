@@ -101,41 +101,40 @@ private:
 /// A node nearer to the boundary than this, in units, or within a bone, is no unknown.
 inline constexpr double on_facet_distance = 1e-6;
 
-/// The corners inside of all leaves that are not outside. Corners of leaves that no facet passes are
+/// The corners inside of all leaves that are not outside. Corners of leaves that no part passes are
 /// inside as these are; of the others whole numbers decide.
 template <std::size_t D>
 TreeNodes<D> nodes_of(const CutTree<D>& tree) {
+    using Key = typename TreeNodes<D>::Key;
     using Cell = typename CellTree<D>::Cell;
-    struct LeafCorner {
-        typename TreeNodes<D>::Key key;
-        std::uint32_t cut; ///< 1 + the number of the leaf where facets pass it; 0: inside
-    };
-    Buffer<LeafCorner> corners;
+    Buffer<Key> corners; // of all leaves: twice the key, and 1 more where parts pass the leaf
     tree.cells().for_each_leaf([&](const Cell& leaf) {
         const CellState state = tree.state(leaf.number);
         if (state == CellState::out) return;
         for (std::size_t n = 0; n < CellTree<D>::children; ++n) {
             auto corner = leaf.low;
             for (std::size_t k = 0; k < D; ++k) corner[k] += ((n >> k) & 1u) != 0 ? leaf.size : 0;
-            corners.push_back({TreeNodes<D>::key(corner), state == CellState::cut ? leaf.number + 1 : 0});
+            corners.push_back(2 * TreeNodes<D>::key(corner) + (state == CellState::cut ? 1 : 0));
         }
     });
-    std::sort(corners.begin(), corners.end(), [](const LeafCorner& a, const LeafCorner& b) {
-        return a.key != b.key ? a.key < b.key : a.cut < b.cut;
-    });
-    Buffer<typename TreeNodes<D>::Key> keys;
-    const auto is_inside = [&](const LeafCorner& corner) {
-        if (corner.cut == 0) return true;
-        const auto index = TreeNodes<D>::index_of(corner.key);
+    std::sort(corners.begin(), corners.end());
+    const auto is_inside = [&](Key key) {
+        const auto index = TreeNodes<D>::index_of(key);
         std::array<std::int64_t, D> line{};
-        for (std::size_t k = 0; k < D; ++k) line[k] = std::int64_t(index[k]) << tree.boundary().fraction();
+        typename CellTree<D>::Index doubled{}; // in the leaf above, or out of it
+        for (std::size_t k = 0; k < D; ++k) {
+            line[k] = std::int64_t(index[k]) << tree.boundary().fraction();
+            doubled[k] = 2 * index[k];
+        }
         if (!tree.is_inside(line)) return false;
-        const auto facets = tree.facets(corner.cut - 1);
+        const auto facets = tree.facets(tree.cells().leaf_at(doubled).number);
         return tree.boundary().nearest(facets, node_position<D>(index)).distance > on_facet_distance;
     };
+    Buffer<Key> keys;
     for (std::size_t n = 0; n < corners.size(); ++n) {
-        const bool first = n == 0 || corners[n].key != corners[n - 1].key; // its least `cut`
-        if (first && is_inside(corners[n])) keys.push_back(corners[n].key);
+        const Key key = corners[n] / 2;
+        if (n > 0 && key == corners[n - 1] / 2) continue;
+        if (corners[n] % 2 == 0 || is_inside(key)) keys.push_back(key);
     }
     return TreeNodes<D>(std::move(keys));
 }
