@@ -220,7 +220,7 @@ SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage,
 /// The cells of the papers' grid: what the boundary passes, what is inside, what is outside.
 Picture draw_classes(const Arguments& given, const CageFile& cage) {
     const auto polygon = cage.polygon<double>();
-    const std::size_t resolution = given.choice.harmonic_options(2).resolution;
+    const std::size_t resolution = given.choice.resolution != 0 ? given.choice.resolution : 128;
     const auto domain = cageform::grid::rasterise(
         polygon, cageform::grid::lattice_about(cageform::bounds_of(polygon.vertices()), resolution));
     const auto& [columns, rows] = domain.lattice.cells;
@@ -273,9 +273,9 @@ int run_program(int argc, char** argv) {
     line.add("--zoom", given.zoom, "x,y,width,height: only this part of the plane, in the cage's units")
         .check(box_fault);
     line.add("--classes", given.classes,
-             "a PNG file to draw the papers' grid to, with --resolution cells: orange are those that the "
-             "boundary "
-             "passes, blue those inside")
+             "a PNG file to draw the papers' grid to, with --resolution cells, else 128: orange are those "
+             "that "
+             "the boundary passes, blue those inside")
         .ends_with({".png"});
     line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
     given.view.add_options(line);
