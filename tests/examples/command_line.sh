@@ -1188,7 +1188,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   grep -q 'support/\|\.hpp' log && ok=no || ok=yes
   report $ok "the help of $program names no source file"
   if grep -q -- '--coordinates' log; then
-    grep -q -- '--coordinates .*=mean-value' log && grep -q -- '--resolution .*=128 in the plane, 64 in space' log &&
+    grep -q -- '--coordinates .*=mean-value' log && grep -q -- '--resolution .*128 in the plane, 64 in space' log &&
       grep -q -- '--tolerance .*=1e-06' log && grep -q -- '--solver .*=multigrid' log && ok=yes || ok=no
     report $ok "the defaults of $program are those of all"
   fi
