@@ -98,8 +98,9 @@ public:
 
     /// `solve` after an edit of the cage: begins with the functions that `before` has kept, and is
     /// met to the same tolerance, in fewer cycles the less the cage has changed. Where `before` has
-    /// kept none, or by another solver, the same as `solve`; so too in the plane, where corners are
-    /// treated (MultigridOptions::corner_functions) and solves are quick.
+    /// kept none, or by another solver, the same as `solve`; so too on the adaptive grid, where half
+    /// of the time is the grid's and a function is solved only where it is large, and on the uniform one
+    /// in the plane, where corners are treated (MultigridOptions::corner_functions) and solves are quick.
     ///
     ///   before       coordinates of the cage as it was; resolution and tolerance may differ
     ///   old_handles  #handles: the number that each had before, or ~0 where it is new. Empty: the

@@ -27,14 +27,15 @@ class TreeCage {
 public:
     /// Cells of a side of the smallest cube about the cage, at most, as a power of two.
     static constexpr unsigned most_depth = 16, least_depth = 8;
-    /// The same, so that a cell is not lost in the rounding of the cage's coordinates.
+    /// The same, so that no cell is much smaller than the tolerance: so near to the cage no function is
+    /// asked for, and cells would be lost in the rounding of coordinates.
     static unsigned depth_of(const C& cage, T tolerance) noexcept {
         const auto bounds = bounds_of(cage.vertices());
         double longest = 0;
         for (std::size_t k = 0; k < D; ++k)
             longest = std::fmax(longest, double(bounds.upper[k]) - double(bounds.lower[k]));
         unsigned depth = most_depth;
-        while (depth > 0 && std::ldexp(longest, -int(depth)) < 4 * double(tolerance)) --depth;
+        while (depth > 0 && std::ldexp(longest, -int(depth)) < 0.25 * double(tolerance)) --depth;
         return depth;
     }
 
