@@ -47,9 +47,11 @@ public:
         }
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
         double leaves(double accuracy) const noexcept { return plan(accuracy).leaves; }
-        /// An accuracy for which no more are needed; 0: none.
+        /// A coarser accuracy for which no more are needed; 0: none.
         double sufficient_accuracy(double accuracy, double most) const noexcept {
-            while (accuracy < most_accuracy && leaves(accuracy) > most) accuracy *= 1.25;
+            do {
+                accuracy *= 1.25;
+            } while (accuracy < most_accuracy && leaves(accuracy) > most);
             return accuracy < most_accuracy && D == 3 ? accuracy : 0;
         }
 
@@ -327,7 +329,7 @@ public:
     using Block = typename Multigrid::Block;
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made) {
-        constexpr double bytes_of_leaf = 700; // tree, hierarchy and a block, as measured
+        constexpr double bytes_of_leaf = 340; // tree, hierarchy and a block, as measured
         const double accuracy = problem.options.accuracy;
         if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
             return Status::accuracy_not_supported;
@@ -339,14 +341,22 @@ public:
         const double most =
             std::min(double(problem.options.memory_limit) / bytes_of_leaf, double(std::uint32_t(-1) / 8));
         std::unique_ptr<Cage> cage;
-        if (leaves < 2 * most) // else there are surely more
+        constexpr double few = 2e5; // soon made, and fewer than the plan says
+        if (leaves < std::max(1.5 * most, few))
             cage = std::make_unique<Cage>(problem.cage, problem.tolerance, plan.scale(accuracy));
         if (!cage || !cage->refine(accuracy, most, leaves)) {
             report.bytes = std::size_t(std::min(bytes_of_leaf * leaves, 9e18));
-            report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most);
+            const double more = std::max(1.0, leaves / plan.leaves(accuracy)); // than planned
+            report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most / more);
             return Status::out_of_memory;
         }
         made.emplace(std::move(cage), problem);
+        const auto [hierarchy, block] = made->memory();
+        if (hierarchy + block > problem.options.memory_limit) {
+            report.bytes = hierarchy + block;
+            report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most);
+            return Status::out_of_memory;
+        }
         report.cells = made->multigrid_.unknowns();
         made->cage_->report_finest(report);
         return Status::ok;

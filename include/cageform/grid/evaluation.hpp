@@ -78,7 +78,8 @@ struct SolverReport {
     // Of what is refused.
     std::size_t unseen_handle = none; ///< grid_too_coarse: the first handle whose data meets no link
     /// A resolution that would do, where grid_too_coarse or out_of_memory say that the given one does
-    /// not; 0: none is offered. With out_of_memory `bytes` is what was asked for, if known.
+    /// not; 0: none is offered. With out_of_memory `bytes` is what was asked for, if known; of an
+    /// adaptive grid by an estimate, a factor of two off at most on the cages measured.
     std::size_t sufficient_resolution = 0;
     /// On an adaptive grid in space: an accuracy that would do, where out_of_memory says that the given
     /// one does not, by an estimate; 0: none is offered.
