@@ -1,5 +1,5 @@
-// How fine a tree of cells has to be where: by the thickness of the domain, by its facets, and where
-// functions are singular. Told by samples: a leaf that holds one is at most as large as it says.
+// How fine a tree of cells has to be where, in the plane: by the thickness of the domain, by its edges, and
+// where functions are singular. Told by samples: a leaf that holds one is at most as large as it says.
 #pragma once
 
 #include <cageform/grid/evaluation.hpp>
@@ -10,10 +10,9 @@ namespace grid {
 
 struct SizingOptions {
     double across = 6;    ///< cells across the thickness of the domain
-    double per_facet = 1; ///< cells along the least altitude of a facet, in the plane its length
-    /// Halvings more where functions fall like the distance from an edge (in the plane a vertex); at
-    /// one of interior angle ω, where they fall like its power π/ω, that much more. In space at reflex
-    /// edges and rims of walls alone.
+    double per_facet = 1; ///< cells along an edge
+    /// Halvings more where functions fall like the distance from a vertex; at one of interior angle ω,
+    /// where they fall like its power π/ω, that much more.
     double singular_levels = 0.67;
     /// Cells of each size about what is singular, before those of twice the size; 0: as few as a
     /// balanced tree has, one or two.
@@ -41,11 +40,10 @@ struct SizeSamples {
 
 namespace detail {
 
-/// Makes the samples of a boundary.
-template <std::size_t D>
+/// Makes the samples of a boundary in the plane; in space see grid/tree/refinement.hpp.
 class Sizing {
 public:
-    using Boundary = grid::TreeBoundary<D>;
+    using Boundary = grid::TreeBoundary<2>;
 
     Sizing(const Boundary& boundary, const grid::SizingOptions& options, std::size_t most)
         : boundary_(boundary)
@@ -53,7 +51,7 @@ public:
         , most_(most)
         , largest_(options.largest * std::ldexp(1.0, int(boundary.depth()))) {}
 
-    grid::SizeSamples<D> make() {
+    grid::SizeSamples<2> make() {
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
             sample_facet(n, true);
             if (!boundary_[n].turns) sample_facet(n, false);
@@ -66,43 +64,33 @@ private:
     static constexpr double touching = 0.01; ///< of units: so near are bodies with a common plane
     static constexpr double facing = 0.7;    ///< cosine between a facet and one it is measured across
     static constexpr double spacing = 1.3;   ///< of samples, in the sizes they tell
-    static constexpr std::size_t pieces = 8; ///< of a singular edge, each sized by itself
 
     struct Side {
         std::uint32_t facet;
-        Vec<double, D> inwards;
-        double by_altitude;         ///< the size that it asks for by itself
+        Vec<double, 2> inwards;
+        double by_length;           ///< the size that it asks for by itself
         std::uint32_t faced;        ///< by the facet there, where a ray was sent last
         bool has_thickness = false; ///< the samples across are made
     };
 
-    void add(const Vec<double, D>& place, double size, SizeReason reason) {
+    void add(const Vec<double, 2>& place, double size, SizeReason reason) {
         out_.count += 1;
         if (out_.list.size() < most_) out_.list.push_back({place, std::max(size, 1.0), reason});
     }
-    double altitude(const PlacedFacet<D>& facet) const noexcept {
-        double longest = 0;
-        for (std::size_t k = 0; k < D; ++k)
-            longest = std::max(longest, length(facet.corner[(k + 1) % D] - facet.corner[k]));
-        if constexpr (D == 2) {
-            return longest;
-        } else {
-            return longest > 0 ? length(normal_of(facet)) / longest : 0;
-        }
-    }
+    static double length_of(const Corners<2>& edge) noexcept { return length(edge[1] - edge[0]); }
     Side side_of(std::uint32_t n, bool front) const noexcept {
         const auto inwards = front ? -1.0 * boundary_.normal(n) : boundary_.normal(n);
-        return {n, inwards, altitude(boundary_[n]) / options_.per_facet, n};
+        return {n, inwards, length_of(boundary_[n].corner) / options_.per_facet, n};
     }
 
     /// The distance across the domain from a place of a facet to one that faces it; infinite where
     /// what comes first does not, or has a vertex with it in common: wedges have no thickness.
-    double thickness(Side& side, const Vec<double, D>& from) const {
+    double thickness(Side& side, const Vec<double, 2>& from) const {
         const Boundary& boundary = boundary_;
         double nearest = std::ldexp(2.0, int(boundary.depth()));
         std::uint32_t met = side.facet;
         const auto meet = [&](std::uint32_t n) {
-            const PlacedFacet<D>& facet = boundary[n];
+            const PlacedFacet<2>& facet = boundary[n];
             double along = dot(side.inwards, boundary.normal(n));
             if (n == side.facet || !((facet.turns ? along : std::fabs(along)) > 1e-9)) return nearest;
             const double t = dot(boundary.normal(n), facet.corner[0] - from) / along;
@@ -128,85 +116,63 @@ private:
         if (!(dot(boundary_.normal(n), boundary_.normal(n)) > 0)) return;
         sample_piece(boundary_[n].corner, side_of(n, front));
     }
-    /// Halves a piece along its longest edge until it is as small as the cells there.
-    void sample_piece(const Corners<D>& piece, Side side) {
-        Vec<double, D> middle{};
-        for (const auto& corner : piece) middle = middle + (1 / double(D)) * corner;
+    /// Halves a piece until it is as small as the cells there.
+    void sample_piece(const Corners<2>& piece, Side side) {
+        const auto middle = 0.5 * (piece[0] + piece[1]);
         const double t = thickness(side, middle), across = t / options_.across;
-        const double size = std::max(std::min({across, side.by_altitude, largest_}), 1.0);
-        const auto reason = across < std::min(side.by_altitude, largest_) ? SizeReason::thickness
-                            : side.by_altitude < largest_                 ? SizeReason::facet
-                                                                          : SizeReason::largest;
+        const double size = std::max(std::min({across, side.by_length, largest_}), 1.0);
+        const auto reason = across < std::min(side.by_length, largest_) ? SizeReason::thickness
+                            : side.by_length < largest_                 ? SizeReason::facet
+                                                                        : SizeReason::largest;
         add(middle + (0.25 * size) * side.inwards, size,
             reason); // where cells meet on a facet, the inner one
-        std::size_t first = 0;
-        double longest = 0;
-        for (std::size_t k = 0; k < (D == 2 ? 1 : D); ++k) {
-            const double l = length(piece[(k + 1) % D] - piece[k]);
-            if (l > longest) {
-                longest = l;
-                first = k;
-            }
-        }
-        if (!side.has_thickness && longest < 1.5 * across && across < largest_) {
+        const double piece_length = length_of(piece);
+        if (!side.has_thickness && piece_length < 1.5 * across && across < largest_) {
             side.has_thickness = true; // the middle of the domain is as fine as its skin
             for (double d = across; d < 0.55 * t && across >= 1; d += across)
                 add(middle + d * side.inwards, across, SizeReason::thickness);
         }
-        if (!(longest > spacing * size)) return;
+        if (!(piece_length > spacing * size)) return;
         if (out_.count > double(most_)) { // only to tell how many there would be
-            out_.count += std::pow(longest / (spacing * size), double(D - 1));
+            out_.count += piece_length / (spacing * size);
             return;
         }
-        const std::size_t second = (first + 1) % D;
-        const auto half = 0.5 * (piece[first] + piece[second]);
-        for (const std::size_t moved : {first, second}) {
-            auto part = piece;
-            part[moved] = half;
-            sample_piece(part, side);
-        }
+        sample_piece({piece[0], middle}, side);
+        sample_piece({middle, piece[1]}, side);
     }
 
-    // ---- singular edges, in the plane vertices ------------------------------------------------------
+    // ---- singular vertices ----------------------------------------------------------------------
 
-    struct Ridge { ///< of a facet: what is left of it without one corner
-        std::array<std::uint32_t, D - 1> vertex;
-        std::uint32_t facet;
-        std::uint32_t apex; ///< the corner left out
+    struct End { ///< of an edge
+        std::uint32_t vertex, edge;
+        std::size_t corner;
     };
     void sample_singular() {
-        std::vector<Ridge> ridges;
+        std::vector<End> ends;
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
-            for (std::uint32_t apex = 0; apex < D; ++apex) {
-                Ridge ridge{{}, n, apex};
-                for (std::size_t k = 0; k + 1 < D; ++k)
-                    ridge.vertex[k] = boundary_[n].vertex[(apex + 1 + k) % D];
-                std::sort(ridge.vertex.begin(), ridge.vertex.end());
-                ridges.push_back(ridge);
-            }
+            for (std::size_t k = 0; k < 2; ++k) ends.push_back({boundary_[n].vertex[k], n, k});
         }
-        std::sort(ridges.begin(), ridges.end(), [](const Ridge& a, const Ridge& b) {
-            return a.vertex != b.vertex ? a.vertex < b.vertex : a.facet < b.facet;
+        std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
+            return a.vertex != b.vertex ? a.vertex < b.vertex : a.edge < b.edge;
         });
-        for (std::size_t begin = 0, end = 0; begin < ridges.size(); begin = end) {
-            while (end < ridges.size() && ridges[end].vertex == ridges[begin].vertex) ++end;
-            const std::span<const Ridge> about(ridges.data() + begin, end - begin);
-            const double levels = std::round(options_.singular_levels / exponent(about));
-            if (levels > 0) sample_ridge(about, levels);
+        for (auto begin = ends.begin(), end = begin; begin != ends.end(); begin = end) {
+            while (end != ends.end() && end->vertex == begin->vertex) ++end;
+            const double levels = std::round(options_.singular_levels / exponent({begin, end}));
+            if (levels > 0) sample_vertex({begin, end}, levels);
         }
     }
-    /// Of the distance, which the steepest functions at a ridge fall like; infinite where the tree
+    /// Of the distance, which the steepest functions at a vertex fall like; infinite where the tree
     /// need not be finer.
-    double exponent(std::span<const Ridge> about) const noexcept {
-        constexpr double pi = std::numbers::pi, reflex = 1.05 * pi, obtuse = 0.55 * pi;
+    double exponent(std::span<const End> about) const noexcept {
+        constexpr double pi = std::numbers::pi, obtuse = 0.55 * pi;
         double angle = about.size() == 1 ? 2 * pi : pi;
         if (about.size() == 2) {
-            const auto &a = boundary_[about[0].facet], &b = boundary_[about[1].facet];
+            const auto &a = boundary_[about[0].edge], &b = boundary_[about[1].edge];
             const auto u = across(about[0]), v = across(about[1]);
             const double size = length(u) * length(v);
             if (!(size > 0)) return std::numeric_limits<double>::infinity();
             angle = std::acos(std::clamp(dot(u, v) / size, -1.0, 1.0));
-            const bool convex = dot(boundary_.normal(about[0].facet), v) < 0;
+            const bool convex = dot(boundary_.normal(about[0].edge), v) < 0;
             if (!a.turns && !b.turns) {
                 angle = std::max(angle, 2 * pi - angle);
             } else if (a.turns && b.turns && !convex) {
@@ -215,67 +181,37 @@ private:
                 angle = pi;
             }
         }
-        return angle > (D == 2 ? obtuse : reflex) ? pi / angle : std::numeric_limits<double>::infinity();
+        return angle > obtuse ? pi / angle : std::numeric_limits<double>::infinity();
     }
-    /// From a ridge to the rest of its facet, at a right angle.
-    Vec<double, D> across(const Ridge& ridge) const noexcept {
-        const auto& corner = boundary_[ridge.facet].corner;
-        const auto &a = corner[(ridge.apex + 1) % D], &b = corner[(ridge.apex + D - 1) % D];
-        auto to_apex = corner[ridge.apex] - a;
-        const auto along = b - a;
-        if (D > 2 && dot(along, along) > 0)
-            to_apex = to_apex - (dot(to_apex, along) / dot(along, along)) * along;
-        return to_apex;
+    /// From a vertex along its edge.
+    Vec<double, 2> across(const End& end) const noexcept {
+        const auto& corner = boundary_[end.edge].corner;
+        return corner[1 - end.corner] - corner[end.corner];
     }
-    void sample_ridge(std::span<const Ridge> about, double levels) {
-        const auto& facet = boundary_[about[0].facet];
-        const auto a = facet.corner[(about[0].apex + 1) % D], b = facet.corner[(about[0].apex + D - 1) % D];
-        const std::size_t parts = D == 2 ? 1 : pieces;
-        for (std::size_t n = 0; n < parts; ++n) {
-            const auto at = [&](double part) { return a + ((double(n) + part) / double(parts)) * (b - a); };
-            double size = largest_;
-            for (const Ridge& ridge : about) {
-                for (const bool front : {true, false}) {
-                    if (!front && boundary_[ridge.facet].turns) continue;
-                    Side side = side_of(ridge.facet, front);
-                    const auto place = at(0.5);
-                    const auto inside = place + 0.05 * (boundary_[ridge.facet].corner[ridge.apex] - place);
-                    size = std::min({size, side.by_altitude, thickness(side, inside) / options_.across});
-                }
-            }
-            for (double level = levels; level >= 0; level -= 1) {
-                const double here = std::max(std::ldexp(size, -int(level)), 1.0);
-                const double steps = D == 2 ? 1 : std::ceil(length(b - a) / double(parts) / here);
-                if (out_.count > double(most_)) {
-                    out_.count += 4 * steps;
-                    continue;
-                }
-                for (double step = 0; step < steps; ++step) add_about(at((step + 0.5) / steps), b - a, here);
-                if (options_.layers == 0) break;
+    void sample_vertex(std::span<const End> about, double levels) {
+        const auto place = boundary_[about[0].edge].corner[about[0].corner];
+        double size = largest_;
+        for (const End& end : about) {
+            for (const bool front : {true, false}) {
+                if (!front && boundary_[end.edge].turns) continue;
+                Side side = side_of(end.edge, front);
+                const auto inside = place + 0.05 * across(end);
+                size = std::min({size, side.by_length, thickness(side, inside) / options_.across});
             }
         }
+        for (double level = levels; level >= 0; level -= 1) {
+            add_about(place, std::max(std::ldexp(size, -int(level)), 1.0));
+            if (options_.layers == 0) break;
+        }
     }
-    /// Layers of cells about a place of a ridge; at least those that meet there.
-    void add_about(const Vec<double, D>& place, const Vec<double, D>& along, double size) {
+    /// Layers of cells about a vertex; at least those that meet there.
+    void add_about(const Vec<double, 2>& place, double size) {
         const auto steps = std::max(2 * int(options_.layers), 1);
         const double reach = options_.layers > 0 ? 0.9 * options_.layers * size : 0.25 * size;
-        std::array<Vec<double, D>, 2> axes{};
-        axes[0][0] = axes[1][1] = 1;
-        if constexpr (D == 3) {
-            const std::size_t flat = std::fabs(along[0]) < std::fabs(along[1])   ? 0
-                                     : std::fabs(along[1]) < std::fabs(along[2]) ? 1
-                                                                                 : 2;
-            axes[0] = {};
-            axes[0][flat] = 1;
-            axes[0] = cross(along, axes[0]);
-            axes[1] = cross(along, axes[0]);
-            for (auto& axis : axes) axis = (1 / std::max(length(axis), 1e-300)) * axis;
-        }
+        const auto part = [&](int n) { return reach * (2.0 * n / steps - 1); };
         for (int i = 0; i <= steps; ++i) {
-            for (int j = 0; j <= steps; ++j) {
-                const auto part = [&](int n) { return reach * (2.0 * n / steps - 1); };
-                add(place + part(i) * axes[0] + part(j) * axes[1], size, SizeReason::singular_vertex);
-            }
+            for (int j = 0; j <= steps; ++j)
+                add(place + Vec<double, 2>{part(i), part(j)}, size, SizeReason::singular_vertex);
         }
     }
 
@@ -283,19 +219,19 @@ private:
     grid::SizingOptions options_;
     std::size_t most_;
     double largest_;
-    grid::SizeSamples<D> out_;
+    grid::SizeSamples<2> out_;
 };
 
 } // namespace detail
 namespace grid {
 
-/// How fine a boundary asks a tree to be, down to cells of one unit.
+/// How fine a boundary in the plane asks a tree to be, down to cells of one unit.
 ///
 ///   most  samples kept; where the count is larger there would be more, by an estimate
 ///   cost  a ray across the domain for each sample
-template <std::size_t D>
-SizeSamples<D> size_samples(const TreeBoundary<D>& boundary, const SizingOptions& options, std::size_t most) {
-    return detail::Sizing<D>(boundary, options, most).make();
+inline SizeSamples<2> size_samples(const TreeBoundary<2>& boundary, const SizingOptions& options,
+                                   std::size_t most) {
+    return detail::Sizing(boundary, options, most).make();
 }
 
 /// Splits the leaves of a tree as the samples ask, then those that neighbours of less than half
