@@ -622,7 +622,7 @@ void bind_papers_mesh(benchmark::State& state) {
 using cageform_tests::Fingers;
 
 using Mesh = cageform::TriangleMesh<double>;
-using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh, cageform::WithAdaptiveGrid<Mesh>>;
+using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh>;
 
 /// On the adaptive grid by the accuracy asked for, 1e-4 times the argument, or on the uniform one of a resolution.
 template <bool adaptive>

@@ -73,13 +73,14 @@ void CoordinatesChoice::add_options(CommandLine& line) {
     }
     const CommandOption accuracy = line.add("--accuracy", harmonic.accuracy,
                                             "harmonic: the largest error wanted of a weight, 1e-5 to 0.1, on "
-                                            "a grid as fine as the cage is "
-                                            "narrow; without it a uniform one")
-                                       .range(1e-5, 0.1);
-    line.add("--resolution", resolution, "harmonic: cells of the uniform grid along the cage's longest side")
+                                            "a grid as fine as the cage is narrow")
+                                       .range(1e-5, 0.1)
+                                       .show_default();
+    line.add("--resolution", resolution,
+             "harmonic: a uniform grid of so many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
-        .show_default("128 in the plane, 64 in space");
+        .show_default("of averaging-pyramid 128 in the plane, 64 in space");
     line.add_number(
             "--tolerance",
             [this](double t) { harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t; },
@@ -118,7 +119,9 @@ std::optional<std::size_t> available_memory() {
 cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimension) const {
     cageform::HarmonicOptions options = harmonic;
     options.memory_limit = available_memory().value_or(options.memory_limit);
-    options.resolution = resolution != 0 ? resolution : dimension == 2 ? 128 : 64;
+    options.resolution = resolution;
+    if (resolution == 0 && options.solver == cageform::HarmonicSolver::averaging_pyramid)
+        options.resolution = dimension == 2 ? 128 : 64;
     return options;
 }
 

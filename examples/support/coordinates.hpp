@@ -32,7 +32,7 @@ struct CoordinatesChoice {
     bool with_sites = false;          // whether the program takes control points without a cage
     bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1
-    std::size_t resolution = 0;       // 0: 128 in the plane, 64 in space
+    std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
     cageform::HarmonicOptions harmonic;
 
     static const std::vector<std::string>& names(); // of polygons

@@ -19,7 +19,6 @@ struct EverySolver {
 
     template <class Use>
     static cageform::Status choose(const Options& options, const Use& use) {
-        if (options.accuracy > 0) return cageform::WithAdaptiveGrid<C>::choose(options, use);
         using T = typename C::scalar;
         if constexpr (std::is_same_v<C, cageform::Polygon<T>> || std::is_same_v<C, cageform::TriangleMesh<T>>)
             return cageform::WithAveragingPyramid<C>::choose(options, use);

@@ -22,8 +22,7 @@ using cageform::TriangleMesh;
 namespace {
 
 template <class C>
-using Adaptive =
-    cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C, cageform::WithAdaptiveGrid<C>>;
+using Adaptive = cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C>;
 
 template <class C, class Points>
 double largest_error(const C& cage, const Points& points, const std::vector<std::vector<double>>& expected,
@@ -587,9 +586,6 @@ TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][h
     CHECK(status(mesh, {.accuracy = -1e-3}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.accuracy = 1e-9}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.resolution = 16}) == Status::ok); // the uniform grid
-    // By those that have no adaptive grid the option is not passed over.
-    const cageform::HarmonicCoordinates uniform(mesh, {.accuracy = 0.01});
-    CHECK(evaluate_all(uniform, points).status() == Status::solver_not_supported);
     // What takes more memory than allowed, with the bytes that it takes.
     auto plate = divided_box({1, 1, 1}, 1.0);
     for (auto& p : plate.vertices) p[2] *= 1e-5;

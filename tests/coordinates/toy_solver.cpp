@@ -106,7 +106,7 @@ public:
     }
     void finish(const Samples& /*samples*/, cageform::BlockView<T> /*rows*/) const {}
 
-    double spacing() const { return grid_.lattice().spacing; }
+    double spacing(const Vec<T, D>& /*p*/) const { return grid_.lattice().spacing; }
     PointState state_of(const Vec<T, D>& p) const { return grid_.state_of(p); }
     double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const {
         return grid_.free_distance(p, axis, up, limit);
@@ -135,6 +135,8 @@ constexpr bool is_model = cageform::CageSolver<Solver>&& cageform::Differentiabl
 TEST_CASE("the library's solvers and one of one's own are models of the seam", "[coordinates][solver]") {
     STATIC_REQUIRE(is_model<cageform::MultigridSolver<Polygon<double>>>);
     STATIC_REQUIRE(is_model<cageform::MultigridSolver<cageform::Box<float>>>);
+    STATIC_REQUIRE(is_model<cageform::TreeSolver<Polygon<double>>>);
+    STATIC_REQUIRE(is_model<cageform::TreeSolver<cageform::Box<float>>>);
     STATIC_REQUIRE(is_model<DirectSolver<Polygon<float>>>);
     STATIC_REQUIRE(is_model<DirectSolver<TriangleMesh<double>>>);
     STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<Polygon<float>>>);

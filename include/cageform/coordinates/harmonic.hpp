@@ -1,18 +1,20 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
 //
-// The solver is the multigrid of this library. The papers' own, the baseline it is measured against,
+// The solvers are the multigrids of this library, on an adaptive grid or a uniform one. The papers' own, the baseline it is measured against,
 // is in coordinates/pyramid_solver.hpp.
 #pragma once
 
 #include <cageform/coordinates/detail/difference_gradients.hpp>
 #include <cageform/coordinates/multigrid_solver.hpp>
+#include <cageform/coordinates/tree_solver.hpp>
 
 #include <numeric>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The solver for a kind of cage. WithAveragingPyramid (coordinates/pyramid_solver.hpp) has both that
-/// HarmonicOptions::solver can name.
+/// The solver for a kind of cage: on the adaptive grid, or the uniform one where
+/// HarmonicOptions::resolution is given. WithAveragingPyramid (coordinates/pyramid_solver.hpp) has all
+/// that the options can name.
 template <class C>
 struct HarmonicSolverChoice {
     using Options = HarmonicOptions;
@@ -20,9 +22,9 @@ struct HarmonicSolverChoice {
     /// use(std::type_identity<the solver>{}), or solver_not_supported.
     template <class Use>
     static Status choose(const Options& options, const Use& use) {
-        if (options.solver != HarmonicSolver::multigrid || options.accuracy != 0)
-            return Status::solver_not_supported;
-        return use(std::type_identity<MultigridSolver<C>>{});
+        if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
+        if (options.resolution != 0) return use(std::type_identity<MultigridSolver<C>>{});
+        return use(std::type_identity<TreeSolver<C>>{});
     }
 };
 

@@ -21,20 +21,21 @@ struct MultigridOptions {
 
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
-    /// The largest error wanted of a weight, 1e-5 … 0.1, which an adaptive grid is made for: of
-    /// coordinates WithAdaptiveGrid alone (coordinates/tree_solver.hpp). In the plane it is met. In
-    /// space it is met where faces are large, up to edges and corners, within 1.5 times next to reflex
-    /// edges; and in thin parts and deep below small faces, where three times that was measured. Less
-    /// deep than a small face is wide it is not, as its hat falls off within a cell or two: a few per
-    /// cent of the weight there. 0: the uniform grid of `resolution`.
-    double accuracy = 0;
-    std::size_t resolution = 128; ///< cells along the cage's longest side: 8 … 16384, in space 8 … 1024
+    /// The largest error wanted of a weight, 1e-5 … 0.1, which an adaptive grid is made for
+    /// (coordinates/tree_solver.hpp). In the plane it is met. In space it is met where faces are large,
+    /// up to edges and corners, within 1.5 times next to reflex edges; and in thin parts and deep below
+    /// small faces, where three times that was measured. Less deep than a small face is wide it is not,
+    /// as its hat falls off within a cell or two: a few per cent of the weight there.
+    double accuracy = 1e-3;
+    /// Other than 0: a uniform grid of so many cells along the cage's longest side instead, 8 … 16384,
+    /// in space 8 … 1024; `accuracy` is not looked at.
+    std::size_t resolution = 0;
     /// In bytes. What takes more on one thread (hierarchy and block, with `solve` the functions kept)
     /// is refused before it is tried. The default is 8 GiB, 1 GiB where addresses have 32 bits.
     std::size_t memory_limit = std::size_t{1} << (sizeof(std::size_t) > 4 ? 33 : 30);
     MultigridOptions multigrid{};
 
-    // Of the averaging pyramid alone; its resolution counts a margin of four cells.
+    // Of the averaging pyramid alone, which needs a resolution; that counts a margin of four cells.
     grid::AveragingOptions averaging{.tolerance = 1e-6};
     grid::Interpolation interpolation = grid::Interpolation::multilinear;
     std::size_t handles_at_once = 16; ///< functions solved and sampled together

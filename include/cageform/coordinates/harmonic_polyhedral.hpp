@@ -18,8 +18,8 @@ struct GridBoundaryOf<PolyhedralMesh<T>> {
 namespace detail {
 
 /// On a face of more than three corners the harmonic coordinates of its polygon (Joshi et al.,
-/// Harmonic Coordinates for Character Articulation, sec. 4), solved when the problem is posed, on a
-/// lattice twice as fine as the cage's; kept.
+/// Harmonic Coordinates for Character Articulation, sec. 4), solved when the problem is posed, to a
+/// quarter of the accuracy or on a lattice twice as fine as the cage's; kept.
 template <Scalar T>
 class BoundaryData<PolyhedralMesh<T>> {
     using Plane = HarmonicCoordinates<double, 2>;
@@ -36,8 +36,11 @@ public:
             const double longest = double(std::fmax(extent[0], std::fmax(extent[1], extent[2])));
             const auto make = [&](const Polygon<double>& polygon, double size) {
                 HarmonicOptions in_plane;
-                in_plane.resolution = std::size_t(
-                    std::clamp(std::ceil(2 * double(options.resolution) * size / longest), 32.0, 2048.0));
+                in_plane.accuracy = std::fmax(0.25 * options.accuracy, 1e-5);
+                if (options.resolution != 0) {
+                    in_plane.resolution = std::size_t(
+                        std::clamp(std::ceil(2 * double(options.resolution) * size / longest), 32.0, 2048.0));
+                }
                 in_plane.multigrid.tolerance = 0.1 * options.multigrid.tolerance;
                 in_plane.memory_limit = options.memory_limit;
                 Plane plane(polygon, in_plane);

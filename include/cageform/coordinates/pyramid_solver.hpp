@@ -161,7 +161,7 @@ private:
     grid::GridDomain<T, D> domain_;
 };
 
-/// Both solvers for a kind of cage, of which HarmonicOptions::solver names one:
+/// All solvers for a kind of cage, of which HarmonicOptions name one:
 ///     HarmonicCoordinates<T, 2, Polygon<T>, WithAveragingPyramid<Polygon<T>>>
 ///     HarmonicCoordinates<T, 3, TriangleMesh<T>, WithAveragingPyramid<TriangleMesh<T>>>
 template <class C>
@@ -170,7 +170,7 @@ struct WithAveragingPyramid {
 
     template <class Use>
     static Status choose(const Options& options, const Use& use) {
-        if (options.solver == HarmonicSolver::multigrid) return use(std::type_identity<MultigridSolver<C>>{});
+        if (options.solver == HarmonicSolver::multigrid) return HarmonicSolverChoice<C>::choose(options, use);
         return use(std::type_identity<PyramidSolver<C>>{});
     }
 };

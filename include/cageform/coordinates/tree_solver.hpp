@@ -1,17 +1,16 @@
 // Harmonic functions of a cage on an adaptive grid: bound by accuracy, not by resolution. Cells are
 // as fine as the cage is thin, its facets small and its edges sharp (grid/tree/).
-//
-//     HarmonicCoordinates<double, 3, TriangleMesh<double>, WithAdaptiveGrid<TriangleMesh<double>>>
-//         coordinates(mesh, {.accuracy = 2e-3});
 #pragma once
 
+#include <cageform/coordinates/cage_solver.hpp>
 #include <cageform/coordinates/detail/cut_samples.hpp>
 #include <cageform/coordinates/detail/grid_errors.hpp>
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/harmonic_options.hpp>
 #include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
 #include <cageform/grid/tree/tree_multigrid.hpp>
 
+#include <bit>
 #include <memory>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -413,23 +412,61 @@ public:
         return Status::ok;
     }
 
-    /// In float, as the cycles leave them: what is rounded off is far below any accuracy asked for.
-    struct Functions {
-        Buffer<typename Multigrid::Row> rows; ///< by node
+    /// Of the nodes where any is larger than a hundredth of the accuracy. In float, as the cycles leave
+    /// them: what is rounded off is far below any accuracy asked for.
+    class Functions {
+    public:
+        Functions() = default;
+        Functions(const Block& block, std::uint32_t nodes, double least)
+            : words_((nodes + 63) / 64, Word{}) {
+            const auto is_kept = [&](std::uint32_t node) {
+                bool any = false;
+                for (const double x : block.value(node)) any = any || std::fabs(x) > least;
+                return any;
+            };
+            for (const std::uint32_t node : block.valued()) {
+                if (is_kept(node)) words_[node / 64].nodes |= std::uint64_t{1} << (node % 64);
+            }
+            std::uint32_t count = 0;
+            for (auto& word : words_) {
+                word.before = count;
+                count += std::uint32_t(std::popcount(word.nodes));
+            }
+            rows_.resize(count);
+            for (const std::uint32_t node : block.valued()) {
+                if (!has(node)) continue;
+                const auto values = block.value(node);
+                for (std::size_t k = 0; k < width; ++k) rows_[row(node)][k] = float(values[k]);
+            }
+        }
 
+        /// Elsewhere they are zero.
+        bool has(std::uint32_t node) const noexcept {
+            return ((words_[node / 64].nodes >> (node % 64)) & 1u) != 0;
+        }
         typename Multigrid::Values value(std::uint32_t node) const noexcept {
             typename Multigrid::Values values{};
-            for (std::size_t k = 0; k < width; ++k) values[k] = double(rows[node][k]);
+            if (!has(node)) return values;
+            for (std::size_t k = 0; k < width; ++k) values[k] = double(rows_[row(node)][k]);
             return values;
         }
+
+    private:
+        struct Word { ///< of 64 nodes
+            std::uint64_t nodes = 0;
+            std::uint32_t before = 0; ///< rows
+        };
+        std::size_t row(std::uint32_t node) const noexcept {
+            const Word& word = words_[node / 64];
+            return word.before +
+                   std::size_t(std::popcount(word.nodes & ((std::uint64_t{1} << (node % 64)) - 1)));
+        }
+
+        Buffer<Word> words_;
+        Buffer<typename Multigrid::Row> rows_;
     };
     Functions keep(const Block& block) const {
-        Functions functions{Buffer<typename Multigrid::Row>(multigrid_.unknowns())};
-        for (std::uint32_t node = 0; node < multigrid_.unknowns(); ++node) {
-            const auto values = block.value(node);
-            for (std::size_t k = 0; k < width; ++k) functions.rows[node][k] = float(values[k]);
-        }
-        return functions;
+        return Functions(block, multigrid_.unknowns(), 0.01 * tolerance_ / of_accuracy);
     }
 
     // ---- samples
@@ -474,19 +511,6 @@ private:
     detail::HandleOrder order_;
     Multigrid multigrid_;
     detail::GridErrors<D> errors_;
-};
-
-/// The adaptive grid where HarmonicOptions::accuracy is given, else the uniform one.
-template <class C>
-struct WithAdaptiveGrid {
-    using Options = HarmonicOptions;
-
-    template <class Use>
-    static Status choose(const Options& options, const Use& use) {
-        if (options.accuracy == 0) return HarmonicSolverChoice<C>::choose(options, use);
-        if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
-        return use(std::type_identity<TreeSolver<C>>{});
-    }
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -24,7 +24,8 @@ public:
 
     /// Writes rows first_handle … of the points, `count` of them.
     ///
-    ///   functions  functions.value(node): an array of at least `count` values
+    ///   functions  functions.value(node): an array of at least `count` values; where there is
+    ///              functions.has(node), zero where it is false
     ///   row_of     row_of(handle): where a handle's row is, if not at its number
     template <class Functions, Scalar T, class RowOf = std::identity>
     void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
@@ -32,6 +33,9 @@ public:
         for (std::size_t n = 0; n < stencils_.size(); ++n) {
             std::decay_t<decltype(functions.value(0))> value{};
             for (const auto& [node, share] : stencils_.nodes(n)) {
+                if constexpr (requires { functions.has(node); }) {
+                    if (!functions.has(node)) continue;
+                }
                 const auto& at_node = functions.value(node);
                 for (std::size_t k = 0; k < value.size(); ++k) value[k] += share * at_node[k];
             }

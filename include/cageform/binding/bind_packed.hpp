@@ -1,0 +1,348 @@
+// From points straight to a packed binding, a batch of points after the other: #points × #handles
+// weights are never held at once.
+#pragma once
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/binding/pack.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+struct BindPackedOptions {
+    BindOptions bind{};
+    /// Without a format weights are scalars: the one that takes the fewest bytes would be known in the
+    /// end alone.
+    PackOptions pack{};
+    /// In bytes: as many points are bound at once as their weights take, sixteen at least.
+    std::size_t batch = std::size_t{64} << 20;
+};
+
+template <Scalar T, std::size_t D>
+struct BindPackedResult {
+    PackedBinding<T, D> binding; ///< empty unless both reports' statuses are ok
+    BindReport bound;
+    PackReport packed; ///< as left where the bind fails
+};
+
+/// What `bind_packed` takes besides its points and their order, in bytes.
+struct BindPackedMemory {
+    std::size_t solver = 0;    ///< of coordinates that are solved for, of one thread; of others 0
+    std::size_t functions = 0; ///< of theirs, kept until all points are bound, at most
+    std::size_t batch = 0;     ///< the weights bound at once
+    std::size_t packed =
+        0; ///< the result, at most: where nothing is dropped; twice, while it is put together
+};
+
+namespace detail {
+
+/// Points in batches of whole blocks, in the order that packing puts them into.
+template <Scalar T, std::size_t D>
+class PackedBinder {
+    static constexpr std::size_t lanes = lane_count<T>;
+
+public:
+    PackedBinder(std::vector<Vec<T, D>> points, const BindPackedOptions& options, std::size_t handles)
+        : points_(std::move(points))
+        , options_(options)
+        , sparse_((options.pack.largest != 0 && options.pack.largest < handles) ||
+                  options.pack.threshold > 0 || options.pack.tolerance > 0)
+        , together_(points_of_batch(options, handles)) {}
+
+    static std::size_t points_of_batch(const BindPackedOptions& options, std::size_t handles) noexcept {
+        const std::size_t of_block = sizeof(Lanes<T>) * (handles + D);
+        return lanes * std::max<std::size_t>(options.batch / of_block, 1);
+    }
+    std::size_t batches() const noexcept { return (points_.size() + together_ - 1) / together_; }
+
+    /// One batch, of functions that need not be kept.
+    template <class C>
+    Status run_at_once(const C& coordinates, const Running& running, BindPackedResult<T, D>& result) const {
+        auto bound = bind(coordinates, points_, options_.bind, running.part(0, 0.5));
+        result.bound = std::move(bound.report);
+        if (result.bound.status != Status::ok) return result.bound.status;
+        auto packed = cageform::pack(bound.binding, pack_options(), running.part(0.5, 1));
+        result.packed = std::move(packed.report);
+        result.binding = std::move(packed.binding);
+        return result.packed.status;
+    }
+
+    /// One batch after the other; the first report that is not ok ends it.
+    template <class C>
+    Status run(const C& coordinates, const Running& running, BindPackedResult<T, D>& result) {
+        Status status = result.packed.status = set_order();
+        if (status != Status::ok) return status;
+        {
+            C solved = coordinates; // freed before the parts are joined
+            double from = 0;
+            if constexpr (requires { solved.solve(running); }) {
+                from = 0.5;
+                const auto evaluation = solved.solve(running.part(0, from));
+                result.bound.solver = evaluation.solver;
+                status = result.bound.status = evaluation.status;
+            }
+            if (status == Status::ok) status = run_batches(solved, running.part(from, 1), result);
+        }
+        if (status == Status::ok) join(result);
+        return status;
+    }
+
+private:
+    template <class C>
+    Status run_batches(const C& coordinates, const Running& running, BindPackedResult<T, D>& result) {
+        result.packed.errors.resize(points_.size());
+        result.packed.distances.resize(points_.size());
+        auto pack = pack_options();
+        if (pack.figure_hash == 0) pack.figure_hash = hash_memory(std::span<const Vec<T, D>>(points_));
+        Binding<T, D> recycled;
+        for (std::size_t n = 0; n < batches(); ++n) {
+            const std::size_t first = n * together_, count = std::min(together_, points_.size() - first);
+            const Running in_batch =
+                running.part(double(n) / double(batches()), double(n + 1) / double(batches()));
+            std::vector<Vec<T, D>> batch;
+            for (std::size_t k = 0; k < count; ++k) batch.push_back(points_[order_[first + k]]);
+            auto bound = bind(coordinates, batch, options_.bind, std::move(recycled), in_batch.part(0, 0.5));
+            add(bound.report, first, result.bound);
+            if (bound.report.status != Status::ok) return result.bound.status = bound.report.status;
+            std::vector<std::uint32_t> as_it_is(sparse_ ? count : 0);
+            std::iota(as_it_is.begin(), as_it_is.end(), 0u);
+            pack.order = as_it_is;
+            auto packed = cageform::pack(bound.binding, pack, in_batch.part(0.5, 1));
+            add(packed.report, first, result.packed);
+            if (packed.report.status != Status::ok) return result.packed.status = packed.report.status;
+            parts_.push_back(std::move(packed.binding));
+            recycled = std::move(bound.binding);
+        }
+        return Status::ok;
+    }
+    PackOptions pack_options() const {
+        auto pack = options_.pack;
+        if (!pack.format) pack.format = WeightFormat::scalar;
+        return pack;
+    }
+
+    /// The parts as one, which frees them; as `pack` leaves it.
+    void join(BindPackedResult<T, D>& result) {
+        place_blocks();
+        BlobHeader header = header_of(parts_[0]);
+        header.points = points_.size();
+        header.rows = 0;
+        for (const auto& part : parts_) header.rows += part.view().row_count();
+        PackedBinding<T, D> whole(header);
+        copy_of_handles(whole);
+        std::size_t row = 0;
+        for (std::size_t b = 0; b < sequence_.size(); ++b) row = copy_block(sequence_[b], b, row, whole);
+        parts_.clear();
+        whole.seal();
+        summarise(whole, result);
+        result.binding = std::move(whole);
+    }
+
+    Status set_order() {
+        const auto& given = options_.pack.order;
+        if (!sparse_ || given.empty()) {
+            std::vector<Lanes<T>> rest(block_count<T>(points_.size()) * D);
+            for (std::size_t i = 0; i < points_.size(); ++i) {
+                for (std::size_t k = 0; k < D; ++k) rest[i / lanes * D + k][i % lanes] = points_[i][k];
+            }
+            order_ = order_by_place<T, D>({rest.data(), D, points_.size()});
+            if (!sparse_) std::sort(order_.begin(), order_.end());
+            return Status::ok;
+        }
+        order_.assign(given.begin(), given.end());
+        std::vector<bool> there(points_.size());
+        for (const std::uint32_t i : order_) {
+            if (i >= points_.size() || there[i]) return Status::order_not_a_permutation;
+            there[i] = true;
+        }
+        return order_.size() == points_.size() ? Status::ok : Status::order_not_a_permutation;
+    }
+
+    // ---- reports ------------------------------------------------------------------------------------
+
+    /// That of a batch with the points' numbers among all.
+    Extreme whole(Extreme extreme, std::size_t first) const noexcept {
+        if (extreme.point != Extreme::none) extreme.point = order_[first + extreme.point];
+        return extreme;
+    }
+    void add(const BindReport& batch, std::size_t first, BindReport& all) const {
+        if (first == 0) all.cage = batch.cage;
+        const std::pair<const std::vector<std::size_t>&, std::vector<std::size_t>&> lists[] = {
+            {batch.on_boundary, all.on_boundary},
+            {batch.outside, all.outside},
+            {batch.not_finite, all.not_finite},
+            {batch.unreached, all.unreached},
+            {batch.not_restored, all.not_restored}};
+        for (const auto& [from, to] : lists) {
+            for (const std::size_t i : from) to.push_back(order_[first + i]);
+        }
+        all.partition_error.raise(whole(batch.partition_error, first));
+        all.reproduction_error.raise(whole(batch.reproduction_error, first));
+        all.weight_change.raise(whole(batch.weight_change, first));
+        all.residual_restored.raise(whole(batch.residual_restored, first));
+        all.least_weight.lower(whole(batch.least_weight, first));
+        all.amplification.raise(whole(batch.amplification, first));
+    }
+    void add(const PackReport& batch, std::size_t first, PackReport& all) const {
+        for (std::size_t k = 0; k < batch.errors.size(); ++k) {
+            all.errors[order_[first + k]] = batch.errors[k];
+            all.distances[order_[first + k]] = batch.distances[k];
+        }
+        if (batch.distance.point != Extreme::none &&
+            (all.distance.point == Extreme::none || batch.distance.value > all.distance.value))
+            all.distance_pose = batch.distance_pose;
+        all.distance.raise(whole(batch.distance, first));
+        all.weight_change.raise(whole(batch.weight_change, first));
+        all.rows_added += batch.rows_added;
+        all.format = batch.format;
+        all.poses = batch.poses;
+        all.reach = batch.reach;
+        const bool names_point =
+            batch.status == Status::weight_not_finite || batch.status == Status::format_too_coarse;
+        all.culprit = names_point ? order_[first + batch.culprit] : batch.culprit;
+    }
+    void summarise(const PackedBinding<T, D>& blob, BindPackedResult<T, D>& result) const {
+        BindReport& bound = result.bound;
+        for (auto* list :
+             {&bound.on_boundary, &bound.outside, &bound.not_finite, &bound.unreached, &bound.not_restored})
+            std::sort(list->begin(), list->end());
+        PackReport& packed = result.packed;
+        std::vector<Vec<double, D>> finite;
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            packed.error.raise({double(packed.errors[i]), i});
+            packed.mean_error += double(packed.errors[i]) / double(points_.size());
+            packed.mean_distance += double(packed.distances[i]) / double(points_.size());
+            if (is_finite(points_[i])) finite.push_back(vec_cast<double>(points_[i]));
+        }
+        if (!finite.empty()) packed.size = bounds_of(std::span<const Vec<double, D>>(finite)).diagonal();
+        const auto view = blob.view();
+        packed.rows = view.row_count();
+        packed.weights_per_point = double(packed.rows) / double(view.block_count());
+        packed.bytes = blob.bytes().size();
+        packed.dense_bytes =
+            view.block_count() * (view.handles + D) * sizeof(Lanes<T>) + view.handles * sizeof(Vec<T, D>);
+    }
+
+    // ---- blocks -------------------------------------------------------------------------------------
+
+    struct Place {
+        std::size_t part, block;
+        std::size_t first; ///< of its points in order_
+    };
+    static BlobHeader header_of(const PackedBinding<T, D>& part) noexcept {
+        BlobHeader header;
+        std::memcpy(&header, part.bytes().data(), sizeof(header));
+        return header;
+    }
+    std::size_t rows_of(const Place& place) const noexcept {
+        const auto view = parts_[place.part].view();
+        return view.first_row(place.block + 1) - view.first_row(place.block);
+    }
+    /// In the order that `pack` puts blocks into: those of as many rows beside each other.
+    void place_blocks() {
+        for (std::size_t part = 0; part < parts_.size(); ++part) {
+            for (std::size_t b = 0; b < parts_[part].view().block_count(); ++b)
+                sequence_.push_back({part, b, part * together_ + b * lanes});
+        }
+        if (!sparse_ || !options_.pack.order.empty()) return;
+        const auto full = sequence_.begin() + std::ptrdiff_t(points_.size() / lanes);
+        std::stable_sort(sequence_.begin(), full,
+                         [this](const Place& a, const Place& b) { return rows_of(a) < rows_of(b); });
+    }
+    void copy_of_handles(PackedBinding<T, D>& whole) const {
+        const auto from = parts_[0].view(), to = whole.view();
+        const auto copy = [&](const auto* source, const auto* target, std::size_t count) {
+            if (source != nullptr) std::copy_n(source, count, whole.writable(target));
+        };
+        copy(from.rest_handles, to.rest_handles, from.handles);
+        copy(from.affine_fit, to.affine_fit, from.handles);
+        copy(from.handle_kinds, to.handle_kinds, from.handles);
+        copy(from.handle_faces, to.handle_faces, from.handle_view().vector_count());
+    }
+    /// Copies a block to place `b`, its rows from `row` on; returns where they end.
+    std::size_t copy_block(const Place& place, std::size_t b, std::size_t row,
+                           PackedBinding<T, D>& whole) const {
+        const auto from = parts_[place.part].view(), to = whole.view();
+        const std::size_t first = from.first_row(place.block), rows = rows_of(place);
+        const std::size_t bytes = lanes * weight_bytes<T>(from.format);
+        std::memcpy(whole.writable(to.weights) + row * bytes, from.weights + first * bytes, rows * bytes);
+        std::copy_n(from.rest + place.block * D, D, whole.writable(to.rest) + b * D);
+        if (from.scale != nullptr) {
+            whole.writable(to.scale)[b] = from.scale[place.block];
+            std::copy_n(from.residual + place.block * (D + 1), D + 1,
+                        whole.writable(to.residual) + b * (D + 1));
+        }
+        if (from.row_begin != nullptr) {
+            std::copy_n(from.row_handle + first, rows, whole.writable(to.row_handle) + row);
+            whole.writable(to.row_begin)[b + 1] = std::uint32_t(row + rows);
+            const std::size_t count = std::min(lanes, points_.size() - place.first);
+            std::copy_n(order_.begin() + std::ptrdiff_t(place.first), count,
+                        whole.writable(to.order) + b * lanes);
+        }
+        return row + rows;
+    }
+
+    std::vector<Vec<T, D>> points_;
+    const BindPackedOptions& options_;
+    bool sparse_;
+    std::size_t together_; ///< points in a batch
+    std::vector<std::uint32_t> order_;
+    std::vector<PackedBinding<T, D>> parts_;
+    std::vector<Place> sequence_; ///< of the blocks in the end
+};
+
+} // namespace detail
+
+/// `pack` of `bind`, without the weights between in memory: the same bytes, and the same reports but
+/// for the times and PackReport::culprit of what is refused. Coordinates that are solved for are
+/// solved once, their functions kept meanwhile; few points, of one batch, are bound as `bind` does.
+///
+///   points  any PointRange of the same dimension, converted to the scalar of the coordinates; copied
+///   fails   as `bind` and `pack`; too_many_handles also where all blocks have more than 2³² rows
+///   cost    that of `bind` and `pack`
+///   memory  see bind_packed_memory
+template <CageCoordinates C, PointRangeIn<C::dimension> R>
+BindPackedResult<typename C::scalar, C::dimension> bind_packed(const C& coordinates, const R& points,
+                                                               const BindPackedOptions& options = {},
+                                                               const Running& running = {}) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    BindPackedResult<T, D> result;
+    const double start = detail::seconds_now();
+    const std::size_t count = std::size(points), handles = coordinates.handles().size();
+    result.bound.points = result.packed.points = count;
+    result.packed.handles = handles;
+    const Status status = detail::guard_memory([&] {
+        std::vector<Vec<T, D>> all;
+        for (std::size_t i = 0; i < count; ++i) all.push_back(to_vec<T>(points[i]));
+        detail::PackedBinder<T, D> binder(std::move(all), options, handles);
+        return binder.batches() > 1 ? binder.run(coordinates, running, result)
+                                    : binder.run_at_once(coordinates, running, result);
+    });
+    if (status != Status::ok && result.bound.status == Status::ok && result.packed.status == Status::ok)
+        result.packed.status = status;
+    result.bound.seconds = result.packed.seconds = detail::seconds_now() - start;
+    return result;
+}
+
+/// What that takes, told before; of coordinates that are solved for at the cost of making the grid.
+template <CageCoordinates C>
+BindPackedMemory bind_packed_memory(const C& coordinates, std::size_t points,
+                                    const BindPackedOptions& options = {}) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    const std::size_t handles = coordinates.handles().size();
+    const std::size_t together = detail::PackedBinder<T, D>::points_of_batch(options, handles);
+    const std::size_t format = weight_bytes<T>(options.pack.format.value_or(WeightFormat::scalar));
+    const std::size_t blocks = block_count<T>(points);
+    BindPackedMemory memory;
+    memory.batch = block_count<T>(std::min(together, points)) * (handles + D) * sizeof(Lanes<T>);
+    memory.packed =
+        blocks * lane_count<T> * (handles * format + 3 * D * sizeof(T)) + handles * 16 * sizeof(T);
+    if constexpr (requires { coordinates.solver_memory(); }) {
+        const auto solver = coordinates.solver_memory();
+        memory.solver = solver.hierarchy + solver.block;
+        if (points > together) memory.functions = (handles + 15) / 16 * (solver.block / 2);
+    }
+    return memory;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
