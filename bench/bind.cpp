@@ -3,13 +3,14 @@
 // Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no boundary cases,
 // no report), as beside Green coordinates, and the time it takes to merely write as many weights, which no bind can
 // beat. Beside harmonic coordinates in space: the bare solve of their equations.
+#include "../tests/support/cages.hpp"
 #include "../tests/support/fingers.hpp"
 #include "workloads.hpp"
 
 #include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/bind_packed.hpp>
 #include <cageform/cageform.hpp>
 #include <cageform/coordinates/pyramid_solver.hpp>
-#include <cageform/coordinates/tree_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <benchmark/benchmark.h>
@@ -24,6 +25,7 @@
 #include <map>
 #include <numbers>
 #include <sstream>
+#include <sys/resource.h>
 
 namespace {
 
@@ -690,6 +692,51 @@ void bind_fingers_threads(benchmark::State& state) {
             bind_on_grid(state, coordinates, fingers.points, {.parallel = threads}).view().weights.data);
 }
 
+/// Thousands of points inside the finger cage, near its skin: bound straight into a packed binding of
+/// half floats without weights below 1e-4. peak_MB is of the process until now.
+void bind_packed_fingers(benchmark::State& state) {
+    static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
+    const Mesh cage(fingers.vertices, fingers.faces);
+    std::vector<cageform::Vec<float, 3>> vertices, points;
+    for (const auto& v : fingers.vertices) vertices.push_back(cageform::vec_cast<float>(v));
+    cageform_tests::Random random(7);
+    const std::size_t count = std::size_t(state.range(0)) * 1000;
+    while (points.size() < count) {
+        const auto& face = fingers.faces[random.below(fingers.faces.size())];
+        double u = random.uniform(0, 1), v = random.uniform(0, 1);
+        if (u + v > 1) {
+            u = 1 - u;
+            v = 1 - v;
+        }
+        const auto &a = fingers.vertices[std::size_t(face[0])], &b = fingers.vertices[std::size_t(face[1])],
+                   &c = fingers.vertices[std::size_t(face[2])];
+        const auto normal = cross(b - a, c - a);
+        const auto p = a + u * (b - a) + v * (c - a) -
+                       (random.uniform(0.01, 0.15) / cageform::detail::length(normal)) * normal;
+        points.push_back(cageform::vec_cast<float>(p));
+    }
+    const cageform::HarmonicCoordinates<float, 3> coordinates(vertices, fingers.faces, {.accuracy = 2e-3});
+    const cageform::BindPackedOptions options{
+        .pack = {.format = cageform::WeightFormat::half, .threshold = 1e-4}};
+    const auto stated = cageform::bind_packed_memory(coordinates, points.size(), options);
+    for (auto _ : state) {
+        const auto result = cageform::bind_packed(coordinates, points, options);
+        if (result.packed.status != cageform::Status::ok)
+            state.SkipWithError(to_string(result.packed.status));
+        rusage usage{};
+        getrusage(RUSAGE_SELF, &usage);
+        state.counters["peak_MB"] = double(usage.ru_maxrss) / 1e3;
+        state.counters["stated_MB"] = double(stated.solver + stated.functions + stated.batch) / 1e6;
+        state.counters["blob_MB"] = double(result.packed.bytes) / 1e6;
+        state.counters["dense_MB"] = double(result.packed.dense_bytes) / 1e6;
+        state.counters["weights"] = result.packed.weights_per_point;
+        state.counters["distance/size"] = result.packed.distance.value / result.packed.size;
+        state.counters["mean_distance/size"] = result.packed.mean_distance / result.packed.size;
+        state.counters["outside"] = double(result.bound.outside.size());
+        state.counters["solver_s"] = result.bound.solver.seconds;
+    }
+}
+
 /// BUMPY112, whose inside suits a uniform grid: the errors of weights at the 8,019 points, the largest of all and that of the
 /// middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in the middle, from one of 384.
 template <bool adaptive>
@@ -911,6 +958,12 @@ BENCHMARK_TEMPLATE(bind_fingers, true)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_fingers, false)->ArgName("resolution")->Arg(256)->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_smaller_fingers)->ArgName("times")->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
+BENCHMARK(bind_packed_fingers)
+    ->ArgName("thousand_points")
+    ->Arg(100)
+    ->Arg(1000)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_fingers_threads)
     ->ArgName("threads")
     ->Arg(1)

@@ -80,10 +80,13 @@ void CoordinatesChoice::add_options(CommandLine& line) {
              "harmonic: a uniform grid of so many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
-        .show_default("of averaging-pyramid 128 in the plane, 64 in space");
+        .show_default("none; with --tolerance or averaging-pyramid 128 in the plane, 64 in space");
     line.add_number(
             "--tolerance",
-            [this](double t) { harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t; },
+            [this](double t) {
+                harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t;
+                is_uniform = true;
+            },
             "harmonic: where the solver of the uniform grid ends; the error (multigrid) or the mean change "
             "of a "
             "cell")
@@ -120,8 +123,8 @@ cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimens
     cageform::HarmonicOptions options = harmonic;
     options.memory_limit = available_memory().value_or(options.memory_limit);
     options.resolution = resolution;
-    if (resolution == 0 && options.solver == cageform::HarmonicSolver::averaging_pyramid)
-        options.resolution = dimension == 2 ? 128 : 64;
+    const bool by_pyramid = options.solver == cageform::HarmonicSolver::averaging_pyramid;
+    if (resolution == 0 && (is_uniform || by_pyramid)) options.resolution = dimension == 2 ? 128 : 64;
     return options;
 }
 

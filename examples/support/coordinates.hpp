@@ -33,6 +33,7 @@ struct CoordinatesChoice {
     bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1
     std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
+    bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
 
     static const std::vector<std::string>& names(); // of polygons

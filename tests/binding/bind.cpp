@@ -271,11 +271,12 @@ TEMPLATE_TEST_CASE("bind returns the solver's own status and an empty binding", 
         return result.report.status;
     };
     CHECK(status_of({.resolution = 4}) == Status::resolution_not_supported);
-    CHECK(status_of({.multigrid = {.tolerance = 0}}) == Status::tolerance_not_positive);
+    CHECK(status_of({.resolution = 32, .multigrid = {.tolerance = 0}}) == Status::tolerance_not_positive);
     CHECK(status_of({.resolution = 32, .multigrid = {.tolerance = 1e-300, .max_cycles = 1}}) ==
           Status::not_converged);
     constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
-    CHECK(status_of({.solver = pyramid, .averaging = {.tolerance = 0}}) == Status::tolerance_not_positive);
+    CHECK(status_of({.solver = pyramid, .resolution = 32, .averaging = {.tolerance = 0}}) ==
+          Status::tolerance_not_positive);
     CHECK(status_of({.solver = pyramid, .resolution = 32, .averaging = {.max_sweeps = 1}}) ==
           Status::not_converged);
 

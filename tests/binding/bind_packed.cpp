@@ -38,9 +38,9 @@ void check_same(const C& coordinates, const Points& points, BindPackedOptions op
     if (!pack.format) pack.format = WeightFormat::scalar;
     const auto packed = cageform::pack(bound.binding, pack);
     REQUIRE(packed.report.status == Status::ok);
-    for (const int threads : {1, 3}) {
+    for (const unsigned threads : {1u, 3u}) {
         cageform::Running running;
-        if (threads > 1) running.parallel = cageform::ThreadedFor{std::size_t(threads)};
+        if (threads > 1) running.parallel = cageform::ThreadedFor{threads};
         const auto at_once = bind_packed(coordinates, points, options, running);
         REQUIRE(at_once.bound.status == Status::ok);
         REQUIRE(at_once.packed.status == Status::ok);

@@ -138,6 +138,7 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     CHECK(gradients.states[1] == PointState::not_finite);
     HarmonicOptions averaging;
     averaging.solver = cageform::HarmonicSolver::averaging_pyramid;
+    averaging.resolution = 64;
     using WithPyramid =
         HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid<Polygon<double>>>;
     CHECK(gradients_of<double, 2>(WithPyramid(cage, averaging), points).evaluation.status ==
