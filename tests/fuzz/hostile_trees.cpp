@@ -9,7 +9,7 @@
 #include "support/meshes.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/tree_solver.hpp>
+#include <cageform/coordinates/harmonic.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -141,7 +141,7 @@ Status take(const C& cage, Random& random, unsigned long long seed) {
     HarmonicOptions options;
     options.accuracy = std::pow(10.0, random.uniform(-3, -1));
     options.memory_limit = std::size_t{1} << (22 + random.below(4));
-    const HarmonicCoordinates<T, D, C, WithAdaptiveGrid<C>> coordinates(cage, options);
+    const HarmonicCoordinates<T, D, C> coordinates(cage, options);
     std::vector<Vec<T, D>> points;
     for (int n = 0; n < 20; ++n) {
         Vec<T, D> p{};
