@@ -279,6 +279,25 @@ TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are th
         const double r = cageform::detail::length(in_disc[i]);
         CHECK(std::fabs(flat.rows[i][middle] - std::log(r) / std::log(0.1)) <= accuracy);
     }
+    // In a large square the same of a point hardly thicker than the finest cells: near it linear in ln r.
+    CellComplex<double, 2> square(Polygon<double>(Points2<double>{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
+    auto thinner = square;
+    const auto thin = square.add_point(Vec<double, 2>{0.01, 0.003}, 1e-5);
+    const auto about = [](double r) { return Vec<double, 2>{0.01 + 0.6 * r, 0.003 + 0.8 * r}; };
+    const auto falling = evaluate_all(Adaptive<CellComplex<double, 2>>(square, {.accuracy = accuracy}),
+                                      Points2<double>{about(2e-5), about(1e-3), about(5e-2)});
+    REQUIRE(falling.status() == Status::ok);
+    const double per_e = (falling.rows[0][thin] - 1) / std::log(2.0);
+    for (const auto& [i, r] : {std::pair(1, 1e-3), std::pair(2, 5e-2)})
+        CHECK(std::fabs(falling.rows[std::size_t(i)][thin] - 1 - per_e * std::log(r / 1e-5)) <= 0.02);
+    CHECK(std::fabs(per_e * std::log(1e5) + 1) <= 0.02); // the square's conformal radius is near 1
+    // Thinner than that no cell sees it, and it is refused by its handle.
+    const auto unseen = thinner.add_point(Vec<double, 2>{0.01, 0.003}, 1e-8);
+    const auto refused =
+        evaluate_all(Adaptive<CellComplex<double, 2>>(thinner, {.accuracy = accuracy}), in_disc);
+    CHECK(refused.status() == Status::grid_too_coarse);
+    CHECK(refused.evaluation.solver.unseen_handle == unseen);
+
     auto round = sphere(3);
     double volume = 0;
     for (const auto& [a, b, c] : round.faces) {

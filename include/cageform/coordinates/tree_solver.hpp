@@ -26,6 +26,8 @@ class TreeCage {
 public:
     /// Cells of a side of the smallest cube about the cage, at most, as a power of two.
     static constexpr unsigned most_depth = 16, least_depth = 8;
+    /// The same of a cage that has thin bones.
+    static constexpr unsigned most_depth_at_bones = grid::CellTree<D>::most_depth;
     /// The same, so that no cell is much smaller than the tolerance: so near to the cage no function is
     /// asked for, and cells would be lost in the rounding of coordinates.
     static unsigned depth_of(const C& cage, T tolerance) noexcept {
@@ -34,6 +36,10 @@ public:
         for (std::size_t k = 0; k < D; ++k)
             longest = std::fmax(longest, double(bounds.upper[k]) - double(bounds.lower[k]));
         unsigned depth = most_depth;
+        for (const auto& bone : interior_cells(cage).bones) {
+            while (depth < most_depth_at_bones && std::ldexp(longest, -int(depth)) > 0.25 * bone.radius)
+                ++depth;
+        }
         while (depth > 0 && std::ldexp(longest, -int(depth)) < 0.25 * double(tolerance)) --depth;
         return depth;
     }
@@ -132,6 +138,8 @@ public:
     }
 
     const C& cage() const noexcept { return cage_; }
+    /// A handle of a bone thinner than the smallest cells that there are.
+    std::optional<std::uint32_t> too_thin() const noexcept { return boundary_.bones().too_thin(); }
     const grid::CutTree<D>& tree() const noexcept { return tree_; }
     const grid::TreeNodes<D>& nodes() const noexcept { return nodes_; }
     std::size_t bytes() const noexcept { return tree_.bytes() + nodes_.bytes(); }
@@ -311,7 +319,8 @@ private:
 } // namespace detail
 
 /// A CageSolver for every kind of cage; groups are of sixteen functions.
-/// HarmonicOptions::accuracy says how fine the grid is, and how far it is solved.
+/// HarmonicOptions::accuracy says how fine the grid is, and how far it is solved. Bones thinner than half
+/// the finest cell, some millionths of the cage, are refused (grid_too_coarse).
 template <class C>
 class TreeSolver {
     using T = typename C::scalar;
@@ -343,6 +352,10 @@ public:
         constexpr double few = 2e5; // soon made, and fewer than the plan says
         if (leaves < std::max(1.5 * most, few))
             cage = std::make_unique<Cage>(problem.cage, problem.tolerance, plan.scale(accuracy));
+        if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
+            report.unseen_handle = *handle;
+            return Status::grid_too_coarse;
+        }
         if (!cage || !cage->refine(accuracy, most, leaves)) {
             report.bytes = std::size_t(std::min(bytes_of_leaf * leaves, 9e18));
             const double more = std::max(1.0, leaves / plan.leaves(accuracy)); // than planned
