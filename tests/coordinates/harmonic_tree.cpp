@@ -133,7 +133,6 @@ TEST_CASE("the errors of an adaptive grid are known by an estimate",
 /// What holds of all weights. On a bone they are those of its axis: about it they reproduce no point.
 template <class C, class Points>
 void check_laws(const C& cage, const Points& points, bool has_bones = false) {
-    using T = typename C::scalar;
     constexpr std::size_t D = C::dimension;
     constexpr double accuracy = 0.02;
     Adaptive<C> coordinates(cage, {.accuracy = accuracy});
