@@ -48,11 +48,14 @@ TEST_CASE("adaptive weights are as accurate as asked, in the plane",
           "straight_chain_square_straight_chain", "splitting_chain_hexagonlike_split_chain", "spiral"}) {
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
-        const auto error =
-            oracle.chain.empty()
-                ? largest_error(oracle.cage<double>(), oracle.points, oracle.coordinates, 1e-3)
-                : largest_error(oracle.complex<double>(), oracle.points, oracle.coordinates, 1e-3);
-        CHECK(error <= 1e-3);
+        for (const double accuracy : {1e-2, 1e-3, 1e-4, 1e-5}) {
+            CAPTURE(accuracy);
+            const auto error =
+                oracle.chain.empty()
+                    ? largest_error(oracle.cage<double>(), oracle.points, oracle.coordinates, accuracy)
+                    : largest_error(oracle.complex<double>(), oracle.points, oracle.coordinates, accuracy);
+            CHECK(error <= accuracy);
+        }
     }
 }
 /// A mesh of tests/data/oracle turned about (1, 2, 3), as is the grid then to its faces.

@@ -22,10 +22,13 @@ struct CutStencil {
         BoundaryValue<D> value;
         double share;
     };
-    static constexpr std::size_t most_nodes = std::size_t{1} << D;
+    static constexpr std::size_t corners = std::size_t{1} << D; ///< of a cell
+    /// As many places as D orders of the axes can meet; in the plane means of more places are taken
+    /// (grid/tree/harmonic_mean.hpp).
+    static constexpr std::size_t most_nodes = D == 2 ? 32 : corners, most_places = D == 2 ? 32 : D * corners;
 
     std::array<Node, most_nodes> nodes;
-    std::array<Place, D * most_nodes> places; ///< as many as D orders of the axes can meet
+    std::array<Place, most_places> places;
     std::uint32_t node_count = 0, place_count = 0;
 
     void add(std::uint32_t node, double share) noexcept {

@@ -149,7 +149,7 @@ public:
             result = {PointState::on_boundary, value_on_facet(facet.vertex, weights)};
         }
         if (result) return least <= 0.5 * tolerance ? result : std::nullopt;
-        for (std::size_t corner = 0; corner < CutStencil<D>::most_nodes; ++corner) {
+        for (std::size_t corner = 0; corner < CutStencil<D>::corners; ++corner) {
             Index index = low;
             for (std::size_t k = 0; k < D; ++k) index[k] += std::int32_t((corner >> k) & 1u);
             if (nodes.find(index) == NodeRuns<D>::none) continue;
@@ -225,7 +225,7 @@ private:
     /// are neighbours in a run.
     static void add_corners(const Index& low, const Vec<double, D>& p, const NodeRuns<D>& nodes,
                             CutStencil<D>& stencil) noexcept {
-        for (std::size_t row = 0; row < CutStencil<D>::most_nodes / 2; ++row) {
+        for (std::size_t row = 0; row < CutStencil<D>::corners / 2; ++row) {
             Index index = low;
             double share = 1;
             for (std::size_t k = 1; k < D; ++k) {

@@ -4,6 +4,7 @@
 
 #include <cageform/coordinates/detail/stencil_table.hpp>
 #include <cageform/grid/tree/leaf_gather.hpp>
+#include <cageform/grid/tree/star.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -11,7 +12,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// the cell of twice its size that holds it. Where functions are smooth these differ by three times the
 /// error of the first, next to their kinks by once or twice; and what is wrong with the values at nodes
 /// is of the size of that error. Measured against finer grids, the largest difference is between half
-/// and four times the largest error anywhere.
+/// and four times the largest error anywhere. In the plane instead two harmonic means,
+/// exact for four powers and for two.
 template <std::size_t D>
 class GridErrors {
 public:
@@ -34,6 +36,15 @@ public:
             const auto facets = tree.facets(leaf.number);
             if (!tree.is_inside(line)) return;
             if (tree.boundary().nearest(facets, middle).distance <= grid::on_facet_distance) return;
+            if constexpr (D == 2) {
+                grid::CutStencil<2> fine, coarse;
+                if (add_harmonic_mean(tree, nodes, middle, leaf, HarmonicMean::most_degree, fine) &&
+                    add_harmonic_mean(tree, nodes, middle, leaf, HarmonicMean::most_degree - 2, coarse)) {
+                    fine_.add(fine, data);
+                    coarse_.add(coarse, data);
+                    return;
+                }
+            }
             fine_.add(stencil(tree, nodes, leaf, middle), data);
             coarse_.add(stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle), data);
         });

@@ -177,7 +177,7 @@ public:
         double longest = 0;
         for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, scale * extent[k]);
         unit_ = std::ldexp(longest, -int(depth));
-        slack_ = rounding + tolerance / unit_;
+        slack_ = rounding + std::ldexp(1.0, -fraction_) + tolerance / unit_;
         for (std::size_t k = 0; k < D; ++k) origin_[k] = lower[k] - 0.5 * (longest - extent[k]);
         std::vector<Vec<double, D>> placed, rounded;
         for (const auto& vertex : cage.vertices()) {

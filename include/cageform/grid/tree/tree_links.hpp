@@ -1,6 +1,9 @@
 // The Laplace equation at the corners of a tree's leaves.
 //
-// Along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9 (1938)) between the
+// In the plane harmonic means of what a node sees (grid/tree/harmonic_mean.hpp), of order four. In space,
+// and in the plane where there are none:
+//
+// along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9 (1938)) between the
 // ends of two links. A link ends on the boundary, on a node, or, at a hanging node, on a place of the
 // opposite face of the large leaf beside it, whose value is interpolated there. What that adds to the
 // second differences along the other axes is taken off again (Min, Gibou, Ceniceros, J. Comput. Phys.
@@ -10,6 +13,7 @@
 
 #include <cageform/grid/tree/leaf_gather.hpp>
 #include <cageform/grid/tree/level_rows.hpp>
+#include <cageform/grid/tree/star.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
@@ -32,47 +36,9 @@ struct TreeLinks {
 
 namespace detail {
 
-/// The leaves about a node; octant n lies at the upper side along the axes of its set bits.
-template <std::size_t D>
-struct LeavesAbout {
-    using Cell = typename grid::CellTree<D>::Cell;
-    std::array<Cell, grid::CellTree<D>::children> leaf;
-    std::array<bool, grid::CellTree<D>::children> counts; ///< not outside
-
-    ///   is_leaf(cell number)     where the way down ends: a leaf of the tree or of a coarser level
-    ///   does_count(cell number)  whether a leaf counts
-    /// All octants share the way down to the first cell that the node lies in the middle of, along
-    /// any axis.
-    template <class IsLeaf, class Counts>
-    LeavesAbout(const grid::CellTree<D>& tree, const std::array<std::int32_t, D>& node, const IsLeaf& is_leaf,
-                const Counts& does_count) {
-        Cell shared = tree.root();
-        auto doubled = node;
-        for (auto& x : doubled) x *= 2;
-        const auto parts_octants = [&] {
-            bool parts = false;
-            for (std::size_t k = 0; k < D; ++k)
-                parts = parts || doubled[k] == 2 * shared.low[k] + shared.size;
-            return parts;
-        };
-        while (!is_leaf(shared.number) && !parts_octants()) shared = tree.child_at(shared, doubled);
-        for (std::size_t n = 0; n < leaf.size(); ++n) {
-            auto place = doubled;
-            for (std::size_t k = 0; k < D; ++k) place[k] += ((n >> k) & 1u) != 0 ? 1 : -1;
-            leaf[n] = shared;
-            while (!is_leaf(leaf[n].number)) leaf[n] = tree.child_at(leaf[n], place);
-            counts[n] = does_count(leaf[n].number);
-        }
-    }
-    /// The smallest among the octants whose bits under `mask` are `bits`; null where none counts.
-    const Cell* smallest(std::size_t mask = 0, std::size_t bits = 0) const noexcept {
-        const Cell* best = nullptr;
-        for (std::size_t n = 0; n < leaf.size(); ++n) {
-            if ((n & mask) == bits && counts[n] && (best == nullptr || leaf[n].size < best->size))
-                best = &leaf[n];
-        }
-        return best;
-    }
+struct NoStar {
+    template <class... Any>
+    explicit NoStar(const Any&...) noexcept {}
 };
 
 /// Makes the equations node by node. Data is what cages call it: data.for_each_weight(value, f).
@@ -87,7 +53,8 @@ public:
     LinkMaker(const grid::CutTree<D>& tree, const Nodes& nodes, const Data& data)
         : tree_(tree)
         , nodes_(nodes)
-        , data_(data) {}
+        , data_(data)
+        , star_(tree, nodes) {}
 
     grid::TreeLinks make() {
         for (std::uint32_t node = 0; node < nodes_.count(); ++node) add_equation(node);
@@ -164,9 +131,13 @@ private:
 
     void add_equation(std::uint32_t node) {
         const Index index = nodes_.index(node);
-        const LeavesAbout<D> about(
-            tree_.cells(), index, [&](std::uint32_t cell) { return tree_.cells().is_leaf(cell); },
-            [&](std::uint32_t cell) { return tree_.state(cell) != grid::CellState::out; });
+        const auto about = leaves_about(tree_, index);
+        row_.clear();
+        diagonal_ = 0;
+        if (add_nine_points(index, about)) {
+            end_row(double(about.leaf[0].size) * about.leaf[0].size);
+            return;
+        }
         for (std::size_t n = 0; n < 2 * D; ++n) set_side(sides_[n], index, about, n / 2, n % 2 == 1);
         double volume = 1;
         std::array<std::array<double, 2>, D> c{};
@@ -175,32 +146,81 @@ private:
             volume *= 0.5 * both;
             for (std::size_t s = 0; s < 2; ++s) c[k][s] = 2 / (sides_[2 * k + s].length * both);
         }
-        const auto shares = shares_of_axes(c);
-        row_.clear();
-        double diagonal = 0;
-        for (std::size_t n = 0; n < 2 * D; ++n) {
-            const double weight = volume * shares[n / 2] * c[n / 2][n % 2];
-            const auto& end = sides_[n].end;
-            for (std::uint32_t k = 0; k < end.node_count; ++k)
-                add_to_row(end.nodes[k].node, weight * end.nodes[k].share);
-            for (std::uint32_t k = 0; k < end.place_count; ++k) {
-                const auto& [value, share] = end.places[k];
-                data_.for_each_weight(value, [&, w = weight * share](std::uint32_t handle, double of_handle) {
-                    const auto part = float(w * of_handle);
-                    if (!(part > 0)) return;
-                    out_.data.push_back({handle, node, part});
-                    diagonal += double(part);
-                });
+        if (!add_star(node, index, about, volume)) {
+            const auto shares = shares_of_axes(c);
+            for (std::size_t n = 0; n < 2 * D; ++n) {
+                const double weight = volume * shares[n / 2] * c[n / 2][n % 2];
+                const auto& end = sides_[n].end;
+                for (std::uint32_t k = 0; k < end.node_count; ++k)
+                    add_to_row(end.nodes[k].node, weight * end.nodes[k].share);
+                for (std::uint32_t k = 0; k < end.place_count; ++k)
+                    add_data(node, end.places[k].value, weight * end.places[k].share);
             }
         }
+        end_row(volume);
+    }
+    /// In the plane, between equal cells that no facet passes: Collatz' equation.
+    bool add_nine_points([[maybe_unused]] const Index& index, const LeavesAbout<D>& about) {
+        const std::int32_t size = about.leaf[0].size;
+        for (const Cell& leaf : about.leaf) {
+            if (D != 2 || leaf.size != size || tree_.state(leaf.number) != grid::CellState::in) return false;
+        }
+        for (const Cell& leaf : about.leaf) {
+            for (std::size_t n = 0; n < about.leaf.size(); ++n) {
+                auto there = leaf.low;
+                std::size_t apart = 0;
+                for (std::size_t k = 0; k < D; ++k) {
+                    there[k] += ((n >> k) & 1u) != 0 ? size : 0;
+                    apart += there[k] != index[k] ? 1 : 0;
+                }
+                // Those beside the node belong to two of the cells.
+                if (apart > 0) add_to_row(nodes_.find(there), apart == 1 ? 1.0 / 3 : 1.0 / 6);
+            }
+        }
+        return true;
+    }
+    void end_row(double volume) {
         std::sort(row_.begin(), row_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
         for (const auto& [column, weight] : row_) {
             out_.equations.neighbours.entries.push_back({column, float(weight)});
-            diagonal += double(float(weight));
+            diagonal_ += double(float(weight));
         }
         out_.equations.neighbours.end_row();
-        out_.equations.diagonal.push_back(diagonal);
+        out_.equations.diagonal.push_back(diagonal_);
         out_.volume.push_back(float(volume));
+    }
+    /// In the plane, where what the node sees allows it: an equation of higher order.
+    bool add_star([[maybe_unused]] std::uint32_t node, [[maybe_unused]] const Index& index,
+                  [[maybe_unused]] const LeavesAbout<D>& about, [[maybe_unused]] double volume) {
+        if constexpr (D == 2) {
+            if (!star_.look(index, about)) return false;
+            mean_.clear();
+            for (const auto& place : star_.places()) mean_.add((1 / star_.size()) * place.offset);
+            if (mean_.solve(HarmonicMean::most_degree, 3) == 0) return false;
+            double moment = 0;
+            for (std::size_t n = 0; n < mean_.count(); ++n)
+                moment += mean_.weight(n) * dot(star_.places()[n].offset, star_.places()[n].offset);
+            for (std::size_t n = 0; n < mean_.count(); ++n) { // the mean of r² is that of a Laplacian of 4
+                const auto& place = star_.places()[n];
+                const double weight = mean_.weight(n) * 4 * volume / moment;
+                if (!(weight > 0)) continue;
+                if (place.node != Nodes::none) {
+                    add_to_row(place.node, weight);
+                } else {
+                    add_data(node, place.value, weight);
+                }
+            }
+            return true;
+        }
+        return false;
+    }
+    void add_data(std::uint32_t node, const BoundaryValue<D>& value, double weight) {
+        data_.for_each_weight(value, [&](std::uint32_t handle, double of_handle) {
+            const auto part = float(weight * of_handle);
+            if (!(part > 0)) return;
+            out_.data.push_back({handle, node, part});
+            diagonal_ += double(part);
+        });
     }
     void add_to_row(std::uint32_t column, double weight) {
         for (auto& [known, sum] : row_) {
@@ -238,6 +258,9 @@ private:
     const Data& data_;
     std::array<Side, 2 * D> sides_;
     std::vector<std::pair<std::uint32_t, double>> row_;
+    double diagonal_ = 0;
+    std::conditional_t<D == 2, Star, NoStar> star_;
+    HarmonicMean mean_;
     grid::TreeLinks out_;
 };
 

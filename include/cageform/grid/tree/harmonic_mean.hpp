@@ -1,0 +1,141 @@
+// Means over places about a point that are exact for harmonic polynomials, in the plane.
+//
+// Differences are exact for all cubics; a harmonic function needs less: the real and imaginary parts of
+// the powers of z. With non-negative weights that are exact up to the fourth power equations and samples
+// are of order four, and still means, never beyond the values they are made of. On a square of equal
+// cells they are the nine-point formula (Collatz, The Numerical Treatment of Differential Equations,
+// 1960, ch. V), next to smaller cells and to the boundary what a small problem of least squares gives.
+#pragma once
+
+#include <cageform/core/vec.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Non-negative weights of places, of sum 1, whose mean of each of the powers of z about the point is 0:
+/// of all those the ones with the least Σ (weight distance²)², less what turned negative.
+class HarmonicMean {
+public:
+    static constexpr std::size_t most = 32; ///< places
+    static constexpr unsigned most_degree = 4;
+
+    /// Begins anew.
+    void clear() noexcept { count_ = 0; }
+    std::size_t count() const noexcept { return count_; }
+    /// The distances from the point are about 1, or smaller.
+    void add(const Vec<double, 2>& offset) noexcept {
+        Moments& m = moments_[count_];
+        constexpr double near = 0.03; // what is nearer counts no more
+        const double square = std::max(dot(offset, offset), near * near);
+        prior_[count_++] = 1 / (square * square);
+        m[0] = 1;
+        double re = 1, im = 0;
+        for (std::size_t k = 1; k <= most_degree; ++k) {
+            const double next = re * offset[0] - im * offset[1];
+            im = re * offset[1] + im * offset[0];
+            re = next;
+            m[2 * k - 1] = re;
+            m[2 * k] = im;
+        }
+    }
+
+    /// The highest power up to which there are such weights, of those from `highest` down to `least`; 0: none.
+    unsigned solve(unsigned highest, unsigned least) noexcept {
+        for (unsigned degree = highest; degree >= least; --degree) {
+            if (solve_moments(2 * degree + 1)) return degree;
+        }
+        return 0;
+    }
+    /// The same of weights of either sign, the sum of whose sizes is no larger than `limit`.
+    unsigned solve_signed(unsigned highest, unsigned least, double limit) noexcept {
+        std::array<bool, most> all{};
+        for (std::size_t n = 0; n < count_; ++n) all[n] = true;
+        for (unsigned degree = highest; degree >= least; --degree) {
+            set_least(all, 2 * degree + 1);
+            double sum = 0;
+            for (std::size_t n = 0; n < count_; ++n) sum += std::fabs(weights_[n]);
+            if (sum <= limit && is_exact(2 * degree + 1)) return degree;
+        }
+        return 0;
+    }
+    double weight(std::size_t n) const noexcept { return weights_[n]; }
+
+private:
+    static constexpr std::size_t rows = 2 * most_degree + 1;
+    using Moments = std::array<double, rows>;
+
+    bool solve_moments(std::size_t moments) noexcept {
+        std::array<bool, most> left{};
+        for (std::size_t n = 0; n < count_; ++n) left[n] = true;
+        for (std::size_t count = count_; 2 * count >= moments;) {
+            set_least(left, moments);
+            std::size_t worst = count_;
+            for (std::size_t n = 0; n < count_; ++n) {
+                if (left[n] && weights_[n] < 0 && (worst == count_ || weights_[n] < weights_[worst]))
+                    worst = n;
+            }
+            if (worst == count_) return is_exact(moments);
+            left[worst] = false;
+            --count;
+        }
+        return false;
+    }
+    bool is_exact(std::size_t moments) const noexcept {
+        Moments sum{};
+        for (std::size_t n = 0; n < count_; ++n) {
+            for (std::size_t k = 0; k < moments; ++k) sum[k] += weights_[n] * moments_[n][k];
+        }
+        sum[0] -= 1;
+        double largest = 0;
+        for (std::size_t k = 0; k < moments; ++k) largest = std::max(largest, std::fabs(sum[k]));
+        return largest <= 1e-9;
+    }
+    /// Least squares under constraints, by the multipliers of these: weights = prior Mᵀ λ,
+    /// (M prior Mᵀ) λ = (1, 0, …).
+    void set_least(const std::array<bool, most>& left, std::size_t moments) noexcept {
+        std::array<Moments, rows> a{};
+        for (std::size_t n = 0; n < count_; ++n) {
+            if (!left[n]) continue;
+            for (std::size_t i = 0; i < moments; ++i) {
+                const double part = prior_[n] * moments_[n][i];
+                for (std::size_t j = 0; j <= i; ++j) a[i][j] += part * moments_[n][j];
+            }
+        }
+        Moments x{};
+        x[0] = 1;
+        for (std::size_t i = 0; i < moments; ++i) { // Cholesky
+            const double whole = a[i][i];
+            for (std::size_t j = 0; j <= i; ++j) {
+                double sum = a[i][j];
+                for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
+                if (j < i) {
+                    a[i][j] = sum * a[j][j];
+                } else { // the inverse; 0 where a moment follows from those before
+                    a[i][i] = sum > 1e-12 * whole ? 1 / std::sqrt(sum) : 0;
+                }
+            }
+            for (std::size_t k = 0; k < i; ++k) x[i] -= a[i][k] * x[k];
+            x[i] *= a[i][i];
+        }
+        for (std::size_t i = moments; i-- > 0;) {
+            for (std::size_t k = i + 1; k < moments; ++k) x[i] -= a[k][i] * x[k];
+            x[i] *= a[i][i];
+        }
+        for (std::size_t n = 0; n < count_; ++n) {
+            double sum = 0;
+            for (std::size_t k = 0; k < moments && left[n]; ++k) sum += x[k] * moments_[n][k];
+            weights_[n] = prior_[n] * sum;
+        }
+    }
+
+    std::array<Moments, most> moments_;
+    std::array<double, most> prior_, weights_;
+    std::size_t count_ = 0;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,58 @@
+// The leaves of a tree about one of its nodes.
+#pragma once
+
+#include <cageform/grid/tree/cut_tree.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The leaves about a node; octant n lies at the upper side along the axes of its set bits.
+template <std::size_t D>
+struct LeavesAbout {
+    using Cell = typename grid::CellTree<D>::Cell;
+    std::array<Cell, grid::CellTree<D>::children> leaf;
+    std::array<bool, grid::CellTree<D>::children> counts; ///< not outside
+
+    ///   is_leaf(cell number)     where the way down ends: a leaf of the tree or of a coarser level
+    ///   does_count(cell number)  whether a leaf counts
+    /// All octants share the way down to the first cell that the node lies in the middle of, along
+    /// any axis.
+    template <class IsLeaf, class Counts>
+    LeavesAbout(const grid::CellTree<D>& tree, const std::array<std::int32_t, D>& node, const IsLeaf& is_leaf,
+                const Counts& does_count) {
+        Cell shared = tree.root();
+        auto doubled = node;
+        for (auto& x : doubled) x *= 2;
+        const auto parts_octants = [&] {
+            bool parts = false;
+            for (std::size_t k = 0; k < D; ++k)
+                parts = parts || doubled[k] == 2 * shared.low[k] + shared.size;
+            return parts;
+        };
+        while (!is_leaf(shared.number) && !parts_octants()) shared = tree.child_at(shared, doubled);
+        for (std::size_t n = 0; n < leaf.size(); ++n) {
+            auto place = doubled;
+            for (std::size_t k = 0; k < D; ++k) place[k] += ((n >> k) & 1u) != 0 ? 1 : -1;
+            leaf[n] = shared;
+            while (!is_leaf(leaf[n].number)) leaf[n] = tree.child_at(leaf[n], place);
+            counts[n] = does_count(leaf[n].number);
+        }
+    }
+    /// The smallest among the octants whose bits under `mask` are `bits`; null where none counts.
+    const Cell* smallest(std::size_t mask = 0, std::size_t bits = 0) const noexcept {
+        const Cell* best = nullptr;
+        for (std::size_t n = 0; n < leaf.size(); ++n) {
+            if ((n & mask) == bits && counts[n] && (best == nullptr || leaf[n].size < best->size))
+                best = &leaf[n];
+        }
+        return best;
+    }
+};
+
+/// Those that are not outside count.
+template <std::size_t D>
+LeavesAbout<D> leaves_about(const grid::CutTree<D>& tree, const std::array<std::int32_t, D>& node) {
+    return {tree.cells(), node, [&](std::uint32_t cell) { return tree.cells().is_leaf(cell); },
+            [&](std::uint32_t cell) { return tree.state(cell) != grid::CellState::out; }};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
