@@ -134,15 +134,6 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
                                                                       : cageform::LinearPrecision::leave;
     warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report);
     if (!coordinates.note.empty()) std::cerr << "cage_weights: note: " << coordinates.note << '\n';
-    if (!coordinates.closed_form) {
-        ProgressBar bar("solving");
-        const auto evaluation = coordinates.solve({.progress = bar.callback()});
-        total.status = evaluation.status;
-        total.solver = evaluation.solver;
-        if (evaluation.status != cageform::Status::ok) return refuse(total);
-        warn_of_coarse_grid("cage_weights", settings.cage_path, total.solver);
-        total.seconds = evaluation.solver.seconds;
-    }
     const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
     const bool weights_outside =
         settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
@@ -152,15 +143,26 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
     std::vector<std::conditional_t<D == 2, Point2, Point3>> points;
     std::vector<cageform::PointState> states;
     // A first round without points checks the cage even where there are none.
-    bool more = true;
+    bool more = true, first = true;
     while (more) {
         more = reader.read(numbers, batch);
         if (!reader.error().empty()) return fail(reader.error());
+        if (first && numbers.size() == batch && !coordinates.closed_form) { // there may be more batches
+            const auto evaluation = coordinates.solve({.progress = progress});
+            total.status = evaluation.status;
+            if (evaluation.status != cageform::Status::ok) return refuse(total);
+            total.seconds = evaluation.solver.seconds;
+        }
         points.clear();
         for (const auto& p : numbers)
             points.push_back(std::bit_cast<std::conditional_t<D == 2, Point2, Point3>>(p));
         const auto [binding, report] = coordinates.bind(points, options);
         if (report.status != cageform::Status::ok) return refuse(report);
+        if (first) {
+            total.solver = report.solver;
+            warn_of_coarse_grid("cage_weights", settings.cage_path, total.solver);
+        }
+        first = false;
         states.assign(points.size(), cageform::PointState::inside);
         for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
         for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;

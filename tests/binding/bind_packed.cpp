@@ -102,7 +102,7 @@ TEMPLATE_TEST_CASE("bind_packed makes what bind and pack make", "[binding][pack]
         }
         std::vector<std::uint32_t> order(points.size());
         for (std::uint32_t n = 0; n < order.size(); ++n) order[n] = std::uint32_t(order.size()) - 1 - n;
-        for (const std::size_t blocks : {1, 3}) {
+        for (const std::size_t blocks : {1u, 3u}) {
             check_same(mean_value, points, {.pack = {.threshold = 1e-3}}, blocks);
             check_same(mean_value, points, {.pack = {.format = WeightFormat::half}}, blocks);
             check_same(mean_value, points, {.pack = {.largest = 5, .order = order}}, blocks);
