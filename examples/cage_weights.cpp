@@ -53,31 +53,6 @@ int fail(const std::string& message) {
     return 1;
 }
 
-/// Adds what a batch found to what is known; point numbers count from the beginning of the file.
-void merge(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first) {
-    const auto append = [first](std::vector<std::size_t>& to, const std::vector<std::size_t>& from) {
-        for (const std::size_t i : from) to.push_back(first + i); // a word of memory each
-    };
-    append(total.on_boundary, part.on_boundary);
-    append(total.outside, part.outside);
-    append(total.not_finite, part.not_finite);
-    append(total.unreached, part.unreached);
-    append(total.not_restored, part.not_restored);
-    const auto shifted = [first](cageform::Extreme extreme) {
-        if (extreme.point != extreme.none) extreme.point += first;
-        return extreme;
-    };
-    total.partition_error.raise(shifted(part.partition_error));
-    total.reproduction_error.raise(shifted(part.reproduction_error));
-    total.weight_change.raise(shifted(part.weight_change));
-    total.residual_restored.raise(shifted(part.residual_restored));
-    total.least_weight.lower(shifted(part.least_weight));
-    total.amplification.raise(shifted(part.amplification));
-    total.points += part.points;
-    total.seconds += part.seconds;
-    total.cage = part.cage;
-}
-
 /// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails where two
 /// have one name.
 SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles,
@@ -190,7 +165,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
         out.write(text);
         text.clear();
         if (settings.report)
-            merge(total, report, total.points);
+            add_batch(total, report, total.points);
         else
             total.points += report.points;
         if (progress) progress(reader.fraction());

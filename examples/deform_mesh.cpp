@@ -100,35 +100,78 @@ SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
                    }};
 }
 
+struct Deformed {
+    std::vector<Point3> vertices;
+    std::vector<Colour> paint; // of --weight
+    cageform::BindReport report;
+    std::string fault, warning;
+};
+
+/// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of them after
+/// the other. Until `fault` is not empty, or the report's status not ok.
+Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& control) {
+    constexpr std::size_t most_bytes = std::size_t{256} << 20;
+    const auto& [coordinates, cage, pose, weights, describe_faults] = control;
+    const std::span<const Point3> rest(figure.vertices);
+    const std::size_t fits = most_bytes / (sizeof(double) * (coordinates->handles + 1));
+    const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
+    cageform::BindOptions options;
+    options.outside = given.outside.policy(*coordinates);
+    Deformed result;
+    result.vertices.resize(rest.size());
+    auto& report = result.report;
+    report.cage = coordinates->cage_report;
+    ProgressBar bar("binding");
+    const cageform::Running running{.progress = bar.callback()};
+    if (together < rest.size()) report.status = coordinates->solve(running.part(0, 0.5)).status;
+    std::optional<std::vector<Point3>> handles;
+    std::size_t first = 0;
+    while (report.status == cageform::Status::ok) {
+        const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
+        const auto bound =
+            coordinates->bind(batch, options, together < rest.size() ? cageform::Running{} : running);
+        if (first == 0) report.solver = bound.report.solver;
+        add_batch(report, bound.report, first);
+        report.status = bound.report.status;
+        if (report.status != cageform::Status::ok) break;
+        if (!handles) {
+            auto posed = pose_of_handles(bound.binding, pose.vertices, pose.name, result.warning);
+            if (!posed) {
+                result.fault = to_string(posed.error());
+                return result;
+            }
+            handles = std::move(*posed);
+        }
+        const auto moved = std::span(result.vertices).subspan(first, batch.size());
+        const auto status =
+            weights.empty() ? cageform::clone(bound.binding, *handles, moved)
+                            : cageform::clone_rational(bound.binding, *handles, std::span(weights), moved);
+        if (status != cageform::Status::ok) {
+            result.fault =
+                (weights.empty() ? pose.name : given.of_sites.weights) + ": " + cageform::to_string(status);
+            return result;
+        }
+        for (std::size_t i = 0; given.paints && i < batch.size(); ++i)
+            result.paint.push_back(heat(bound.binding.weight(i, given.weight)));
+        first += batch.size();
+        if (first >= rest.size()) break;
+    }
+    return result;
+}
+
 /// Binds the figure, moves it and writes what was asked for.
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
     warn_of_closed_gaps("deform_mesh", cage.name, coordinates->cage_report);
     if (!coordinates->note.empty()) std::cerr << "deform_mesh: note: " << coordinates->note << '\n';
-    cageform::BindOptions options;
-    options.outside = given.outside.policy(*coordinates);
-    cageform::BindResult<double, 3> bound;
-    {
-        ProgressBar bar("binding");
-        bound = coordinates->bind(figure.vertices, options, {.progress = bar.callback()});
-    }
-    const auto& report = bound.report;
+    const auto [moved, paint, report, fault, warning] = deformed(given, figure, control);
+    if (!fault.empty()) return fail(fault);
     if (report.status != cageform::Status::ok) return fail(describe_faults(report));
     warn_of_coarse_grid("deform_mesh", cage.name, report.solver);
     const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) std::cerr << "deform_mesh: warning: " << outside.warning << '\n';
-    std::string warning;
-    const auto handles = pose_of_handles(bound.binding, pose.vertices, pose.name, warning);
-    if (!handles) return fail(to_string(handles.error()));
     if (!warning.empty()) std::cerr << "deform_mesh: warning: " << warning << '\n';
-    std::vector<Point3> moved(figure.vertices.size());
-    const auto status = weights.empty()
-                            ? cageform::clone(bound.binding, *handles, moved)
-                            : cageform::clone_rational(bound.binding, *handles, std::span(weights), moved);
-    if (status != cageform::Status::ok)
-        return fail((weights.empty() ? pose.name : given.of_sites.weights) + ": " +
-                    cageform::to_string(status));
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has moved beyond all numbers");
     }
@@ -146,9 +189,6 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
             drawn = &rest_dots;
             drawn_pose = &moved_dots;
         }
-        std::vector<Colour> paint;
-        for (std::size_t i = 0; given.paints && i < moved.size(); ++i)
-            paint.push_back(heat(bound.binding.weight(i, given.weight)));
         const std::array<MeshScene, 2> scenes{
             {{{figure.vertices, figure.triangles, paint}, {drawn->vertices, drawn->triangles}},
              {{moved, figure.triangles, paint}, {drawn_pose->vertices, drawn->triangles}}}};

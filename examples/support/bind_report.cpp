@@ -132,6 +132,30 @@ void warn_of_coarse_grid(const char* program, const std::string& cage, const cag
     if (!text.empty()) std::cerr << program << ": warning: " << cage << ": " << text << '\n';
 }
 
+void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first) {
+    const auto append = [first](std::vector<std::size_t>& to, const std::vector<std::size_t>& from) {
+        for (const std::size_t i : from) to.push_back(first + i); // a word of memory each
+    };
+    append(total.on_boundary, part.on_boundary);
+    append(total.outside, part.outside);
+    append(total.not_finite, part.not_finite);
+    append(total.unreached, part.unreached);
+    append(total.not_restored, part.not_restored);
+    const auto shifted = [first](cageform::Extreme extreme) {
+        if (extreme.point != extreme.none) extreme.point += first;
+        return extreme;
+    };
+    total.partition_error.raise(shifted(part.partition_error));
+    total.reproduction_error.raise(shifted(part.reproduction_error));
+    total.weight_change.raise(shifted(part.weight_change));
+    total.residual_restored.raise(shifted(part.residual_restored));
+    total.least_weight.lower(shifted(part.least_weight));
+    total.amplification.raise(shifted(part.amplification));
+    total.points += part.points;
+    total.seconds += part.seconds;
+    total.cage = part.cage;
+}
+
 std::string describe(const cageform::BindReport& report) {
     std::ostringstream text;
     const auto list = [&](const char* what, const std::vector<std::size_t>& indices) {

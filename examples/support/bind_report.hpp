@@ -33,6 +33,9 @@ std::string describe_corners(const cageform::SolverReport& solver);
 /// Warns of that on stderr.
 void warn_of_coarse_grid(const char* program, const std::string& cage, const cageform::SolverReport& solver);
 
+/// Adds the report of a batch of points to that of those before it; `first` is the number of its first point.
+void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first);
+
 /// The report of a bind for people.
 std::string describe(const cageform::BindReport& report);
 

@@ -378,6 +378,15 @@ for type in mean-value harmonic green; do
   cmp -s character.obj rest.obj && ok=yes || ok=no
   report $ok "at rest, $type, the file is the same"
 done
+# So many vertices that their weights are not held together: forty characters, each moved as one is.
+awk '/^v / { v[n++] = $0 } END { for (k = 0; k < 40; ++k) for (i = 0; i < n; ++i) print v[i]; print "f 1 2 3" }' character.obj >crowd.obj
+works "a crowd, in batches" "$mesh" crowd.obj --cage character_cage.obj --pose character_pose.obj --coordinates mean-value -o crowd_out.obj --report
+grep -q "^points: *$(grep -c '^v ' crowd.obj)" log && ok=yes || ok=no
+report $ok "the report is of all batches"
+grep '^v ' posed_mean-value.obj >one.txt
+grep '^v ' crowd_out.obj | tail -n "$(wc -l <one.txt)" | paste - one.txt |
+  awk '{ for (k = 2; k <= 4; ++k) if (($k - $(k + 4)) ^ 2 > 1e-24) exit 1 }' && ok=yes || ok=no
+report $ok "batches move vertices as a whole does"
 works "the papers' solver in space" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates harmonic --solver averaging-pyramid -o posed_pyramid.obj
 cmp -s posed_pyramid.obj posed_harmonic.obj && ok=no || ok=yes
 report $ok "is another than ours"

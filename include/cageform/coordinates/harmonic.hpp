@@ -37,18 +37,20 @@ struct HarmonicSolverChoice {
 /// 2007), sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are
 /// exact there.
 ///
-/// Solved to the digits of double whatever `T`:
-///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, at every resolution
-///   accuracy  of order h² in the open and around corners with one cell of room (two where that
-///             holds too few nodes for a fit; grid/corner_functions.hpp); next to an untreated
-///             corner of interior angle ω, or edge in space, of order h^(π/ω)
+/// The same whatever `T`, but for its rounding:
+///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
+///   accuracy  see HarmonicOptions::accuracy. Where a resolution is given: of order h² in the open and
+///             around corners with one cell of room (two where that holds too few nodes for a fit;
+///             grid/corner_functions.hpp); next to an untreated corner of interior angle ω, or edge
+///             in space, of order h^(π/ω)
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel shares the sixteens out; each thread
 ///             needs `solver_memory().block` bytes, every point about 80 bytes in the plane and 150
 ///             in space, and next to treated corners #V scalars. The progress is asked before every
 ///             cycle on the calling thread, which has to take part in the work
-///   fails     as check(cage); resolution_not_supported; tolerance_not_positive; grid_too_coarse;
-///             not_converged; cancelled; out_of_memory; solver_not_supported
+///   fails     as check(cage); accuracy_not_supported; resolution_not_supported;
+///             tolerance_not_positive; grid_too_coarse; not_converged; cancelled; out_of_memory;
+///             solver_not_supported
 ///
 /// Outside the cage they are not defined (no extension); every point inside has values.
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,

@@ -37,11 +37,12 @@ public:
             if (!tree.is_inside(line)) return;
             if (tree.boundary().nearest(facets, middle).distance <= grid::on_facet_distance) return;
             if constexpr (D == 2) {
-                grid::CutStencil<2> fine, coarse;
-                if (add_harmonic_mean(tree, nodes, middle, leaf, HarmonicMean::most_degree, fine) &&
-                    add_harmonic_mean(tree, nodes, middle, leaf, HarmonicMean::most_degree - 2, coarse)) {
-                    fine_.add(fine, data);
-                    coarse_.add(coarse, data);
+                constexpr unsigned degree = HarmonicMean::most_degree;
+                const auto fine = harmonic_mean_of(tree, nodes, middle, leaf, degree);
+                const auto coarse = harmonic_mean_of(tree, nodes, middle, leaf, degree - 2);
+                if (fine && coarse) {
+                    fine_.add(*fine, data);
+                    coarse_.add(*coarse, data);
                     return;
                 }
             }

@@ -2,8 +2,8 @@
 //
 // The headers of this folder in the order of the work: cell_tree (cells, their balance), tree_boundary
 // (a cage's facets in units of the tree), cut_tree (which facets pass which cells, what is inside),
-// sizing, refinement and bone_sizes (how fine a cage asks it to be: in the plane, in space, about
-// bones), tree_nodes (the unknowns), leaf_gather (values within a leaf), leaves_about, harmonic_mean and
+// sizing, cell_sizes with refinement, and bone_sizes (how fine a cage asks it to be: in the plane, in
+// space, about bones), tree_nodes (the unknowns), leaf_gather (values within a leaf), leaves_about, harmonic_mean and
 // star (values in the plane by what is seen about a place), tree_links (the equations) in level_rows
 // (sparse matrices), tree_hierarchy (the coarser levels), tree_multigrid (the cycles).
 // coordinates/tree_solver.hpp puts them together.

@@ -91,7 +91,7 @@ private:
         std::uint32_t met = side.facet;
         const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<2>& facet = boundary[n];
-            double along = dot(side.inwards, boundary.normal(n));
+            const double along = dot(side.inwards, boundary.normal(n));
             if (n == side.facet || !((facet.turns ? along : std::fabs(along)) > 1e-9)) return nearest;
             const double t = dot(boundary.normal(n), facet.corner[0] - from) / along;
             if (!(t > touching && t < nearest)) return nearest;

@@ -150,26 +150,28 @@ private:
     std::vector<Place> places_;
 };
 
-/// The value at a place in a leaf by what it sees, exact for powers up to `most_degree`. False where
+/// The value at a place in a leaf by what it sees, exact for powers up to `most_degree`. None where
 /// nothing is known of that. Weights may be negative where these are the more exact.
-inline bool add_harmonic_mean(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes,
-                              const Vec<double, 2>& p, const grid::CellTree<2>::Cell& leaf,
-                              unsigned most_degree, grid::CutStencil<2>& stencil) {
+inline std::optional<grid::CutStencil<2>>
+harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, const Vec<double, 2>& p,
+                 const grid::CellTree<2>::Cell& leaf, unsigned most_degree) {
     constexpr double largest_sum = 2; // of the weights' sizes
     Star star(tree, nodes);
-    if (!star.look(p, leaf)) return false;
+    if (!star.look(p, leaf)) return std::nullopt;
     HarmonicMean mean;
     for (const auto& place : star.places()) mean.add((1 / star.size()) * place.offset);
-    if (mean.solve_signed(most_degree, 3, largest_sum) == 0 && mean.solve(most_degree, 1) == 0) return false;
+    if (mean.solve_signed(most_degree, 3, largest_sum) == 0 && mean.solve(most_degree, 1) == 0)
+        return std::nullopt;
+    std::optional<grid::CutStencil<2>> stencil(std::in_place);
     for (std::size_t n = 0; n < mean.count(); ++n) {
         const auto& place = star.places()[n];
         if (place.node != grid::TreeNodes<2>::none) {
-            stencil.add(place.node, mean.weight(n));
+            stencil->add(place.node, mean.weight(n));
         } else {
-            stencil.add(place.value, mean.weight(n));
+            stencil->add(place.value, mean.weight(n));
         }
     }
-    return true;
+    return stencil;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

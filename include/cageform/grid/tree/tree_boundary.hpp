@@ -308,7 +308,7 @@ private:
                 shell[std::max(a, b)] = std::min(a, b);
             }
         }
-        std::vector<double> votes(shell.size());
+        std::vector<double> votes(shell.size()); // NOLINT(misc-const-correctness): votes are added
         for (std::size_t n = 0; n < facets_.size(); ++n)
             votes[find(facets_[n].vertex[0])] += vote(facets_[n], normals_[n]);
         for (std::size_t n = 0; n < facets_.size(); ++n) {

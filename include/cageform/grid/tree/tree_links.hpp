@@ -109,7 +109,7 @@ private:
             side.length = std::clamp(ray.distance(hit.position), grid::on_facet_distance, side.length);
             side.end.add(hit.value, 1.0);
         };
-        AxisRay ray{node_position<D>(index), axis, up, side.length};
+        const AxisRay ray{node_position<D>(index), axis, up, side.length};
         if (const auto hit = boundary.first_hit(facets, ray)) return end_on(*hit, ray);
         const std::uint32_t node = beyond ? Nodes::none : nodes_.find(there);
         if (node != Nodes::none) {

@@ -1,0 +1,316 @@
+// How large the cells of a tree may be where, in space: by the thickness of the domain, by its facets, and
+// about edges and vertices where functions are singular.
+#pragma once
+
+#include <cageform/grid/evaluation.hpp>
+#include <cageform/grid/tree/bone_sizes.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
+
+struct RefinementOptions {
+    double across = 6;           ///< cells across the thickness of the domain
+    double per_facet = 1;        ///< cells along the least altitude of a facet
+    double edge_levels = 1;      ///< halvings more at reflex edges and rims of walls
+    double reflex_levels = 1;    ///< halvings more at the ends of such edges
+    double at_vertex = 1.0 / 16; ///< largest cell at a vertex of more than three facets, of the cage
+    double per_radius = 12;      ///< see BoneSizes
+    double largest = 1.0 / 16;   ///< largest cell of all, of the same: the distance between two vertices
+};
+
+} // namespace grid
+
+namespace detail {
+
+/// Tells how large cells may be, in units.
+class CellSizes {
+public:
+    using Boundary = grid::TreeBoundary<3>;
+    using Cell = grid::CellTree<3>::Cell;
+    using Place = Vec<double, 3>;
+
+    struct Demand {
+        double size;
+        SizeReason reason;
+    };
+    /// A segment or a place about which cells are small.
+    struct Feature {
+        Place begin, end;
+        double size;
+        SizeReason reason;
+    };
+    /// A place of a facet across which the domain is thin.
+    struct ThinPlace {
+        Place place, inwards;
+        double size, thickness;
+    };
+
+    CellSizes(const Boundary& boundary, const grid::RefinementOptions& options)
+        : boundary_(boundary)
+        , options_(options)
+        , cage_size_(size_of_cage(boundary))
+        , largest_(std::max(options.largest * cage_size_, 1.0))
+        , faced_(2 * boundary.size()) {
+        for (std::uint32_t n = 0; n < boundary.size(); ++n) {
+            faced_[std::size_t{2} * n] = faced_[std::size_t{2} * n + 1] = n;
+            altitudes_.push_back(altitude(boundary[n]));
+        }
+    }
+    double largest() const noexcept { return largest_; }
+
+    /// The distance between two vertices far from each other: nearly the largest, however the cage is
+    /// turned.
+    static double size_of_cage(const Boundary& boundary) noexcept {
+        auto from = boundary[0].corner[0], far = from;
+        for (int step = 0; step < 3; ++step) {
+            for (std::size_t n = 0; n < boundary.size(); ++n) {
+                for (const auto& corner : boundary[n].corner) {
+                    if (length(corner - from) > length(far - from)) far = corner;
+                }
+            }
+            if (step < 2) std::swap(from, far);
+        }
+        return length(far - from);
+    }
+
+    // ---- facets -----------------------------------------------------------------------------------
+
+    /// What facets ask of a cell that they pass. Looks as far across the domain as matters to cells of
+    /// that size.
+    ///
+    ///   thin  out: added, places where the domain is as thin as asks for such cells
+    Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Place& middle,
+                     std::vector<ThinPlace>& thin) {
+        const double most = options_.across * std::min(2.0 * cell.size, largest_);
+        Demand least{largest_, SizeReason::largest};
+        for (const std::uint32_t n : facets) {
+            if (n >= boundary_.size()) break; // a bone
+            const double by_altitude = altitudes_[n] / options_.per_facet;
+            if (by_altitude < least.size) least = {by_altitude, SizeReason::facet};
+            const auto& facet = boundary_[n];
+            const auto place = facet.place(nearest_on_facet(middle, facet.corner));
+            for (const bool front : {true, false}) {
+                if (!front && facet.turns) continue;
+                const double t = thickness(n, front, place, most), size = std::max(t / options_.across, 1.0);
+                if (size < least.size) least = {size, SizeReason::thickness};
+                if (t < most && size >= cell.size) thin.push_back({place, inwards(n, front), size, t});
+            }
+        }
+        return least;
+    }
+
+    /// A part of the boundary.
+    struct Patch {
+        double area, altitude, thickness;
+    };
+    /// Of all facets and their sides. Cost: a ray for each.
+    std::vector<Patch> patches() {
+        constexpr double most = 2000; // more than facets
+        double area = 0;
+        for (std::uint32_t n = 0; n < boundary_.size(); ++n) area += 0.5 * length(normal_of(boundary_[n]));
+        std::vector<Patch> patches;
+        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
+            for (const bool front : {true, false}) {
+                if (front || !boundary_[n].turns)
+                    add_patches({n, front, boundary_[n].corner}, area / most, patches);
+            }
+        }
+        return patches;
+    }
+
+    // ---- what is singular ---------------------------------------------------------------------------
+
+    /// Reflex edges in pieces, their ends and other vertices.
+    std::vector<Feature> features() {
+        std::vector<Feature> features;
+        const auto reflex = reflex_edges();
+        for (const auto& about : reflex) add_edge(about, features);
+        add_vertices(reflex, features);
+        return features;
+    }
+    /// What a feature asks of a cell.
+    static double size_at(const Feature& feature, const Place& middle) noexcept {
+        const auto along = feature.end - feature.begin;
+        const double all = dot(along, along);
+        const double part = all > 0 ? std::clamp(dot(middle - feature.begin, along) / all, 0.0, 1.0) : 0;
+        const double distance = length(middle - (feature.begin + part * along));
+        return std::max(feature.size, distance / (all > 0 ? edge_gradation : vertex_gradation));
+    }
+
+private:
+    static constexpr double touching = 0.01; ///< of units: so near are bodies with a common plane
+    static constexpr double facing = 0.7;    ///< cosine between a facet and one it is measured across
+    static constexpr std::size_t pieces = 8; ///< of a singular edge, each sized by itself
+    /// Cells about what is singular are no larger than their distance divided by that.
+    static constexpr double edge_gradation = 1.5, vertex_gradation = 2;
+
+    static double altitude(const PlacedFacet<3>& facet) noexcept {
+        const double longest = longest_edge(facet.corner).second;
+        return longest > 0 ? length(normal_of(facet)) / longest : 0;
+    }
+    /// The corner where it begins, and its length.
+    static std::pair<std::size_t, double> longest_edge(const Corners<3>& corner) noexcept {
+        std::pair<std::size_t, double> longest{0, 0};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double l = length(corner[(k + 1) % 3] - corner[k]);
+            if (l > longest.second) longest = {k, l};
+        }
+        return longest;
+    }
+    Place inwards(std::uint32_t n, bool front) const noexcept {
+        return (front ? -1.0 : 1.0) * boundary_.normal(n);
+    }
+    /// The distance across the domain from a place of a facet to one that faces it (Shapira, Shamir,
+    /// Cohen-Or, Visual Computer 24 (2008)); infinite where what comes first does not, or has a vertex
+    /// with it in common: wedges have no thickness. Infinite too if it is `most` or more.
+    double thickness(std::uint32_t from_facet, bool front, const Place& from,
+                     double most = std::numeric_limits<double>::infinity()) {
+        constexpr double none = std::numeric_limits<double>::infinity();
+        const auto direction = inwards(from_facet, front);
+        if (!(dot(direction, direction) > 0)) return none;
+        double nearest = std::min(most, std::ldexp(2.0, int(boundary_.depth())));
+        std::uint32_t met = from_facet;
+        const auto meet = [&](std::uint32_t n) {
+            const PlacedFacet<3>& facet = boundary_[n];
+            const double along = dot(direction, boundary_.normal(n));
+            if (n == from_facet || !((facet.turns ? along : std::fabs(along)) > 1e-9)) return nearest;
+            const double t = dot(boundary_.normal(n), facet.corner[0] - from) / along;
+            if (!(t > touching && t < nearest)) return nearest;
+            for (const double w : weights_in_plane(facet, from + t * direction)) {
+                if (w < -1e-9) return nearest;
+            }
+            nearest = t;
+            met = n;
+            return nearest;
+        };
+        std::uint32_t& faced = faced_[std::size_t{2} * from_facet + (front ? 0 : 1)];
+        (void)meet(faced); // most likely that again, and nothing beyond it is looked at
+        boundary_.boxes().for_each_on_ray(from, direction, nearest, meet);
+        if (met == from_facet) return none;
+        faced = met;
+        const double along = dot(direction, boundary_.normal(met));
+        bool counts = (boundary_[met].turns ? along : std::fabs(along)) > facing;
+        for (const std::uint32_t v : boundary_[met].vertex) counts = counts && !boundary_[from_facet].has(v);
+        return counts ? nearest : none;
+    }
+
+    struct Piece {
+        std::uint32_t facet;
+        bool front;
+        Corners<3> corner;
+    };
+    void add_patches(const Piece& piece, double largest_area, std::vector<Patch>& patches) {
+        const auto& c = piece.corner;
+        const double area = 0.5 * length(cross(c[1] - c[0], c[2] - c[0]));
+        if (area > largest_area) {
+            const std::size_t first = longest_edge(c).first, second = (first + 1) % 3;
+            for (const std::size_t moved : {first, second}) {
+                auto part = piece;
+                part.corner[moved] = 0.5 * (c[first] + c[second]);
+                add_patches(part, largest_area, patches);
+            }
+            return;
+        }
+        const auto middle = (1.0 / 3) * (c[0] + c[1] + c[2]);
+        patches.push_back({area, altitudes_[piece.facet], thickness(piece.facet, piece.front, middle)});
+    }
+    double size_of(std::uint32_t n, bool front, const Place& place) {
+        return std::max(1.0, std::min({largest_, altitudes_[n] / options_.per_facet,
+                                       thickness(n, front, place) / options_.across}));
+    }
+    /// What a facet asks for near a place of its rim.
+    double size_near(std::uint32_t n, const Place& place) {
+        const auto& c = boundary_[n].corner;
+        const auto within = 0.95 * place + (0.05 / 3) * (c[0] + c[1] + c[2]);
+        const double size = size_of(n, true, within);
+        return boundary_[n].turns ? size : std::min(size, size_of(n, false, within));
+    }
+
+    struct Ridge { ///< of a facet: what is left of it without one corner
+        std::array<std::uint32_t, 2> vertex;
+        std::uint32_t facet;
+        std::uint32_t apex; ///< the corner left out
+    };
+    /// The facets at each.
+    std::vector<std::vector<Ridge>> reflex_edges() const {
+        std::vector<Ridge> ridges;
+        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
+            for (std::uint32_t apex = 0; apex < 3; ++apex) {
+                const std::uint32_t a = boundary_[n].vertex[(apex + 1) % 3];
+                const std::uint32_t b = boundary_[n].vertex[(apex + 2) % 3];
+                ridges.push_back({{std::min(a, b), std::max(a, b)}, n, apex});
+            }
+        }
+        std::sort(ridges.begin(), ridges.end(), [](const Ridge& a, const Ridge& b) {
+            return a.vertex != b.vertex ? a.vertex < b.vertex : a.facet < b.facet;
+        });
+        std::vector<std::vector<Ridge>> reflex;
+        for (auto begin = ridges.begin(), end = begin; begin != ridges.end(); begin = end) {
+            while (end != ridges.end() && end->vertex == begin->vertex) ++end;
+            if (is_reflex({begin, end})) reflex.emplace_back(begin, end);
+        }
+        return reflex;
+    }
+    bool is_reflex(std::span<const Ridge> about) const noexcept {
+        constexpr double flat = -0.988; // the cosine of 171 degrees
+        if (about.size() != 2) return about.size() == 1;
+        const bool turns = boundary_[about[0].facet].turns;
+        const auto u = across(about[0]), v = across(about[1]);
+        const double size = length(u) * length(v);
+        if (!(size > 0) || turns != boundary_[about[1].facet].turns || dot(u, v) < flat * size) return false;
+        return !turns || dot(boundary_.normal(about[0].facet), v) > 0;
+    }
+    /// From a ridge to the rest of its facet, at a right angle.
+    Place across(const Ridge& ridge) const noexcept {
+        const auto& corner = boundary_[ridge.facet].corner;
+        const auto& a = corner[(ridge.apex + 1) % 3];
+        const auto along = corner[(ridge.apex + 2) % 3] - a, to_apex = corner[ridge.apex] - a;
+        const double all = dot(along, along);
+        return all > 0 ? to_apex - (dot(to_apex, along) / all) * along : to_apex;
+    }
+    void add_edge(std::span<const Ridge> about, std::vector<Feature>& features) {
+        const auto& corner = boundary_[about[0].facet].corner;
+        const auto a = corner[(about[0].apex + 1) % 3], b = corner[(about[0].apex + 2) % 3];
+        for (std::size_t n = 0; n < pieces; ++n) {
+            const auto at = [&](double part) { return a + ((double(n) + part) / double(pieces)) * (b - a); };
+            double size = largest_;
+            for (const Ridge& ridge : about) size = std::min(size, size_near(ridge.facet, at(0.5)));
+            size = std::max(size * std::exp2(-options_.edge_levels), 1.0);
+            features.push_back({at(0), at(1), size, SizeReason::singular_edge});
+        }
+    }
+    void add_vertices(std::span<const std::vector<Ridge>> reflex, std::vector<Feature>& features) {
+        std::vector<std::uint32_t> ends;
+        for (const auto& about : reflex)
+            ends.insert(ends.end(), about[0].vertex.begin(), about[0].vertex.end());
+        std::sort(ends.begin(), ends.end());
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> corners; // a vertex, 3 · facet + corner
+        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
+            for (std::uint32_t k = 0; k < 3; ++k) corners.push_back({boundary_[n].vertex[k], 3 * n + k});
+        }
+        std::sort(corners.begin(), corners.end());
+        for (auto begin = corners.begin(), end = begin; begin != corners.end(); begin = end) {
+            while (end != corners.end() && end->first == begin->first) ++end;
+            const std::uint32_t facet = begin->second / 3;
+            if (end - begin <= 3 && boundary_[facet].turns) continue; // functions are linear there
+            const auto place = boundary_[facet].corner[begin->second % 3];
+            double size = largest_;
+            for (auto at = begin; at != end; ++at) size = std::min(size, size_near(at->second / 3, place));
+            const bool is_end = std::binary_search(ends.begin(), ends.end(), begin->first);
+            const double here =
+                std::max(1.0, std::min(is_end ? size * std::exp2(-options_.reflex_levels) : size,
+                                       options_.at_vertex * cage_size_));
+            if (here < size) features.push_back({place, place, here, SizeReason::singular_vertex});
+        }
+    }
+
+    const Boundary& boundary_;
+    grid::RefinementOptions options_;
+    double cage_size_, largest_;
+    std::vector<std::uint32_t> faced_; ///< by facet and side: the facet there, where a ray was sent last
+    std::vector<double> altitudes_;    ///< by facet
+};
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI
