@@ -125,6 +125,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
         if (first && numbers.size() == batch && !coordinates.closed_form) { // there may be more batches
             const auto evaluation = coordinates.solve({.progress = progress});
             total.status = evaluation.status;
+            total.solver = evaluation.solver;
             if (evaluation.status != cageform::Status::ok) return refuse(total);
             total.seconds = evaluation.solver.seconds;
         }

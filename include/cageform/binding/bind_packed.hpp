@@ -81,7 +81,11 @@ public:
             }
             if (status == Status::ok) status = run_batches(solved, running.part(from, 1), result);
         }
-        if (status == Status::ok) join(result);
+        if (status != Status::ok) return status;
+        std::uint64_t rows = 0;
+        for (const auto& part : parts_) rows += part.view().row_count();
+        if (sparse_ && rows > 0xFFFFFFFFu) return result.packed.status = Status::too_many_handles;
+        join(rows, result);
         return status;
     }
 
@@ -120,12 +124,11 @@ private:
     }
 
     /// The parts as one, which frees them; as `pack` leaves it.
-    void join(BindPackedResult<T, D>& result) {
+    void join(std::uint64_t rows, BindPackedResult<T, D>& result) {
         place_blocks();
         BlobHeader header = header_of(parts_[0]);
         header.points = points_.size();
-        header.rows = 0;
-        for (const auto& part : parts_) header.rows += part.view().row_count();
+        header.rows = rows;
         PackedBinding<T, D> whole(header);
         copy_of_handles(whole);
         std::size_t row = 0;
