@@ -151,12 +151,8 @@ private:
             return Status::ok;
         }
         order_.assign(given.begin(), given.end());
-        std::vector<bool> there(points_.size());
-        for (const std::uint32_t i : order_) {
-            if (i >= points_.size() || there[i]) return Status::order_not_a_permutation;
-            there[i] = true;
-        }
-        return order_.size() == points_.size() ? Status::ok : Status::order_not_a_permutation;
+        const bool valid = detail::is_permutation(order_, points_.size());
+        return valid ? Status::ok : Status::order_not_a_permutation;
     }
 
     // ---- reports ------------------------------------------------------------------------------------

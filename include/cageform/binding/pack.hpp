@@ -96,7 +96,7 @@ private:
     Status choose_all_rows(PackReport& report) {
         order_ = options_.order.empty() ? order_by_place<T, D>(binding_.rest)
                                         : std::vector(options_.order.begin(), options_.order.end());
-        if (!is_permutation(order_)) return Status::order_not_a_permutation;
+        if (!detail::is_permutation(order_, points_)) return Status::order_not_a_permutation;
         if (keeps_distance()) square_loss_ = std::make_unique<const SquareLoss<D>>(moments_, loss_);
         Status status =
             for_each_block(blocks_, running_.part(0, 0.7), [this](std::size_t begin, std::size_t end) {
@@ -244,15 +244,6 @@ private:
         points.count = used(block);
         for (std::size_t lane = 0; lane < points.count; ++lane) points.index[lane] = point(block, lane);
         return points;
-    }
-
-    bool is_permutation(const std::vector<std::uint32_t>& order) const {
-        std::vector<char> there(points_, 0);
-        for (const std::uint32_t i : order) {
-            if (i >= points_ || there[i] != 0) return false;
-            there[i] = 1;
-        }
-        return order.size() == points_;
     }
 
     /// Puts blocks with the same number of rows beside each other, or a processor would guess wrong

@@ -1,7 +1,7 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
 //
-// The solvers are the multigrids of this library, on an adaptive grid or a uniform one. The papers' own, the baseline it is measured against,
-// is in coordinates/pyramid_solver.hpp.
+// The solvers are the multigrids of this library, on an adaptive grid or a uniform one. The papers'
+// own, the baseline they are measured against, is in coordinates/pyramid_solver.hpp.
 #pragma once
 
 #include <cageform/coordinates/detail/difference_gradients.hpp>

@@ -51,4 +51,14 @@ std::vector<std::uint32_t> order_by_place(const BlockView<const T>& points) {
     return order;
 }
 
+/// Whether an order names each of `count` points once.
+inline bool is_permutation(const std::vector<std::uint32_t>& order, std::size_t count) {
+    std::vector<char> there(count, 0);
+    for (const std::uint32_t i : order) {
+        if (i >= count || there[i] != 0) return false;
+        there[i] = 1;
+    }
+    return order.size() == count;
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail
