@@ -163,6 +163,20 @@ TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buff
     }
 }
 
+TEST_CASE("large buffers, whose pages are huge where the system has such, hold what is written",
+          "[core][buffer]") {
+    constexpr std::size_t huge_page = (std::size_t{1} << 21) / sizeof(int);
+    for (const std::size_t size : {2 * huge_page - 1, 2 * huge_page, 3 * huge_page + 12345}) {
+        CAPTURE(size);
+        cageform::Buffer<int> buffer(size);
+        for (std::size_t i = 0; i < size; ++i) buffer[i] = int(i);
+        buffer.reserve(2 * size); // moves
+        bool same = true;
+        for (std::size_t i = 0; i < size; ++i) same = same && buffer[i] == int(i);
+        CHECK(same);
+    }
+}
+
 TEST_CASE("a buffer aligns its elements and refuses what no memory holds", "[core][buffer]") {
     cageform::Buffer<Lanes<float>> rows(3);
     CHECK(reinterpret_cast<std::uintptr_t>(rows.data()) % alignof(Lanes<float>) == 0);

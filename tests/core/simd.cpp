@@ -127,15 +127,61 @@ TEMPLATE_TEST_CASE("formulas find the same functions for registers and for scala
     bool some = false;
     for (std::size_t i = 0; i < lane_count<T>; ++i) some = some || a[i] < b[i];
     CHECK(number::any(x < y) == some);
-    Lanes<T> angles;
-    Lanes<T> sine, cosine;
+}
+
+TEMPLATE_TEST_CASE("angles of registers", "[core][simd][property]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const auto seed = GENERATE(seeds(200));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    Lanes<T> sine, cosine, angles;
     for (std::size_t i = 0; i < lane_count<T>; ++i) {
-        sine[i] = T(random.uniform(0, 1));
-        cosine[i] = T(random.uniform(-1, 1));
+        // Of all sizes; and next to the directions where the formula changes: multiples of π/8.
+        const double around = random.below(2) == 0 ? random.uniform(0, 3.14159265358979)
+                                                   : 0.39269908169872414 * double(random.below(9)) +
+                                                         9 * double(epsilon<T>) * random.uniform(-1, 1);
+        const double flat = random.below(3) == 0 ? std::pow(2.0, random.uniform(-100, 0)) : 1.0;
+        sine[i] = T(flat * std::fabs(std::sin(around)));
+        cosine[i] = T(std::cos(around));
     }
-    number::angle(Simd<T>::load(sine), Simd<T>::load(cosine)).store(angles);
-    for (std::size_t i = 0; i < lane_count<T>; ++i)
-        CHECK(std::fabs(angles[i] - number::angle(sine[i], cosine[i])) <= 4 * cageform::epsilon<T>);
+    sine[0] = 0, cosine[0] = 1;
+    sine[1] = 0, cosine[1] = -1;
+    sine[2] = 1, cosine[2] = 0;
+    angle(Simd<T>::load(sine), Simd<T>::load(cosine)).store(angles);
+    CHECK(angles[0] == 0);
+    for (std::size_t i = 0; i < lane_count<T>; ++i) {
+        const long double expected =
+            std::atan2(static_cast<long double>(sine[i]), static_cast<long double>(cosine[i]));
+        CAPTURE(i, sine[i], cosine[i], angles[i]);
+        CHECK(std::fabs(static_cast<long double>(angles[i]) - expected) <=
+              1.5L * static_cast<long double>(epsilon<T>) * expected); // three roundings
+    }
+}
+
+TEMPLATE_TEST_CASE("roots by estimates, and their inverses", "[core][simd][property]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    if constexpr (cageform::detail::estimates_roots<Simd<T>>) {
+        using limits = std::numeric_limits<T>;
+        const auto seed = GENERATE(seeds(200));
+        CAPTURE(seed);
+        Random random{std::uint64_t(seed)};
+        Lanes<T> numbers, roots, inverses;
+        for (T& x : numbers.v)
+            x = T(std::pow(2.0, random.uniform(limits::min_exponent, limits::max_exponent - 1)));
+        numbers[0] = limits::min();
+        numbers[1] = limits::max();
+        const auto both = root_and_inverse(Simd<T>::load(numbers));
+        both.root.store(roots);
+        both.inverse.store(inverses);
+        for (std::size_t i = 0; i < lane_count<T>; ++i) {
+            const long double root = std::sqrt(static_cast<long double>(numbers[i]));
+            CAPTURE(i, numbers[i], roots[i], inverses[i]);
+            CHECK(std::fabs(static_cast<long double>(roots[i]) / root - 1) <= epsilon<T>);
+            CHECK(std::fabs(static_cast<long double>(inverses[i]) * root - 1) <= epsilon<T>);
+        }
+    } else {
+        SUCCEED("registers of 64 bytes alone");
+    }
 }
 
 TEMPLATE_TEST_CASE("logarithms of registers", "[core][simd][property]", CAGEFORM_SCALARS) {

@@ -22,7 +22,7 @@
 // (binding/skin_weights.hpp) needs no blob:
 //
 //     #define CAGEFORM_UNIFORM_HANDLES 112 displacements are a uniform block of so many; else a
-//                                          storage buffer
+//                                          storage buffer. #version 300 es (WebGL 2) will do
 //     glsl::displacements, glsl::skin
 //     … gl_Position = view * vec4(rest + cageform_skin(joints, weights), 1) …
 //
@@ -75,7 +75,11 @@ namespace glsl {
 /// The buffer of displacements.
 inline constexpr const char* displacements = R"(
 #ifdef CAGEFORM_UNIFORM_HANDLES
+#if __VERSION__ == 300 // WebGL 2: uniformBlockBinding says which
+layout(std140) uniform CageformDisplacements {
+#else
 layout(std140, binding = CAGEFORM_DISPLACEMENTS) uniform CageformDisplacements {
+#endif
     highp vec4 cageform_displacements[CAGEFORM_UNIFORM_HANDLES];
 };
 #else

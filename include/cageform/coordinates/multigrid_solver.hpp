@@ -61,6 +61,7 @@ public:
     };
     std::size_t groups() const noexcept { return (grid_.cage().size() + width - 1) / width; }
     Block make_block() const { return {multigrid_.make_block(), {}}; }
+    std::size_t helpers() const noexcept { return multigrid_.helpers(); }
 
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
         return solve(group, block, work, nullptr);

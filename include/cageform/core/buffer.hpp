@@ -4,7 +4,7 @@
 // file takes which binds by a solver. For private memory; interfaces speak std::vector and spans.
 #pragma once
 
-#include <cageform/config.hpp>
+#include <cageform/core/detail/huge_pages.hpp>
 
 #include <cstddef>
 #include <cstring>
@@ -47,6 +47,7 @@ protected:
         void* const moved = capacity == 0
                                 ? nullptr
                                 : ::operator new(capacity* element.size, std::align_val_t(element.alignment));
+        ask_for_huge_pages(moved, capacity * element.size);
         if (size_ != 0) std::memcpy(moved, data_, size_ * element.size);
         free(element);
         data_ = moved;

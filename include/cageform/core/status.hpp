@@ -36,6 +36,15 @@ namespace cageform::inline CAGEFORM_ABI {
     X(interior_cell_outside, "an interior cell lies outside the cage")                            \
     X(interior_cells_touch, "an interior cell touches another one or the boundary")               \
     X(sites_in_a_plane, "all sites lie in a plane, or in the plane on a line")                    \
+    /* enclose/: make_cage */                                                                     \
+    X(figure_empty, "the figure has nothing to enclose")                                          \
+    X(figure_not_finite, "a coordinate of the figure is not a finite number, or too large")       \
+    X(figure_has_no_size, "the figure is a single point")                                         \
+    X(margin_not_positive, "the margin of a cage is not a positive number")                       \
+    X(margin_too_small, "the margin is too small for the grid in memory")                         \
+    X(too_few_cage_vertices, "a cage of so few vertices cannot be made")                          \
+    X(mirror_not_supported, "the mirror's axis is not one of the space, or its place not finite")  \
+    X(cage_not_found, "no cage around the figure was found")                                      \
     /* coordinates/: what a type cannot do with a sound cage */                                   \
     X(interior_cells_not_supported, "this coordinate type cannot honour interior cells")          \
     X(cage_not_convex, "these coordinates need one strictly convex loop")                         \

@@ -167,7 +167,7 @@ struct FieldRange {
 template <std::size_t D, Scalar T>
 Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const DirichletOptions& options,
                     SolverReport& report, const Running& running) {
-    const grid::Multigrid<D> multigrid(unknown.nodes, unknown.cuts, {});
+    const grid::Multigrid<D> multigrid(unknown.nodes, unknown.cuts, {}, running);
     report.bytes = multigrid.bytes() + multigrid.block_bytes();
     const auto slots = multigrid.source_slots();
     const std::size_t size = unknown.grid_size, fields = values.size() / size, count = unknown.cells.size();

@@ -12,10 +12,11 @@
 // Cycles work in float, a row of sixteen functions a cache line. Every second cycle begins with
 // iterative refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): the
 // solution is added to a sum of high and low part, and its residual, computed in double, becomes
-// the right-hand side. The sum is right to the digits of double.
+// the right-hand side. The sum is right to the digits of double. Denormals are taken as zero.
 #pragma once
 
 #include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/flush_denormals.hpp>
 #include <cageform/grid/detail/dense_solver.hpp>
 #include <cageform/grid/detail/high_low.hpp>
 #include <cageform/grid/detail/relax.hpp>
@@ -65,6 +66,7 @@ public:
         Buffer<Values> refined_source_;      ///< A · refined_part_, parallel to `source`
         Buffer<Values> exact_;               ///< in one dimension all there is
         std::size_t cycles_ = 0;
+        detail::WorkShare share_; ///< of the call at hand
 
     public:
         Buffer<Values> source; ///< of the nodes that may have one (`source_node`)
@@ -77,7 +79,9 @@ public:
 
     /// cuts     every link of an unknown that does not end on an unknown
     /// sources  further nodes that take a right-hand side of their own
-    Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts, std::span<const std::uint32_t> sources)
+    /// running  its parallel_for makes the levels
+    Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts, std::span<const std::uint32_t> sources,
+              const Running& running = {})
         : unknowns_(nodes.count()) {
         // −∇²(R² − |x|²)/2D = 1: over a ball of radius R about the nodes, an error is at most R²/2D
         // times the largest residual.
@@ -91,7 +95,7 @@ public:
             }
             tridiagonal_ = detail::TridiagonalSolver(equations);
         } else {
-            make_levels(std::move(equations));
+            make_levels(std::move(equations), running);
             for (const auto& irregular : levels_[0].irregular) source_nodes_.push_back(irregular.node);
         }
         find_inner_sources(nodes, sources);
@@ -103,6 +107,12 @@ public:
     /// `Block::source`.
     std::size_t source_count() const noexcept { return source_nodes_.size(); }
     std::uint32_t source_node(std::size_t slot) const noexcept { return source_nodes_[slot]; }
+
+    /// How many threads more can share the work of a block, see `start`.
+    std::size_t helpers() const noexcept {
+        constexpr std::uint32_t a_millisecond = 20000; // of work in a pass
+        return D == 1 || unknowns_ < a_millisecond ? 0 : 3;
+    }
 
     /// The slot in `Block::source` of every node; 0 where a node may have no right-hand side.
     std::vector<std::uint32_t> source_slots() const {
@@ -141,8 +151,12 @@ public:
 
     /// A first solution of a block whose `source` is set: full multigrid, from the coarsest level
     /// up; of a guess, what it misses.
-    Error start(Block& block) const {
+    ///
+    ///   share  threads that take a part of the work; not a bit depends on them
+    Error start(Block& block, const detail::WorkShare& share = {}) const {
+        const detail::FlushDenormals flush;
         if constexpr (D == 1) return solve_in_one_dimension(block);
+        block.share_ = share;
         reset(block);
         if (std::exchange(block.guessed_, false)) refine(block);
         restrict_source(block);
@@ -154,8 +168,10 @@ public:
 
     /// One cycle more. The pass over the finest level that ends a cycle has restricted the
     /// residual, so that this one begins on the next level.
-    Error cycle(Block& block) const {
+    Error cycle(Block& block, const detail::WorkShare& share = {}) const {
+        const detail::FlushDenormals flush;
         if constexpr (D == 1) return solve_in_one_dimension(block);
+        block.share_ = share;
         set_right_hand_side(block);
         if (coarsest() == 0 || block.cycles_++ % refine_every == 1) refine(block);
         w_cycle(block, std::min<std::size_t>(1, coarsest()));
@@ -188,9 +204,9 @@ private:
 
     // ---- the hierarchy --------------------------------------------------------------------------
 
-    void make_levels(detail::Equations<D> equations) {
+    void make_levels(detail::Equations<D> equations, const Running& running) {
         while (equations.nodes.count() > dense_unknowns) {
-            auto coarsening = detail::Coarsener<D>(equations).take();
+            auto coarsening = detail::Coarsener<D>(equations, running).take();
             if (coarsening.coarse.nodes.count() == 0) break;
             levels_.push_back(detail::LevelMaker<D>(equations, &coarsening, levels_.empty()).take());
             equations = std::move(coarsening.coarse);
@@ -239,7 +255,7 @@ private:
 
     // Each of these is one pass over the level, which fuses the steps (detail/relax.hpp).
     void pre_relax_and_restrict(Block& block, std::size_t l) const noexcept {
-        detail::set_zero(block.fields_[l].u);
+        detail::set_zero(block.fields_[l].u, block.share_);
         pass(block, l, {.sweeps = 1, .restrict_residual = true});
     }
     /// Post-relaxation of one half of a cycle, and pre-relaxation of the next.
@@ -256,7 +272,7 @@ private:
         if (coarsest_solver_.empty()) {
             // Large, but too thin for a coarser level. So data is near everywhere and relaxation is
             // quick.
-            detail::set_zero(u);
+            detail::set_zero(u, block.share_);
             pass(block, l, {.sweeps = 8});
             return;
         }
@@ -277,9 +293,10 @@ private:
     }
 
     detail::Residual pass(Block& block, std::size_t l, const detail::Pass& pass) const noexcept {
-        if (l > 0) return run(detail::CoarseLevel<D>{fields(block, l)}, pass);
-        return has_source(block) ? run(detail::FinestLevel<D, true>{fields(block, 0)}, pass)
-                                 : run(detail::FinestLevel<D, false>{fields(block, 0)}, pass);
+        const auto& share = block.share_;
+        if (l > 0) return run(detail::CoarseLevel<D>{fields(block, l)}, pass, share);
+        return has_source(block) ? run(detail::FinestLevel<D, true>{fields(block, 0)}, pass, share)
+                                 : run(detail::FinestLevel<D, false>{fields(block, 0)}, pass, share);
     }
     detail::Residual residual(Block& block) const noexcept {
         return has_source(block) ? detail::FinestLevel<D, true>{fields(block, 0)}.residual()
@@ -304,7 +321,7 @@ private:
         block.u_is_zero_ = true;
         block.cycles_ = 0;
         for (auto& part : block.refined_source_) part.fill(0.0);
-        if (coarsest() == 0 || !inner_neighbours_.empty()) detail::set_zero(block.fields_[0].b);
+        if (coarsest() == 0 || !inner_neighbours_.empty()) detail::set_zero(block.fields_[0].b, block.share_);
         set_right_hand_side(block);
     }
     /// The residual of u = 0 on the finest level; relaxed first, where not only irregular nodes
@@ -316,7 +333,7 @@ private:
             block.u_is_zero_ = false;
             return;
         }
-        detail::set_zero(block.fields_[1].b);
+        detail::set_zero(block.fields_[1].b, block.share_);
         const auto finest = fields(block, 0);
         for (std::size_t j = 0; j < block.irregular_b_.size(); ++j)
             finest.restrict_irregular(j, detail::Simd<float>::load(block.irregular_b_[j]));
@@ -324,34 +341,43 @@ private:
     /// b = source − A · refined part, at the nodes that may have a source.
     void set_right_hand_side(Block& block) const noexcept {
         const std::size_t irregular = block.irregular_b_.size();
-        for (std::size_t j = 0; j < block.source.size(); ++j) {
-            Row& b = j < irregular ? block.irregular_b_[j] : block.fields_[0].b[source_nodes_[j]];
-            for (std::size_t k = 0; k < width; ++k)
-                b[k] = float(block.source[j][k] - block.refined_source_[j][k]);
-        }
+        block.share_.for_ranges(block.source.size(), few_nodes, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t j = begin; j < end; ++j) {
+                Row& b = j < irregular ? block.irregular_b_[j] : block.fields_[0].b[source_nodes_[j]];
+                for (std::size_t k = 0; k < width; ++k)
+                    b[k] = float(block.source[j][k] - block.refined_source_[j][k]);
+            }
+        });
     }
     /// Adds u to the refined part. Its residual, computed in double, becomes the right-hand side.
     void refine(Block& block) const {
         const auto& level = levels_[0];
         auto& part = block.refined_part_;
-        part.add(block.fields_[0].u);
+        part.add(block.fields_[0].u, block.share_);
         block.u_is_zero_ = true;
         block.refined_ = true;
-        for (const auto& run : level.runs) part.apply_minus_a(run, block.fields_[0].b);
-        for (std::size_t j = 0; j < source_count(); ++j) {
-            auto& sum = block.refined_source_[j];
-            sum.fill(0.0);
-            if (j < level.irregular.size()) {
-                part.add_to(sum, level.irregular[j].node, level.irregular[j].diagonal);
-                for (const auto& entry : level.entries_of(j))
-                    part.add_to(sum, entry.node, -double(entry.weight));
-            } else {
-                part.add_to(sum, source_nodes_[j], 2.0 * double(D));
-                for (const auto node : inner_neighbours_[j - level.irregular.size()])
-                    part.add_to(sum, node, -1.0);
-            }
-        }
+        const auto& share = block.share_;
+        share.for_ranges(level.runs.size(), few_runs, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) part.apply_minus_a(level.runs[r], block.fields_[0].b);
+        });
+        share.for_ranges(source_count(), few_nodes, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t j = begin; j < end; ++j) apply_a(part, j, block.refined_source_[j]);
+        });
         set_right_hand_side(block);
+    }
+
+    /// sum = A · the refined part, at a node that may have a source.
+    void apply_a(const detail::HighLow& part, std::size_t j, Values& sum) const noexcept {
+        const auto& level = levels_[0];
+        sum.fill(0.0);
+        if (j < level.irregular.size()) {
+            part.add_to(sum, level.irregular[j].node, level.irregular[j].diagonal);
+            for (const auto& entry : level.entries_of(j)) part.add_to(sum, entry.node, -double(entry.weight));
+        } else {
+            part.add_to(sum, source_nodes_[j], 2.0 * double(D));
+            for (const auto node : inner_neighbours_[j - level.irregular.size()])
+                part.add_to(sum, node, -1.0);
+        }
     }
 
     Error solve_in_one_dimension(Block& block) const {
@@ -363,7 +389,10 @@ private:
     }
 
     static constexpr std::uint32_t dense_unknowns = 160; ///< at most, to solve a level at once
-    static constexpr std::size_t finest_sweeps = 7;
+    /// With five sweeps or seven, eight figures of the plane at 256², 512² and 1024² took the same
+    /// number of cycles, but for one more in three of these cases and one less in one.
+    static constexpr std::size_t finest_sweeps = D == 2 ? 5 : 7;
+    static constexpr std::size_t few_nodes = 2048, few_runs = 64; ///< no less is worth another thread
     static constexpr std::size_t refine_every = 2; ///< before cycles 2, 4, …: float gains no more between
 
     std::uint32_t unknowns_;

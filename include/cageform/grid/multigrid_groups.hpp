@@ -31,7 +31,7 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
     };
     SolverReport& report = work.report;
     report.solves = goal.functions;
-    auto error = multigrid.start(block);
+    auto error = multigrid.start(block, work.share);
     double before = 0;
     for (;;) {
         report.error_estimate = largest(error.estimate);
@@ -49,7 +49,7 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
         }
         if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
         before = report.error_estimate + change;
-        error = multigrid.cycle(block);
+        error = multigrid.cycle(block, work.share);
         ++report.cycles;
     }
 }
@@ -70,6 +70,7 @@ struct MultigridGroups {
 
     std::size_t groups() const noexcept { return (goal.functions + width - 1) / width; }
     Block make_block() const { return multigrid.make_block(); }
+    std::size_t helpers() const noexcept { return multigrid.helpers(); }
 
     Status solve(std::size_t group, Block& block, GroupWork& work) const {
         const std::size_t first = group * width, count = std::min(width, goal.functions - first);

@@ -69,6 +69,11 @@ public:
     const Run* row_runs(std::size_t row) const noexcept { return runs_.data() + row_begin_[row]; }
     const Run* row_runs_end(std::size_t row) const noexcept { return runs_.data() + row_begin_[row + 1]; }
 
+    /// The number of the first node of a row or of those after it; `count` where there is none.
+    std::uint32_t first_of_row(std::size_t row) const noexcept {
+        return row < rows() && row_begin_[row] < runs_.size() ? runs_[row_begin_[row]].first : count_;
+    }
+
     /// The number of the node at `index`, which may lie outside the lattice; `none` where there is
     /// none.
     std::uint32_t find(const Index& index) const noexcept {
@@ -101,7 +106,12 @@ public:
     /// f(index, number) for every node in order.
     template <class F>
     void for_each(F&& f) const {
-        for (std::size_t r = 0; r < rows(); ++r) {
+        for_each_of_rows(0, rows(), f);
+    }
+    /// The same for the nodes of rows begin … end − 1.
+    template <class F>
+    void for_each_of_rows(std::size_t begin, std::size_t end, F&& f) const {
+        for (std::size_t r = begin; r < end; ++r) {
             Index index = row_index(r);
             for (const Run* run = row_runs(r); run != row_runs_end(r); ++run) {
                 for (index[0] = run->begin; index[0] < run->end; ++index[0])

@@ -2,6 +2,7 @@
 // a report.
 #pragma once
 
+#include <cageform/grid/detail/helping_threads.hpp>
 #include <cageform/grid/evaluation.hpp>
 
 #include <atomic>
@@ -12,6 +13,16 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
+
+#if defined(__STDCPP_THREADS__)
+using Mutex = std::mutex;
+#else
+/// Of programs that cannot have threads, as WebAssembly's without them: their library has no std::mutex.
+struct Mutex {
+    void lock() noexcept {}
+    void unlock() noexcept {}
+};
+#endif
 
 /// Another for every thread.
 inline const void* this_thread() noexcept {
@@ -52,13 +63,33 @@ private:
     double told_ = 0;
 };
 
+/// Stops the other threads when one leaves before it is done.
+struct StopUnlessDone {
+    explicit StopUnlessDone(GroupProgress& all) noexcept
+        : progress(all) {}
+    StopUnlessDone(const StopUnlessDone&) = delete;
+    StopUnlessDone& operator=(const StopUnlessDone&) = delete;
+    ~StopUnlessDone() {
+        if (!done) progress.stop();
+    }
+    GroupProgress& progress;
+    bool done = false;
+};
+
+template <class S>
+std::size_t helpers_of(const S& solver) noexcept {
+    if constexpr (requires { solver.helpers(); }) return solver.helpers();
+    return 0;
+}
+
 } // namespace detail
 namespace grid {
 
 /// What a solver is handed with each group of functions.
 struct GroupWork {
     detail::GroupProgress& progress;
-    SolverReport report{}; ///< out: what was done for this group
+    detail::WorkShare share{}; ///< to share the work within the group by
+    SolverReport report{};     ///< out: what was done for this group
 
     /// `part` of the group is done, in [0, 1]; false when to stop.
     bool keep_going(double part) const { return progress.keep_going(part); }
@@ -72,6 +103,7 @@ struct GroupWork {
 ///   groups()                   the number of groups
 ///   solve(group, block, work)  solves the functions of a group; ok, not_converged, or cancelled
 ///                              when work.keep_going(), asked now and then, says so
+///   helpers()                  optional: how many threads more can be of use to a group
 template <class S>
 concept GroupSolver = requires(const S& solver, typename S::Block& block, std::size_t group,
                                GroupWork& work) {
@@ -84,7 +116,8 @@ concept GroupSolver = requires(const S& solver, typename S::Block& block, std::s
 ///
 ///   report    out: what was done for each group is added
 ///   running   its progress is asked on the calling thread, which has to take part in the work; its
-///             parallel_for shares out the groups
+///             parallel_for shares out the groups; what threads it has more help with these. No
+///             group's result depends on that
 ///   fails     cancelled, or as the first group that fails, which ends the solve
 template <GroupSolver S, class Take>
 Status solve_groups(const S& solver, SolverReport& report, const Take& take, const Running& running = {}) {
@@ -93,7 +126,7 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
     detail::GroupProgress progress(running.progress, solver.groups());
     Status status = Status::ok;
     std::vector<Block> spare; // as many as threads at work together
-    std::mutex access;        // to both, and to the report
+    detail::Mutex access;     // to both, and to the report
     const auto borrow_block = [&]() -> Block {
         {
             const std::lock_guard lock(access);
@@ -105,24 +138,38 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
         }
         return solver.make_block();
     };
-    detail::in_parallel(running, solver.groups(), 1, [&](std::size_t begin, std::size_t end) {
-        Block block = borrow_block();
-        for (std::size_t group = begin; group < end && !progress.stopped(); ++group) {
-            GroupWork work{progress};
-            Status outcome = solver.solve(group, block, work);
-            if (outcome == Status::ok) {
-                take(group, block);
-                if (!progress.end_group()) outcome = Status::cancelled;
-            }
-            const std::lock_guard lock(access);
-            report.add(work.report);
-            if (outcome == Status::ok) continue;
-            if (status == Status::ok) status = outcome;
-            progress.stop();
+    detail::HelpingThreads threads;
+    std::atomic<std::size_t> next{0};
+    const auto solve_group = [&](std::size_t group, Block& block, const detail::WorkShare& share) {
+        GroupWork work{progress, share};
+        Status outcome = solver.solve(group, block, work);
+        if (outcome == Status::ok) {
+            take(group, block);
+            if (!progress.end_group()) outcome = Status::cancelled;
         }
         const std::lock_guard lock(access);
-        spare.push_back(std::move(block));
-    });
+        report.add(work.report);
+        if (outcome == Status::ok) return;
+        if (status == Status::ok) status = outcome;
+        progress.stop();
+    };
+    detail::in_parallel(running, solver.groups() * (1 + detail::helpers_of(solver)), 1,
+                        [&](std::size_t, std::size_t) {
+                            {
+                                const detail::HelpingThreads::Owner owner(threads);
+                                std::size_t group = progress.stopped() ? solver.groups() : next++;
+                                if (group < solver.groups()) {
+                                    detail::StopUnlessDone stop(progress); // where a solve throws
+                                    Block block = borrow_block();
+                                    for (; group < solver.groups() && !progress.stopped(); group = next++)
+                                        solve_group(group, block, owner.share());
+                                    stop.done = true;
+                                    const std::lock_guard lock(access);
+                                    spare.push_back(std::move(block));
+                                }
+                            }
+                            threads.help();
+                        });
     report.seconds += detail::seconds_now() - start;
     return status;
 }

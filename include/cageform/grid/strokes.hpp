@@ -334,7 +334,7 @@ private:
                        std::vector<T>& solved, SolverReport& report, const Running& running) const {
         const std::uint32_t count = problem.nodes.count();
         if (count == 0) return Status::ok;
-        const grid::Multigrid<D> multigrid(problem.nodes, problem.cuts, {});
+        const grid::Multigrid<D> multigrid(problem.nodes, problem.cuts, {}, running);
         report.bytes = multigrid.bytes() + multigrid.block_bytes();
         const auto slots = multigrid.source_slots();
         const auto ranges = channel_ranges();

@@ -81,8 +81,8 @@ private:
             Lanes<T> sums[K];
             const std::size_t first = binding_.row_begin[b];
             const DisplacementsOfRows<Displacement> of_rows{displacement, binding_.row_handle + first};
-            sum_block<Format, T, K>(binding_.weights + first * row_bytes<Format>,
-                                    binding_.row_begin[b + 1] - first, of_rows, sums);
+            sum_block<WeightsIn::caches, Format, T, K>(binding_.weights + first * row_bytes<Format>,
+                                                       binding_.row_begin[b + 1] - first, of_rows, sums);
             finish(fit, b, sums);
         }
     }
@@ -102,8 +102,8 @@ private:
             // One by one at the end, in the same order of additions: ranges may be cut anywhere.
             const auto sum = [&](auto count, std::size_t block) {
                 Lanes<T> sums[count][K];
-                sum_rows<count, 1, Format, T, K>(binding_.weights + block * block_bytes, handles, handles,
-                                                 displacement, sums);
+                sum_rows<count, 1, WeightsIn::caches, Format, T, K>(binding_.weights + block * block_bytes,
+                                                                    handles, handles, displacement, sums);
                 for (std::size_t n = 0; n < count; ++n) finish(fit, block + n, sums[n]);
             };
             for (; b + together <= end; b += together)
@@ -113,7 +113,8 @@ private:
         }
         for (; b < end; ++b) {
             Lanes<T> sums[K];
-            sum_block<Format, T, K>(binding_.weights + b * block_bytes, handles, displacement, sums);
+            sum_block<WeightsIn::memory, Format, T, K>(binding_.weights + b * block_bytes, handles,
+                                                       displacement, sums);
             finish(fit, b, sums);
         }
     }

@@ -5,6 +5,7 @@
 #include <cageform/core/view.hpp>
 
 #include <cfloat>
+#include <cstdint>
 #include <utility>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -151,10 +152,23 @@ void sum_rows_plainly(const std::byte* weights, std::size_t rows, const Displace
 }
 #endif
 
+/// Where weights lie.
+enum class WeightsIn : std::uint8_t { caches, memory };
+
+/// How far ahead weights are fetched from memory, in bytes. Server cores of Intel stop fetching ahead by themselves
+/// at the end of each page: there a clone takes 5 ms for 8. Zen cores go on, and lose a tenth by being told;
+/// all processors with narrow registers lose more.
+#if CAGEFORM_REGISTER_BYTES == 64 && !defined(__znver1__) && !defined(__znver2__) && !defined(__znver3__) && \
+    !defined(__znver4__) && !defined(__znver5__)
+inline constexpr std::size_t weights_ahead = 8192;
+#else
+inline constexpr std::size_t weights_ahead = 0;
+#endif
+
 /// Σ w_r d_r of `Blocks` blocks beside each other, `stride` rows apart, and for each in `Chains`
 /// sums that need not wait for each other. `displacement(row)` is d of the rows [0, rows).
-template <std::size_t Blocks, std::size_t Chains, WeightFormat Format, Scalar T, std::size_t D,
-          class Displacement>
+template <std::size_t Blocks, std::size_t Chains, WeightsIn Where, WeightFormat Format, Scalar T,
+          std::size_t D, class Displacement>
 void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
               const Displacement& displacement, Lanes<T> (*sums)[D]) noexcept {
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
@@ -168,6 +182,8 @@ void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
         const std::byte* const begin = weights + part * (row_bytes / Simd<T>::count);
         BlockSums<T, Blocks, D> sum[Chains] = {};
         const auto add = [&](std::size_t row, std::size_t chain) CAGEFORM_DETAIL_INLINE {
+            if constexpr (Where == WeightsIn::memory && weights_ahead != 0)
+                fetch_ahead(begin + row * row_bytes, weights_ahead);
             add_row<Format, T, Blocks, D>(begin + row * row_bytes, stride * row_bytes, displacement(row),
                                           sum[chain]);
         };
@@ -199,11 +215,12 @@ template <std::size_t D>
 inline constexpr std::size_t blocks_together = FLT_EVAL_METHOD == 0 ? sums_in_registers<D> : 1;
 
 /// The sums of one block, read as one stream from its first row on.
-template <WeightFormat Format, Scalar T, std::size_t D, class Displacement>
+template <WeightsIn Where, WeightFormat Format, Scalar T, std::size_t D, class Displacement>
 void sum_block(const std::byte* weights, std::size_t rows, const Displacement& displacement,
                Lanes<T>* sums) noexcept {
     constexpr std::size_t chains = sums_in_registers<D> < most_chains ? sums_in_registers<D> : most_chains;
-    sum_rows<1, chains, Format, T, D>(weights, 0, rows, displacement, reinterpret_cast<Lanes<T>(*)[D]>(sums));
+    sum_rows<1, chains, Where, Format, T, D>(weights, 0, rows, displacement,
+                                             reinterpret_cast<Lanes<T>(*)[D]>(sums));
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

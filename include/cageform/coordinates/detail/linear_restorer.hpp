@@ -6,7 +6,7 @@
 #include <cageform/core/blocks.hpp>
 #include <cageform/core/buffer.hpp>
 #include <cageform/core/detail/orthonormal_rows.hpp>
-#include <cageform/core/detail/simd_sqrt.hpp>
+#include <cageform/core/detail/simd_instructions.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -167,7 +167,7 @@ private:
         return m;
     }
 
-    static Simd largest(const Row& row) {
+    CAGEFORM_DETAIL_INLINE static Simd largest(const Row& row) {
         Simd most = abs<T>(row[0]);
         for (std::size_t k = 1; k <= D; ++k) most = max<T>(most, abs<T>(row[k]));
         return most;

@@ -55,20 +55,27 @@ struct MeanValueFrame<S, 2> {
     }
 };
 
-/// The vector u from the point to a vertex, its squared length, and its length as a number.
+/// The vector u from the point to a vertex, its squared length, and its length as a number; one over that where roots are
+/// estimated.
 template <class N>
 struct Spoke {
     using X = ValueOf<N>;
     Vec<X, 2> u;
     X rr;
-    N r;
+    N r, inverse_r;
 
     template <class S>
     Spoke(const Vec<S, 2>& vertex, const Vec<X, 2>& p) noexcept
         : u{X(vertex[0]) - p[0], X(vertex[1]) - p[1]}
         , rr(u[0] * u[0] + u[1] * u[1]) {
-        const X root = sqrt(rr);
-        r = with_gradient<N>(root, (X(-1) / root) * u);
+        if constexpr (estimates_roots<N>) {
+            const auto both = root_and_inverse(rr);
+            r = both.root;
+            inverse_r = both.inverse;
+        } else {
+            const X root = sqrt(rr);
+            r = with_gradient<N>(root, (X(-1) / root) * u);
+        }
     }
 };
 
@@ -79,13 +86,14 @@ struct Spoke {
 /// With u = C_i − p, v = C_{i+1} − p and e the edge: the sine times |u||v| is c = u × e, the cosine
 /// times it d = u·v. The cross product is taken with the edge: with v it would cancel far away.
 /// Then tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever does not cancel. One division by the
-/// tangent's denominator times |v| serves the tangent and 1/|v|.
+/// tangent's denominator times |v| serves the tangent and 1/|v|, unless that comes with the root.
 template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), on_vertex(limits.near * limits.near), far(limits.far * limits.far);
-    X special = zero;
+    // The nearest to a vertex, and to an edge: there |c| is small and d is not positive.
+    X special = zero, least_rr(std::numeric_limits<S>::max()), least_clearance = least_rr;
     for (const auto& loop : cage.loops) {
         const Spoke<N> first(cage.corners[loop.begin].position, p);
         special = select(far < first.rr, one, special);
@@ -94,29 +102,38 @@ WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& l
         for (std::size_t i = loop.begin; i < loop.end; ++i) {
             const auto& corner = cage.corners[i];
             const Spoke<N> to = i + 1 < loop.end ? Spoke<N>(cage.corners[i + 1].position, p) : first;
-            special = select(to.rr <= on_vertex, one, special);
+            least_rr = (min)(to.rr, least_rr);
             const auto &u = from.u, &v = to.u;
             const X ex(corner.edge[0]), ey(corner.edge[1]);
             const N c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
             const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
             const auto acute = zero < value_of(d);
-            const auto on_line = abs(value_of(c)) <= X(limits.near * corner.extent);
-            special = select(both(on_line, value_of(d) <= zero), one, special);
             const N s = from.r * to.r + abs(d);
             const N numerator = select(acute, c, s), denominator = select(acute, s, c);
-            const N inverse = one / (denominator * to.r);
-            const N t = numerator * to.r * inverse;
+            least_clearance =
+                (min)(abs(value_of(denominator)) - X(limits.near * corner.extent), least_clearance);
+            N t, inverse_next;
+            if constexpr (estimates_roots<N>) {
+                t = numerator / denominator;
+                inverse_next = to.inverse_r;
+            } else {
+                const N inverse = one / (denominator * to.r);
+                t = numerator * to.r * inverse;
+                inverse_next = denominator * inverse;
+            }
             if (i == loop.begin) {
                 t_first = t;
             } else {
                 rows.weights[i] = (t_before + t) * inverse_r;
             }
             t_before = t;
-            inverse_r = denominator * inverse;
+            inverse_r = inverse_next;
             from = to;
         }
         rows.weights[loop.begin] = (t_before + t_first) * inverse_r;
     }
+    special = select(least_rr <= on_vertex, one, special);
+    special = select(least_clearance <= zero, one, special);
     return {rows.sum(), special};
 }
 

@@ -127,24 +127,39 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
     return sum;
 }
 
-/// g = θ/R of an edge, θ the angle it is seen under, R the distance of p to its line: the integral
-/// of one over the squared distance along it. From begin to end along the line, τ its direction, R⃗
-/// the vector to the line, a and b the distances to the ends (R is `r` in code):
+/// An edge as a place p sees it: the vector u from p to its start, its direction t, its ends along its line from
+/// the foot of p, R⃗ the vector to that foot, R = |R⃗|.
+template <class X, class S>
+struct SeenEdge {
+    Vec<X, 3> u, t;
+    X length, begin, end, rr, r;
+
+    SeenEdge(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<X, 3>& p) noexcept
+        : u{X(edge.origin[0]) - p[0], X(edge.origin[1]) - p[1], X(edge.origin[2]) - p[2]}
+        , t{X(edge.direction[0]), X(edge.direction[1]), X(edge.direction[2])}
+        , length(edge.length)
+        , begin(inner(u, t))
+        , end(begin + length) {
+        const auto c = cross(u, t);
+        rr = (max)(inner(c, c), X(least_divisor<S>));
+        r = sqrt(rr);
+    }
+    /// The sine and the cosine of the angle θ that p sees it under, times both distances to its ends.
+    X sine() const noexcept { return r * length; }
+    X cosine() const noexcept { return rr + begin * end; }
+};
+
+/// g = θ/R of an edge: the integral of one over the squared distance along it. τ its direction, a and b the distances
+/// to its ends:
 ///
 ///   ∇g = τ (1/a² − 1/b²) + R⃗ G,   G = (g + end/b² − begin/a²)/R²
 template <class N, class S>
 N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<ValueOf<N>, 3>& p) noexcept {
     using X = ValueOf<N>;
-    Vec<X, 3> u, t;
-    for (std::size_t k = 0; k < 3; ++k) {
-        u[k] = X(edge.origin[k]) - p[k];
-        t[k] = X(edge.direction[k]);
-    }
-    const X length(edge.length), begin = inner(u, t), end = begin + length;
-    const auto c = cross(u, t);
-    const X rr = (max)(inner(c, c), X(least_divisor<S>)), r = sqrt(rr);
-    const X g = angle(r * length, rr + begin * end) / r;
+    const SeenEdge<X, S> seen(edge, p);
+    const X g = angle(seen.sine(), seen.cosine()) / seen.r;
     if constexpr (has_gradient<N>) {
+        const auto& [u, t, length, begin, end, rr, r] = seen;
         const X ends = length / ((rr + begin * begin) * (rr + end * end));
         const X axial = (begin + end) * ends;
         X radial = (g + (rr - begin * end) * ends) / rr;
@@ -156,6 +171,33 @@ N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec
         return {g, slope};
     } else {
         return g;
+    }
+}
+
+/// The same of all edges. For registers in two stages, each so short that a processor has several edges under way: up to
+/// the quotients whose arctangents are wanted, and those.
+template <class N, class S>
+void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& edges,
+                           const Vec<ValueOf<N>, 3>& p, std::vector<N>& g) noexcept {
+    if constexpr (!has_gradient<N> && !std::is_floating_point_v<N>) {
+        constexpr std::size_t most = 32;
+        Lanes<S> quotient[most], offset[most], distance[most];
+        for (std::size_t first = 0; first < edges.size(); first += most) {
+            const std::size_t count = std::min(most, edges.size() - first);
+            for (std::size_t e = 0; e < count; ++e) {
+                const SeenEdge<N, S> seen(edges[first + e], p);
+                const AngleParts<S> parts(seen.sine(), seen.cosine());
+                (parts.numerator / parts.denominator).store(quotient[e]);
+                parts.offset.store(offset[e]);
+                seen.r.store(distance[e]);
+            }
+            for (std::size_t e = 0; e < count; ++e) {
+                const N z = N::load(quotient[e]);
+                g[first + e] = (z * atan_over(z * z) + N::load(offset[e])) / N::load(distance[e]);
+            }
+        }
+    } else {
+        for (std::size_t e = 0; e < edges.size(); ++e) g[e] = angle_over_distance<N, S>(edges[e], p);
     }
 }
 
@@ -292,8 +334,7 @@ ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits
                          const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1));
-    for (std::size_t e = 0; e < cage.edges.size(); ++e)
-        rows.edges[e] = angle_over_distance<N, S>(cage.edges[e], p);
+    angles_over_distances<N, S>(cage.edges, p, rows.edges);
     for (N& w : rows.weights) w = zero;
     return select(X(limits.far * limits.far) < inner(p, p), one, zero);
 }

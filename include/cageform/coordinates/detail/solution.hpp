@@ -51,6 +51,8 @@ private:
 
         std::size_t groups() const { return solver.groups(); }
         Block make_block() const { return solver.make_block(); }
+        std::size_t helpers() const noexcept requires requires(const S& s) { s.helpers(); }
+        { return solver.helpers(); }
         Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
             return solver.solve(group, block, work, &guess);
         }

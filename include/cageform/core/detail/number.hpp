@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/core/detail/simd_angle.hpp>
-#include <cageform/core/detail/simd_sqrt.hpp>
+#include <cageform/core/detail/simd_instructions.hpp>
 
 #include <cmath>
 #include <concepts>

@@ -3,7 +3,9 @@
 
 #include <cageform/core/blocks.hpp>
 
+#include <array>
 #include <cstring>
+#include <utility>
 
 // Plain scalars are for checking, not for speed.
 #if defined(__GNUC__) && CAGEFORM_REGISTER_BYTES != 0
@@ -51,6 +53,15 @@ CAGEFORM_DETAIL_INLINE inline void store_bytes(void* bytes, const R& r) noexcept
     *static_cast<Anywhere*>(bytes) = r;
 #else
     std::memcpy(bytes, &r, sizeof(r));
+#endif
+}
+
+/// Has the cache line `ahead` bytes on fetched into the second level; that may lie past the end of memory.
+CAGEFORM_DETAIL_INLINE inline void fetch_ahead([[maybe_unused]] const void* bytes,
+                                               [[maybe_unused]] std::size_t ahead) noexcept {
+#if defined(__GNUC__)
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): a pointer past the end of an array must not be made from its elements
+    __builtin_prefetch(reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(bytes) + ahead), 0, 2);
 #endif
 }
 
@@ -110,6 +121,10 @@ struct Simd {
             for (std::size_t k = 0; k < count; ++k) a.m[k] = a.m[k] | b.m[k];
             return a;
         }
+        friend Mask operator^(Mask a, const Mask& b) noexcept {
+            for (std::size_t k = 0; k < count; ++k) a.m[k] = a.m[k] ^ b.m[k];
+            return a;
+        }
     };
 
     Register r[count];
@@ -160,17 +175,9 @@ struct Simd {
     }
 };
 
-/// Whether a comparison holds in any lane.
-template <class M>
-bool any(const M& mask) noexcept {
-    std::uint64_t words[sizeof(M) / 8], all = 0;
-    std::memcpy(words, &mask, sizeof(words));
-    for (const std::uint64_t word : words) all |= word;
-    return all != 0;
-}
-
 template <Scalar T>
-Simd<T> select(const typename Simd<T>::Mask& m, Simd<T> a, const Simd<T>& b) noexcept {
+CAGEFORM_DETAIL_INLINE inline Simd<T> select(const typename Simd<T>::Mask& m, Simd<T> a,
+                                             const Simd<T>& b) noexcept {
     for (std::size_t k = 0; k < Simd<T>::count; ++k) a.r[k] = m.m[k] ? a.r[k] : b.r[k];
     return a;
 }
@@ -183,19 +190,39 @@ Simd<T> multiply_add(const Simd<T>& a, const Simd<T>& b, Simd<T> c) noexcept {
     return c;
 }
 
+/// The bits of a number as an integer, or of a register as integers.
+template <class Register>
+struct BitsOf {
+    using type = decltype(Register{} < Register{});
+};
+template <>
+struct BitsOf<float> {
+    using type = std::int32_t;
+};
+template <>
+struct BitsOf<double> {
+    using type = std::int64_t;
+};
+
 template <Scalar T>
-Simd<T> abs(const Simd<T>& a) noexcept {
-    return select<T>(a < Simd<T>(T(0)), Simd<T>(T(0)) - a, a);
+CAGEFORM_DETAIL_INLINE inline Simd<T> abs(Simd<T> a) noexcept {
+    using Register = typename Simd<T>::Register;
+    using Bits = typename BitsOf<Register>::type;
+    using Int = typename BitsOf<T>::type;
+    for (std::size_t k = 0; k < Simd<T>::count; ++k)
+        a.r[k] = __builtin_bit_cast(Register,
+                                    __builtin_bit_cast(Bits, a.r[k]) & (std::numeric_limits<Int>::max)());
+    return a;
 }
 
 // Named in parentheses, for windows.h defines macros of these names.
 template <Scalar T>
-Simd<T>(max)(const Simd<T>& a, const Simd<T>& b) noexcept {
+CAGEFORM_DETAIL_INLINE inline Simd<T>(max)(const Simd<T>& a, const Simd<T>& b) noexcept {
     return select<T>(a < b, b, a);
 }
 
 template <Scalar T>
-Simd<T>(min)(const Simd<T>& a, const Simd<T>& b) noexcept {
+CAGEFORM_DETAIL_INLINE inline Simd<T>(min)(const Simd<T>& a, const Simd<T>& b) noexcept {
     return select<T>(a < b, a, b);
 }
 
@@ -221,18 +248,24 @@ void store_lanes(const Simd<S>& x, Lanes<T>& row, [[maybe_unused]] std::size_t f
     }
 }
 
-/// Σ x^k/(2k + 1) over `terms` of them, an even number: the series of atan and artanh. In two halves
-/// side by side, which take half as long one after the other.
-template <int terms, Scalar T>
-Simd<T> odd_series(const Simd<T>& x) noexcept {
-    static_assert(terms % 2 == 0);
+/// Of the coefficients c[last], c[last − 2], …, one more than k, a polynomial in x; c[last] belongs to its highest power.
+template <Scalar T, std::size_t n, std::size_t... k>
+CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, std::size_t last,
+                                                   const Simd<T>& x, std::index_sequence<k...>) noexcept {
+    Simd<T> sum(c[last]);
+    ((sum = sum * x + Simd<T>(c[last - 2 * k - 2])), ...);
+    return sum;
+}
+
+/// c[0] + c[1] x + c[2] x² + …, in two halves side by side, which take half as long one after the other.
+/// Written out, for a loop GNU would keep, with its constants set up anew each time.
+template <Scalar T, std::size_t n>
+CAGEFORM_DETAIL_INLINE inline Simd<T> polynomial(const std::array<T, n>& c, const Simd<T>& x) noexcept {
+    static_assert(n >= 3);
+    constexpr std::size_t even = (n - 1) / 2, odd = n / 2 - 1; // terms after the first of each half
     const Simd<T> xx = x * x;
-    Simd<T> even(T(1) / T(2 * terms - 3)), odd(T(1) / T(2 * terms - 1));
-    for (int k = terms - 4; k >= 0; k -= 2) {
-        even = even * xx + Simd<T>(T(1) / T(2 * k + 1));
-        odd = odd * xx + Simd<T>(T(1) / T(2 * k + 3));
-    }
-    return odd * x + even;
+    return every_second(c, 2 * odd + 1, xx, std::make_index_sequence<odd>()) * x +
+           every_second(c, 2 * even, xx, std::make_index_sequence<even>());
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

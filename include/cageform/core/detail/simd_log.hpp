@@ -5,19 +5,25 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The bits of a number as an integer, or of a register as integers.
-template <class Register>
-struct BitsOf {
-    using type = decltype(Register{} < Register{});
-};
-template <>
-struct BitsOf<float> {
-    using type = std::int32_t;
-};
-template <>
-struct BitsOf<double> {
-    using type = std::int64_t;
-};
+/// artanh(√u)/√u for 0 ≤ u ≤ (3 − √8)², by the polynomial of the least relative error: 2e-18 (float 7e-10)
+/// before its coefficients are rounded.
+template <Scalar T>
+CAGEFORM_DETAIL_INLINE inline Simd<T> artanh_over(const Simd<T>& u) noexcept {
+    if constexpr (sizeof(T) == 8) {
+        static constexpr std::array<T, 8> c{1,
+                                            0.33333333333333826,
+                                            0.19999999999649443,
+                                            0.14285714380673098,
+                                            0.11111098494138967,
+                                            0.09091817546676477,
+                                            0.076562218832389728,
+                                            0.074052649176298446};
+        return polynomial(c, u);
+    } else {
+        static constexpr std::array<T, 4> c{1, 0.333334088F, 0.199873969F, 0.149628252F};
+        return polynomial(c, u);
+    }
+}
 
 /// Natural logarithms of finite numbers that are positive and normal: to four roundings.
 template <Scalar T>
@@ -41,13 +47,11 @@ Simd<T> log(const Simd<T>& a) noexcept {
     const auto above = Simd<T>(T(1.4142135623730951)) < m;
     m = select<T>(above, Simd<T>(T(0.5)) * m, m);
     exponent = select<T>(above, exponent + one, exponent);
-    // The series of 2 artanh(z): at |z| ≤ 3 − √8 each term is a thirtieth of the one before.
-    const Simd<T> z = (m - one) / (m + one), zz = z * z;
-    constexpr int terms = sizeof(T) == 8 ? 12 : 6;
+    const Simd<T> z = (m - one) / (m + one); // ln m = 2 artanh(z), |z| ≤ 3 − √8
     // ln 2 in two parts, of which the first times the exponent is exact.
     constexpr T high = T(sizeof(T) == 8 ? 0x1.62e42fefa38p-1 : 0x1.62ep-1);
     constexpr T low = T(sizeof(T) == 8 ? 0x1.ef35793c7673p-45 : 0x1.0bfbe8p-15);
-    return exponent * Simd<T>(high) + (exponent * Simd<T>(low) + Simd<T>(T(2)) * (z * odd_series<terms>(zz)));
+    return exponent * Simd<T>(high) + (exponent * Simd<T>(low) + Simd<T>(T(2)) * (z * artanh_over(z * z)));
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

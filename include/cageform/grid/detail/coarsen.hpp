@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cageform/core/buffer.hpp>
+#include <cageform/core/running.hpp>
 #include <cageform/grid/detail/equations.hpp>
 
 #include <cmath>
@@ -84,8 +85,9 @@ public:
     using Index = typename grid::NodeRuns<D>::Index;
     static constexpr std::uint32_t none = grid::NodeRuns<D>::none;
 
-    explicit Coarsener(const Equations<D>& fine)
-        : fine_(fine) {
+    explicit Coarsener(const Equations<D>& fine, const Running& running = {})
+        : fine_(fine)
+        , running_(running) {
         choose_coarse_nodes();
         make_interpolation();
         make_galerkin_operator();
@@ -93,6 +95,20 @@ public:
     Coarsening<D> take() { return std::move(out_); }
 
 private:
+    static std::size_t slab_rows(const grid::NodeRuns<D>& nodes) noexcept {
+        return nodes.rows() / std::size_t(nodes.size()[D - 1]);
+    }
+    /// body(begin, end) for ranges of rows, whole slabs, that cover all.
+    template <class Body>
+    void for_slabs(const grid::NodeRuns<D>& nodes, const Body& body) const {
+        constexpr std::size_t worth_a_thread = 4096; // nodes: a millisecond
+        if (nodes.rows() == 0) return;
+        const std::size_t slabs = std::size_t(nodes.size()[D - 1]), rows = slab_rows(nodes);
+        const std::size_t grain = slabs * worth_a_thread / (nodes.count() + 1) + 4;
+        in_parallel(running_, slabs, std::min(grain, slabs),
+                    [&](std::size_t begin, std::size_t end) { body(begin * rows, end * rows); });
+    }
+
     void choose_coarse_nodes() {
         Index size = fine_.nodes.size();
         for (auto& n : size) n = (n + 1) / 2;
@@ -119,15 +135,20 @@ private:
     void make_interpolation() {
         out_.slot.assign(fine_.nodes.count(), none);
         const auto near = near_irregular();
+        std::uint32_t count = 0;
+        fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
+            const std::size_t odd = near[node] ? odd_axes(index) : 0;
+            if (odd > 1 || (odd == 1 && fine_.is_irregular(node))) out_.slot[node] = count++;
+        });
+        out_.irregular.resize(count);
         for (std::size_t odd = 1; odd <= D; ++odd) {
-            Neighbours<D> around(fine_.nodes);
-            fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
-                if (!near[node] || odd_axes(index) != odd) return;
-                if (!fine_.is_irregular(node) && odd == 1) return;
-                around.move_to(index);
-                const auto weights = interpolate(node, index, around);
-                out_.slot[node] = std::uint32_t(out_.irregular.size());
-                out_.irregular.push_back(weights);
+            for_slabs(fine_.nodes, [&](std::size_t begin, std::size_t end) {
+                Neighbours<D> around(fine_.nodes);
+                fine_.nodes.for_each_of_rows(begin, end, [&](const Index& index, std::uint32_t node) {
+                    if (!out_.is_irregular(node) || odd_axes(index) != odd) return;
+                    around.move_to(index);
+                    out_.irregular[out_.slot[node]] = interpolate(node, index, around);
+                });
             });
         }
     }
@@ -191,8 +212,18 @@ private:
         auto& coarse = out_.coarse;
         coarse.regular = regular_coarse_stencil<D>(fine_.regular);
         choose_irregular();
+        for_slabs(coarse.nodes, [&](std::size_t begin, std::size_t end) { add_to_coarse_rows(begin, end); });
+        for (auto& equation : coarse.irregular) share_out_row_sum(equation);
+    }
+    /// What the coarse nodes of some slabs get, the row `end` the first that is not theirs. Each
+    /// adds it up in the order of the fine nodes.
+    void add_to_coarse_rows(std::size_t begin, std::size_t end) noexcept {
+        auto& coarse = out_.coarse;
+        const std::uint32_t first = coarse.nodes.first_of_row(begin), last = coarse.nodes.first_of_row(end);
+        const std::size_t fine_slab = slab_rows(fine_.nodes), slab = slab_rows(coarse.nodes);
+        const std::size_t low = 2 * (begin / slab), high = 2 * (end / slab); // slabs of fine nodes
         Neighbours<D> around(fine_.nodes), coarse_around(coarse.nodes);
-        fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
+        const auto add = [&](const Index& index, std::uint32_t node) {
             CoarseRows to{};
             const auto& weights = out_.of(node, index);
             coarse_around.move_to(out_.corner_index(index, 0));
@@ -200,14 +231,15 @@ private:
             for (std::size_t corner = 0; corner < weights.size(); ++corner) {
                 const auto n =
                     weights[corner] != 0 ? coarse_around.at(P::place(corner_offset<D>(corner))) : none;
-                to[corner] = n != none ? coarse.slot[n] : none;
+                to[corner] = n != none && n >= first && n < last ? coarse.slot[n] : none;
                 wanted = wanted || to[corner] != none;
             }
             if (!wanted) return;
             around.move_to(index);
             add_restricted(weights, row_of_ap(node, index, around), to);
-        });
-        for (auto& equation : coarse.irregular) share_out_row_sum(equation);
+        };
+        fine_.nodes.for_each_of_rows(fine_slab * (low > 0 ? low - 1 : 0),
+                                     std::min(fine_slab * high, fine_.nodes.rows()), add);
     }
     /// Irregular coarse nodes are those with irregular interpolation within two fine nodes, or an
     /// irregular equation within one.
@@ -244,11 +276,10 @@ private:
             if (n == none) continue;
             const auto at = shifted<D>(index, P::offset(p));
             const auto& from = out_.of(n, at);
+            const std::size_t low =
+                P::place(shifted<D>(out_.corner_index(at, 0), out_.corner_index(index, 0), -1));
             for (std::size_t corner = 0; corner < from.size(); ++corner) {
-                if (from[corner] == 0) continue;
-                const auto offset =
-                    shifted<D>(out_.corner_index(at, corner), out_.corner_index(index, 0), -1);
-                row[P::place(offset)] += a[p] * from[corner];
+                if (from[corner] != 0) row[low + P::corner_step(corner)] += a[p] * from[corner];
             }
         }
         return row;
@@ -257,14 +288,17 @@ private:
     using CoarseRows = std::array<std::uint32_t, power(2, D)>; ///< into `coarse.irregular`, or none
     void add_restricted(const Interpolation<D>& weights, const typename Equations<D>::Stencil& row,
                         const CoarseRows& to) noexcept {
+        std::array<std::size_t, P::count> places;
+        std::size_t count = 0;
+        for (std::size_t p = 0; p < P::count; ++p) {
+            places[count] = p;
+            count += row[p] != 0 ? 1 : 0;
+        }
         for (std::size_t corner = 0; corner < to.size(); ++corner) {
             if (to[corner] == none) continue;
-            auto& stencil = out_.coarse.irregular[to[corner]].a;
-            for (std::size_t p = 0; p < P::count; ++p) {
-                if (row[p] == 0) continue;
-                const auto offset = shifted<D>(P::offset(p), corner_offset<D>(corner), -1);
-                stencil[P::place(offset)] += weights[corner] * row[p];
-            }
+            auto* const stencil = out_.coarse.irregular[to[corner]].a.data();
+            for (std::size_t n = 0; n < count; ++n)
+                stencil[places[n] - P::corner_step(corner)] += weights[corner] * row[places[n]];
         }
     }
     /// The row sum is what a node takes from the data. It goes in equal shares to the axes on which
@@ -291,6 +325,7 @@ private:
     }
 
     const Equations<D>& fine_;
+    const Running& running_;
     Coarsening<D> out_;
 };
 

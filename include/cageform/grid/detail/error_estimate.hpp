@@ -14,8 +14,10 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 struct Residual {
     Simd<float> interior{0.0f}, beside_data{0.0f};
 
-    void add(const Simd<float>& r) noexcept { interior = max<float>(interior, abs<float>(r)); }
-    void add(const Simd<float>& r, float row_sum) noexcept {
+    CAGEFORM_DETAIL_INLINE void add(const Simd<float>& r) noexcept {
+        interior = max<float>(interior, abs<float>(r));
+    }
+    CAGEFORM_DETAIL_INLINE void add(const Simd<float>& r, float row_sum) noexcept {
         if (row_sum >= 1) {
             beside_data = max<float>(beside_data, Simd<float>(1 / row_sum) * abs<float>(r));
         } else {

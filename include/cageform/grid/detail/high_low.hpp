@@ -18,24 +18,18 @@ public:
 
     /// Adds a float solution. What `u` holds afterwards is of no use. The low part begins with the
     /// second one.
-    void add(Buffer<NodeRow>& u) {
+    void add(Buffer<NodeRow>& u, const WorkShare& share) {
         if (high_.empty()) {
             std::swap(u, high_);
             u.resize(high_.size());
             return;
         }
-        if (low_.empty()) {
-            low_.resize(high_.size());
-            set_zero(low_);
-        }
-        for (std::size_t i = 0; i < u.size(); ++i) {
-            for (std::size_t k = 0; k < functions_together; ++k) {
-                const double low = double(low_[i][k]) + double(u[i][k]);
-                const double sum = double(high_[i][k]) + low;
-                high_[i][k] = float(sum);
-                low_[i][k] = float(sum - double(high_[i][k]));
-            }
-        }
+        const bool first = low_.empty();
+        if (first) low_.resize(high_.size());
+        share.for_ranges(u.size(), 8192, [&](std::size_t begin, std::size_t end) {
+            if (first) set_zero(low_, begin, end);
+            for (std::size_t i = begin; i < end; ++i) add_at(i, u[i]);
+        });
     }
 
     /// sum += factor · the value at a node.
@@ -65,6 +59,15 @@ public:
     }
 
 private:
+    void add_at(std::size_t i, const NodeRow& u) noexcept {
+        for (std::size_t k = 0; k < functions_together; ++k) {
+            const double low = double(low_[i][k]) + double(u[k]);
+            const double sum = double(high_[i][k]) + low;
+            high_[i][k] = float(sum);
+            low_[i][k] = float(sum - double(high_[i][k]));
+        }
+    }
+
     Buffer<NodeRow> high_, low_; ///< as long as the finest level, or empty
 };
 

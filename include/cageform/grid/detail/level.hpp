@@ -1,5 +1,5 @@
 // One level of the hierarchy as the cycles walk it: regular nodes in runs, irregular ones in a
-// list, both slab by slab.
+// list, both row by row.
 #pragma once
 
 #include <cageform/core/buffer.hpp>
@@ -49,30 +49,30 @@ struct Level {
         float inverse; ///< 1/diagonal
         float row_sum; ///< of A: zero but beside data
     };
-    /// The nodes of one index along the last axis.
-    struct Slab {
-        std::uint32_t runs_end, irregular_end;
-    };
     struct Range {
         std::size_t begin, end;
+    };
+    /// Where the nodes of a row of the lattice begin.
+    struct Row {
+        std::uint32_t runs, irregular;
     };
 
     std::uint32_t count = 0;                ///< of nodes
     float diagonal = 1;                     ///< of the regular stencil
     std::array<float, D + 1> by_distance{}; ///< minus its other entries, by `Places::distance`
-    Buffer<Slab> slabs;
+    std::size_t slab_rows = 1;              ///< of the nodes of one index along the last axis
+    Buffer<Row> rows;                       ///< and their end
     Buffer<RegularRun<D>> runs;
     Buffer<Irregular> irregular;
     Buffer<Entry> entries;     ///< minus the off-diagonal entries of A, of irregular nodes
     Buffer<Entry> from_coarse; ///< their interpolation
 
-    std::span<const RegularRun<D>> runs_of(std::size_t slab) const noexcept {
-        const std::size_t begin = slab == 0 ? 0 : slabs[slab - 1].runs_end;
-        return {runs.data() + begin, runs.data() + slabs[slab].runs_end};
+    std::size_t slabs() const noexcept { return (rows.size() - 1) / slab_rows; }
+    /// Of some rows that follow each other.
+    std::span<const RegularRun<D>> runs_of(Range r) const noexcept {
+        return {runs.data() + rows[r.begin].runs, runs.data() + rows[r.end].runs};
     }
-    Range irregular_of(std::size_t slab) const noexcept {
-        return {slab == 0 ? 0 : slabs[slab - 1].irregular_end, slabs[slab].irregular_end};
-    }
+    Range irregular_of(Range r) const noexcept { return {rows[r.begin].irregular, rows[r.end].irregular}; }
     std::span<const Entry> entries_of(std::size_t j) const noexcept {
         const std::size_t begin = j == 0 ? 0 : irregular[j - 1].entries_end;
         return {entries.data() + begin, entries.data() + irregular[j].entries_end};
@@ -83,7 +83,7 @@ struct Level {
     }
 
     std::size_t bytes() const noexcept {
-        return slabs.capacity() * sizeof(Slab) + runs.capacity() * sizeof(RegularRun<D>) +
+        return rows.capacity() * sizeof(Row) + runs.capacity() * sizeof(RegularRun<D>) +
                irregular.capacity() * sizeof(Irregular) +
                (entries.capacity() + from_coarse.capacity()) * sizeof(Entry);
     }
@@ -103,12 +103,13 @@ public:
         level_.diagonal = float(e_.regular[P::centre]);
         for (std::size_t p = 0; p < P::count; ++p) level_.by_distance[P::distance(p)] = -float(e_.regular[p]);
         const std::size_t rows = e_.nodes.rows();
-        const std::size_t slab_rows = rows / std::size_t(e_.nodes.size()[D - 1]);
+        level_.slab_rows = rows / std::size_t(e_.nodes.size()[D - 1]);
+        level_.rows.reserve(rows + 1);
+        level_.rows.push_back();
         for (std::size_t row = 0; row < rows; ++row) {
             add_row(row);
-            if ((row + 1) % slab_rows == 0)
-                level_.slabs.push_back(
-                    {std::uint32_t(level_.runs.size()), std::uint32_t(level_.irregular.size())});
+            level_.rows.push_back(
+                {std::uint32_t(level_.runs.size()), std::uint32_t(level_.irregular.size())});
         }
         level_.runs.shrink_to_fit();
         level_.irregular.shrink_to_fit();

@@ -3,6 +3,7 @@
 
 #include <cageform/core/blocks.hpp>
 #include <cageform/core/buffer.hpp>
+#include <cageform/grid/detail/helping_threads.hpp>
 
 #include <array>
 #include <cstring>
@@ -18,9 +19,17 @@ struct Fields {
     Buffer<NodeRow> u, b;
 };
 
+inline void set_zero(Buffer<NodeRow>& rows, std::size_t begin, std::size_t end) noexcept {
+    if (begin == end) return; // memset is not to be given a null pointer
+    std::memset(static_cast<void*>(rows.data() + begin), 0, (end - begin) * sizeof(NodeRow));
+}
 inline void set_zero(Buffer<NodeRow>& rows) noexcept {
-    if (rows.empty()) return; // memset is not to be given a null pointer
-    std::memset(static_cast<void*>(rows.data()), 0, rows.size() * sizeof(NodeRow));
+    set_zero(rows, 0, rows.size());
+}
+inline void set_zero(Buffer<NodeRow>& rows, const WorkShare& share) noexcept {
+    constexpr std::size_t worth_sharing = 16384; // a megabyte
+    share.for_ranges(rows.size(), worth_sharing,
+                     [&](std::size_t begin, std::size_t end) { set_zero(rows, begin, end); });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,8 +1,8 @@
-// The work on one slab of a level: relaxation, and the residual restricted to the next level.
+// The work on some rows of a level: relaxation, and the residual restricted to the next level.
 //
 // The finest level is relaxed by Gauss–Seidel in red-black order. Its regular stencil couples a
 // node with those of the other colour only. Coarser levels have all 3^D neighbours and are relaxed
-// by Gauss–Seidel along the rows. Irregular nodes of a slab come before its regular ones.
+// by Gauss–Seidel along the rows. Irregular nodes come before the regular ones of the same rows.
 #pragma once
 
 #include <cageform/grid/detail/error_estimate.hpp>
@@ -14,21 +14,22 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <std::size_t D, bool HasSource>
 struct FinestLevel {
     using Vector = Simd<float>;
+    using Rows = typename Level<D>::Range;
     static constexpr std::size_t colours = 2;
     static constexpr float diagonal = 2.0f * float(D); ///< of the regular stencil
 
     LevelFields<D> fields;
 
-    void relax(std::size_t slab, std::uint32_t colour) const noexcept {
-        if (colour == 0) relax_irregular(*this, slab);
-        for (const auto& run : fields.level.runs_of(slab)) {
+    void relax(Rows rows, std::uint32_t colour) const noexcept {
+        if (colour == 0) relax_irregular(*this, rows);
+        for (const auto& run : fields.level.runs_of(rows)) {
             for_each_second(run, run.first_of(colour),
                             [](NodeRow& u, const Vector& sum) { (sum * Vector(1 / diagonal)).store(u); });
         }
     }
     /// Just relaxed nodes of the second colour have no residual.
-    void restrict_residual(std::size_t slab, Residual& largest) const noexcept {
-        for (const auto& run : fields.level.runs_of(slab)) {
+    void restrict_residual(Rows rows, Residual& largest) const noexcept {
+        for (const auto& run : fields.level.runs_of(rows)) {
             const std::uint32_t begin = run.first_of(0);
             RunRestriction<D> restriction(run, run.x + std::int32_t(begin), fields.coarser->b.data());
             for_each_second(run, begin, [&](const NodeRow& u, const Vector& sum) {
@@ -38,7 +39,7 @@ struct FinestLevel {
             });
             restriction.finish();
         }
-        restrict_irregular(*this, slab, largest);
+        restrict_irregular(*this, rows, largest);
     }
     /// Of all nodes.
     Residual residual() const noexcept {
@@ -72,8 +73,11 @@ private:
         NodeRow* const first = fields.u + run.first;
         const NodeRow* const b = fields.b + run.first;
         const NodeRow* const end = first + run.count;
+        Vector before = Vector::load(first[std::ptrdiff_t(begin) - 1]);
         for (NodeRow* here = first + begin; here < end; here += 2) {
-            Vector sum = Vector::load(here[-1]) + Vector::load(here[1]);
+            const Vector after = Vector::load(here[1]);
+            Vector sum = before + after;
+            before = after; // of the other colour, which stays
             if constexpr (HasSource) sum = sum + Vector::load(b[here - first]);
             for (std::size_t k = 1; k < D; ++k)
                 sum = sum + (Vector::load(here[to[2 * k]]) + Vector::load(here[to[2 * k + 1]]));
@@ -86,23 +90,24 @@ private:
 template <std::size_t D>
 struct CoarseLevel {
     using Vector = Simd<float>;
+    using Rows = typename Level<D>::Range;
     static constexpr std::size_t colours = 1;
 
     LevelFields<D> fields;
 
-    void relax(std::size_t slab, std::uint32_t) const noexcept {
-        relax_irregular(*this, slab);
+    void relax(Rows rows, std::uint32_t) const noexcept {
+        relax_irregular(*this, rows);
         const float inverse = 1 / fields.level.diagonal;
-        for (const auto& run : fields.level.runs_of(slab)) {
+        for (const auto& run : fields.level.runs_of(rows)) {
             for_each_node(run, inverse, [](NodeRow& u, const Vector& sum, const Vector&) {
                 sum.store(u);
                 return sum;
             });
         }
     }
-    void restrict_residual(std::size_t slab, Residual& largest) const noexcept {
+    void restrict_residual(Rows rows, Residual& largest) const noexcept {
         const Vector diagonal(fields.level.diagonal);
-        for (const auto& run : fields.level.runs_of(slab)) {
+        for (const auto& run : fields.level.runs_of(rows)) {
             RunRestriction<D> restriction(run, run.x, fields.coarser->b.data());
             for_each_node(run, 1.0f, [&](const NodeRow&, const Vector& sum, const Vector& before) {
                 const Vector residual = sum - diagonal * before;
@@ -112,7 +117,7 @@ struct CoarseLevel {
             });
             restriction.finish();
         }
-        restrict_irregular(*this, slab, largest);
+        restrict_irregular(*this, rows, largest);
     }
 
     /// b minus the off-diagonal part of A u.
@@ -177,8 +182,8 @@ private:
 };
 
 template <class AnyLevel>
-void relax_irregular(const AnyLevel& level, std::size_t slab) noexcept {
-    const auto [begin, end] = level.fields.level.irregular_of(slab);
+void relax_irregular(const AnyLevel& level, typename AnyLevel::Rows rows) noexcept {
+    const auto [begin, end] = level.fields.level.irregular_of(rows);
     for (std::size_t j = begin; j < end; ++j) {
         const auto& node = level.fields.level.irregular[j];
         (level.irregular_sum(j) * Simd<float>(node.inverse)).store(level.fields.u[node.node]);
@@ -191,8 +196,8 @@ Simd<float> irregular_residual(const AnyLevel& level, std::size_t j) noexcept {
            Simd<float>(float(node.diagonal)) * Simd<float>::load(level.fields.u[node.node]);
 }
 template <class AnyLevel>
-void restrict_irregular(const AnyLevel& level, std::size_t slab, Residual& largest) noexcept {
-    const auto [begin, end] = level.fields.level.irregular_of(slab);
+void restrict_irregular(const AnyLevel& level, typename AnyLevel::Rows rows, Residual& largest) noexcept {
+    const auto [begin, end] = level.fields.level.irregular_of(rows);
     for (std::size_t j = begin; j < end; ++j) {
         const auto r = irregular_residual(level, j);
         largest.add(r, level.fields.level.irregular[j].row_sum);
@@ -208,24 +213,105 @@ struct Pass {
     bool restrict_residual = false;  ///< to the next level, whose right-hand side it becomes
 };
 
-/// All steps in a single pass over memory: each works on the slab that the one before has just
-/// left. Returns the residual where it is restricted.
-template <class AnyLevel>
-Residual run(const AnyLevel& level, const Pass& pass) noexcept {
-    const std::size_t slabs = level.fields.level.slabs.size();
-    const std::size_t first_sweep = pass.prolong == Pass::Prolong::none ? 0 : 1;
-    const std::size_t relaxations = AnyLevel::colours * pass.sweeps;
-    Residual largest;
-    if (pass.restrict_residual) set_zero(level.fields.coarser->b);
-    for (std::size_t step = 0; step < first_sweep + relaxations + slabs; ++step) {
-        if (step < slabs && pass.prolong == Pass::Prolong::add) prolong<false>(level.fields, step);
-        if (step < slabs && pass.prolong == Pass::Prolong::set) prolong<true>(level.fields, step);
-        std::size_t slab = step - first_sweep; // wraps round before the first slab and is none then
-        for (std::size_t n = 0; n < relaxations; ++n, --slab) {
-            if (slab < slabs) level.relax(slab, std::uint32_t(n % AnyLevel::colours));
-        }
-        if (slab < slabs && pass.restrict_residual) level.restrict_residual(slab, largest);
+/// How far each part of a pass has come, for the part after it.
+class PartProgress {
+public:
+    static constexpr std::size_t most_parts = 8;
+
+    void tell(std::size_t part, std::size_t steps) noexcept {
+        steps_[part].done.store(steps, std::memory_order_release);
     }
+    void wait_for(std::size_t part, std::size_t steps) const noexcept {
+        for (Waiting waiting; steps_[part].done.load(std::memory_order_acquire) < steps;) waiting.wait();
+    }
+
+private:
+    struct alignas(64) Steps { // a cache line each
+        std::atomic<std::size_t> done{0};
+    };
+    std::array<Steps, most_parts> steps_;
+};
+
+/// The stages of a pass in their order: prolongation, half sweeps, restriction.
+template <class AnyLevel>
+struct Stages {
+    const AnyLevel& level;
+    const Pass& pass;
+    std::size_t prolongs = pass.prolong == Pass::Prolong::none ? 0 : 1;
+    std::size_t relaxations = AnyLevel::colours * pass.sweeps;
+    std::size_t count = prolongs + relaxations + (pass.restrict_residual ? 1 : 0);
+
+    void work(std::size_t stage, typename AnyLevel::Rows rows, Residual& largest) const noexcept {
+        if (stage < prolongs && pass.prolong == Pass::Prolong::add) return prolong<false>(level.fields, rows);
+        if (stage < prolongs) return prolong<true>(level.fields, rows);
+        stage -= prolongs;
+        if (stage < relaxations) return level.relax(rows, std::uint32_t(stage % AnyLevel::colours));
+        level.restrict_residual(rows, largest);
+    }
+    /// The first stage of a part: a transfer takes about as long as two half sweeps.
+    std::size_t first_of(std::size_t part, std::size_t parts) const noexcept {
+        if (part == 0) return 0;
+        if (part == parts) return count;
+        const std::size_t transfers = count - relaxations, before = (relaxations + 2 * transfers) * part;
+        return std::clamp((before + parts / 2) / parts - prolongs, part, count - (parts - part));
+    }
+};
+
+/// Every slab cut into tiles, so that what a pass has in flight, a slab's tile for each stage, stays in the cache.
+/// The tiles of each stage lie a row below those of the stage before: that is as far as stencils reach
+/// (time skewing: Wonnacott, Int. J. Parallel Program. 30 (2002)).
+template <std::size_t D>
+struct Tiles {
+    using Rows = typename Level<D>::Range;
+
+    Tiles(const Level<D>& level, std::size_t stages) noexcept
+        : slab_rows(level.slab_rows) {
+        constexpr std::size_t in_flight = std::size_t{1} << 19, least_height = 8; // bytes, rows
+        const std::size_t row_bytes = level.count * sizeof(NodeRow) / (level.rows.size() - 1) + 1;
+        height =
+            std::clamp(in_flight / (stages * row_bytes + 1), std::min(least_height, slab_rows), slab_rows);
+        count = slab_rows / height;
+    }
+    Rows rows(std::size_t tile, std::size_t stage, std::size_t slab) const noexcept {
+        const auto row = [&](std::size_t edge) {
+            const std::size_t y = edge * height;
+            return slab * slab_rows + (edge == count ? slab_rows : y > stage ? y - stage : 0);
+        };
+        return {row(tile), row(tile + 1)};
+    }
+
+    std::size_t slab_rows, height = 1, count = 1;
+};
+
+/// All stages in a single pass over memory: each works on the slab that the one before has just
+/// left, tile by tile. Shared out, each thread does some of the stages and follows the one before
+/// through the slabs; the order of all that depends on each other stays, and with it every bit.
+/// Returns the residual where it is restricted.
+template <class AnyLevel>
+Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) noexcept {
+    constexpr std::size_t worth_sharing = 4096; // nodes: tens of microseconds
+    const std::size_t slabs = level.fields.level.slabs();
+    const Stages<AnyLevel> stages{level, pass};
+    const Tiles tiles(level.fields.level, stages.count);
+    Residual largest;
+    if (pass.restrict_residual) set_zero(level.fields.coarser->b, share);
+    const std::size_t most =
+        level.fields.level.count < worth_sharing ? 1 : std::min(stages.count, PartProgress::most_parts);
+    PartProgress progress;
+    share.split(most, [&](std::size_t part, std::size_t parts) {
+        const std::size_t first = stages.first_of(part, parts), end = stages.first_of(part + 1, parts);
+        for (std::size_t tile = 0; tile < tiles.count; ++tile) {
+            const std::size_t done = tile * (slabs + stages.count); // steps of the tiles before
+            for (std::size_t step = first; step + 1 < slabs + end; ++step) {
+                if (part > 0) progress.wait_for(part - 1, done + std::min(step + 1, slabs + first - 1));
+                for (std::size_t stage = first; stage < end; ++stage) {
+                    const std::size_t slab = step - stage; // wraps round before the first slab
+                    if (slab < slabs) stages.work(stage, tiles.rows(tile, stage, slab), largest);
+                }
+                progress.tell(part, done + step + 1);
+            }
+        }
+    });
     return largest;
 }
 

@@ -24,6 +24,9 @@ struct Places {
         for (std::size_t k = D; k-- > 0;) n = 3 * n + std::size_t(o[k] + 1);
         return n;
     }
+    /// From a place to the one that lies beside it as a cell's corner beside its lowest one (see
+    /// `corner_offset`).
+    static constexpr std::size_t corner_step(std::size_t corner) noexcept { return steps[corner]; }
     /// Number of axes along which a place is off centre.
     static constexpr std::size_t distance(std::size_t place) noexcept {
         std::size_t n = 0;
@@ -32,6 +35,14 @@ struct Places {
     }
 
 private:
+    static constexpr std::array<std::size_t, power(2, D)> steps = [] {
+        std::array<std::size_t, power(2, D)> all{};
+        for (std::size_t corner = 0; corner < all.size(); ++corner) {
+            for (std::size_t k = 0, step = 1; k < D; ++k, step *= 3)
+                all[corner] += ((corner >> k) & 1u) * step;
+        }
+        return all;
+    }();
     static constexpr std::array<Offset, count> offsets = [] {
         std::array<Offset, count> all{};
         for (std::size_t p = 0; p < count; ++p) {

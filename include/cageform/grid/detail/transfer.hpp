@@ -42,7 +42,7 @@ public:
         , share_(1.0f / float(run.coarse_rows)) {}
 
     /// The residual of the next node.
-    void add(const Vector& residual) noexcept {
+    CAGEFORM_DETAIL_INLINE void add(const Vector& residual) noexcept {
         const Vector r = share_ * residual;
         if (between_) {
             add_between(r);
@@ -52,7 +52,7 @@ public:
         between_ = !between_;
     }
     /// The residual of the next node but one.
-    void add_second(const Vector& residual) noexcept {
+    CAGEFORM_DETAIL_INLINE void add_second(const Vector& residual) noexcept {
         const Vector r = share_ * residual;
         if (between_) {
             add_between(r);
@@ -67,13 +67,13 @@ public:
     }
 
 private:
-    void add_between(const Vector& r) noexcept {
+    CAGEFORM_DETAIL_INLINE void add_between(const Vector& r) noexcept {
         const Vector half = Vector(0.5f) * r;
         give(gathered_ + half);
         gathered_ = half;
         ++x_;
     }
-    void give(const Vector& r) const noexcept {
+    CAGEFORM_DETAIL_INLINE void give(const Vector& r) const noexcept {
         for (std::uint32_t c = 0; c < run_.coarse_rows; ++c) {
             NodeRow& row = coarse_[run_.coarse[c] + std::uint32_t(x_)];
             (Vector::load(row) + r).store(row);
@@ -88,9 +88,9 @@ private:
     Vector gathered_{0.0f};
 };
 
-/// u += P · the correction at the nodes of a slab; u = P · the correction when `Set`.
+/// u += P · the correction at the nodes of some rows; u = P · the correction when `Set`.
 template <bool Set, std::size_t D>
-void prolong(const LevelFields<D>& fields, std::size_t slab) noexcept {
+void prolong(const LevelFields<D>& fields, typename Level<D>::Range rows) noexcept {
     using Vector = Simd<float>;
     const auto add = [](NodeRow& row, const Vector& x) {
         if constexpr (Set) {
@@ -101,13 +101,13 @@ void prolong(const LevelFields<D>& fields, std::size_t slab) noexcept {
     };
     NodeRow* const u = fields.u;
     const NodeRow* const coarse = fields.coarser->u.data();
-    for (const auto& run : fields.level.runs_of(slab)) {
-        const std::uint32_t rows = run.coarse_rows;
+    for (const auto& run : fields.level.runs_of(rows)) {
+        const std::uint32_t coarse_rows = run.coarse_rows;
         const auto from = run.coarse;
-        const Vector share(1.0f / float(rows)), half(0.5f);
+        const Vector share(1.0f / float(coarse_rows)), half(0.5f);
         const auto mean = [=](std::int32_t x) { // of the coarse rows
             Vector sum = Vector::load(coarse[from[0] + std::uint32_t(x)]);
-            for (std::uint32_t c = 1; c < rows; ++c)
+            for (std::uint32_t c = 1; c < coarse_rows; ++c)
                 sum = sum + Vector::load(coarse[from[c] + std::uint32_t(x)]);
             return share * sum;
         };
@@ -126,7 +126,7 @@ void prolong(const LevelFields<D>& fields, std::size_t slab) noexcept {
             left = right;
         }
     }
-    const auto irregular = fields.level.irregular_of(slab);
+    const auto irregular = fields.level.irregular_of(rows);
     for (std::size_t j = irregular.begin; j < irregular.end; ++j) {
         Vector sum(0.0f);
         for (const auto& entry : fields.level.interpolation_of(j))

@@ -49,7 +49,7 @@ public:
             if (nodes_.find(there) != Nodes::none && !first_met(p, along, facets))
                 corners[count++] = {dot(along, along), there};
         }
-        std::sort(corners.begin(), corners.begin() + count);
+        std::sort(corners.begin(), corners.begin() + std::ptrdiff_t(count));
         for (std::size_t n = 0; n < count; ++n) {
             add_node(corners[n].second);
             if (!look_about(corners[n].second, leaves_about(tree_, corners[n].second))) break;

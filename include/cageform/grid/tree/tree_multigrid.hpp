@@ -1,6 +1,7 @@
 // Multigrid on a tree of cells for sixteen functions at a time.
 #pragma once
 
+#include <cageform/core/detail/flush_denormals.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/grid/detail/node_values.hpp>
 #include <cageform/grid/tree/tree_hierarchy.hpp>
@@ -9,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
 /// The equations of a tree's nodes and their levels. The cycles work in float; `refine` takes what
-/// they have found into double, so that any tolerance can be met.
+/// they have found into double, so that any tolerance can be met. Denormals are taken as zero.
 template <std::size_t D>
 class TreeMultigrid {
 public:
@@ -99,6 +100,7 @@ public:
     ///           has errors of its own size times those of the next level: a quarter of the cutoff
     ///           at most was measured. 0: everywhere
     void start(Block& block, std::size_t first, double cutoff = 0) const {
+        const detail::FlushDenormals flush;
         block.first_ = first;
         block.cutoff_ = cutoff;
         block.refined_.clear();
@@ -118,6 +120,7 @@ public:
     /// One V(2,1) cycle; returns the largest change it made to any of the first `functions`. With a
     /// cutoff the nodes that are solved for may become more.
     double cycle(Block& block, std::size_t functions) const {
+        const detail::FlushDenormals flush;
         const Simd largest = descend(block, 0);
         if (block.cutoff_ > 0) grow(block, 0);
         detail::NodeRow row;
@@ -129,6 +132,7 @@ public:
 
     /// Takes the functions into double; what remains of the equations becomes their right-hand side.
     void refine(Block& block) const {
+        const detail::FlushDenormals flush;
         auto& u = block.levels_[0].u;
         auto& b = block.levels_[0].b;
         if (block.refined_.empty()) block.refined_ = Buffer<Values>(unknowns(), Values{});

@@ -1,0 +1,39 @@
+// Pages of 2 MB for large memory.
+#pragma once
+
+#include <cageform/config.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Asks the system to take huge pages for memory that has yet to be touched. A page of 4 KB costs a
+/// microsecond or two when it is touched first, which is more than most work on it. Of Linux with
+/// transparent huge pages (`madvise` or `always`); elsewhere, for memory below 4 MB, and where the
+/// system has none left, nothing happens.
+inline void ask_for_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#if defined(MADV_HUGEPAGE)
+    constexpr std::size_t page = std::size_t{1} << 21;
+    if (bytes < 2 * page) return;
+    const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(memory) % page) % page;
+    (void)::madvise(static_cast<std::byte*>(memory) + before, (bytes - before) / page * page, MADV_HUGEPAGE);
+#endif
+}
+
+/// Gives `to` so many elements: T() and what was there, mixed. New memory is of huge pages where the system has them.
+template <class T>
+void resize_large(std::vector<T>& to, std::size_t size) {
+    if (size > to.capacity()) {
+        to = std::vector<T>();
+        to.reserve(size);
+        ask_for_huge_pages(to.data(), size * sizeof(T));
+    }
+    to.resize(size);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
