@@ -3,7 +3,9 @@
 
 #include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/bind_input.hpp>
+#include <cageform/binding/detail/piece_measures.hpp>
 #include <cageform/coordinates/detail/linear_restorer.hpp>
+#include <cageform/core/detail/huge_pages.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -25,45 +27,6 @@ struct BindOptions {
     LinearPrecision linear_precision = LinearPrecision::restore;
 };
 
-/// The largest (or least) value met, and at which point.
-struct Extreme {
-    static constexpr std::size_t none = ~std::size_t{0};
-
-    double value = 0;
-    std::size_t point = none; ///< none while there was no value
-
-    void raise(const Extreme& other) noexcept {
-        if (other.point != none && (point == none || other.value > value)) *this = other;
-    }
-    void lower(const Extreme& other) noexcept {
-        if (other.point != none && (point == none || other.value < value)) *this = other;
-    }
-};
-
-/// How a bind went. Lists hold indices of points in ascending order.
-struct BindReport {
-    Status status = Status::ok;
-    CageReport cage;
-    SolverReport solver;
-    std::size_t points = 0; ///< given
-    std::vector<std::size_t> on_boundary;
-    std::vector<std::size_t> outside;    ///< treated as BindOptions::outside says
-    std::vector<std::size_t> not_finite; ///< kept as they are in every pose
-    std::vector<std::size_t> unreached;  ///< weights cannot be had or represented; kept in place
-    std::vector<std::size_t>
-        not_restored;           ///< LinearPrecision::restore has left more than rounding: the weights
-                                ///< are so large (thin cages) that changes would not lower it
-    Extreme partition_error;    ///< largest |Σw − 1| of the finished weights
-    Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, in the units of the cage; p is
-                                ///< the boundary point for OutsidePoints::nearest_boundary
-    Extreme weight_change;      ///< largest change of a weight by a round of LinearPrecision::restore
-    Extreme residual_restored; ///< largest |Σwc − p| before it
-    Extreme least_weight;      ///< negative weights are no fault of closed forms
-    Extreme amplification;     ///< largest Σ|w|: so far handles moved by 1 may move a point; 1 where no
-                               ///< weight is negative
-    double seconds = 0;        ///< wall-clock time, the solver's included
-};
-
 template <Scalar T, std::size_t D>
 struct BindResult {
     Binding<T, D> binding; ///< empty unless the report's status is ok
@@ -71,31 +34,6 @@ struct BindResult {
 };
 
 namespace detail {
-
-/// What a piece of the points finds out: its status, and measures.
-struct BindPiece {
-    Status status = Status::ok;
-    Extreme partition, reproduction, change, before, least, amplification;
-
-    /// Takes those of a point.
-    template <class Outcome>
-    void note(const Outcome& outcome, std::size_t lane, std::size_t point) noexcept {
-        partition.raise({double(outcome.partition[lane]), point});
-        reproduction.raise({double(outcome.reproduction[lane]), point});
-        change.raise({double(outcome.change[lane]), point});
-        if (outcome.change[lane] > 0) before.raise({double(outcome.before[lane]), point});
-        least.lower({double(outcome.least[lane]), point});
-        amplification.raise({double(outcome.sizes[lane]), point});
-    }
-    void put_into(BindReport& report) const noexcept {
-        report.partition_error.raise(partition);
-        report.reproduction_error.raise(reproduction);
-        report.weight_change.raise(change);
-        report.residual_restored.raise(before);
-        report.least_weight.lower(least);
-        report.amplification.raise(amplification);
-    }
-};
 
 /// What binding points and binding vectors share; one or more bindings are made of the same points.
 /// Blocks are worked on in pieces that stay in cache. What a piece finds out is kept apart and put
@@ -124,7 +62,7 @@ protected:
         for (std::size_t n = 0; n < bindings.size(); ++n) {
             memory[n] = std::move(bindings[n]).release();
             memory[n].rest.resize(blocks * D);
-            memory[n].weights.resize(blocks * handles_.count);
+            resize_large(memory[n].weights, blocks * handles_.count);
             rest_.push_back({memory[n].rest.data(), D, count_});
             weights_.push_back({memory[n].weights.data(), handles_.count, count_});
         }
@@ -164,20 +102,25 @@ protected:
     /// Takes the measures of a block. A point so far away that the scalar does not hold its
     /// weights, or what they make, becomes unreached. Returns whether there was one.
     template <class Outcome>
-    bool take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
-        BindPiece& piece = pieces_[block / piece_blocks_];
+    bool take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block,
+              PieceMeasures<T>& measures) noexcept {
+        using Number = Simd<T>;
+        const Number most((std::numeric_limits<T>::max)()), zero(T(0)), one(T(1));
+        const auto finite = Number::load(outcome.partition) + Number::load(outcome.reproduction) <= most;
+        Lanes<T> reached = bound;
         bool unreached = false;
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
-            if (bound[lane] == T(0)) continue;
-            const std::size_t i = block * lanes + lane;
-            if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) {
-                piece.note(outcome, lane, i);
+        if (any(zero < select<T>(finite, Number::load(outcome.missed), one))) {
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                if (bound[lane] == T(0)) continue;
+                const std::size_t i = block * lanes + lane;
                 if (outcome.missed[lane] != T(0)) missed_[i] = 1;
-            } else {
+                if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) continue;
+                reached[lane] = T(0);
                 states_[i] = PointState::unreached;
                 unreached = true;
             }
         }
+        measures.note(outcome, reached, block);
         return unreached;
     }
     /// No weights for points that `take` has found unreached, nor for those beside them without any:
@@ -283,15 +226,17 @@ private:
     void finish(std::size_t piece) {
         const auto weights = part(this->weights_[0], piece);
         const std::size_t first = this->first_of(piece) / lanes;
+        PieceMeasures<T> measures(this->first_of(piece));
         for (std::size_t b = first; b < first + weights.blocks(); ++b) {
             Lanes<T>* const row = this->weights_[0].block(b);
             Lanes<T> target[D], bound;
             for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
             for (std::size_t lane = 0; lane < lanes; ++lane)
                 bound[lane] = settle(b * lanes + lane, target) ? T(1) : T(0);
-            if (this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b))
+            if (this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b, measures))
                 this->clear_unreached(bound, b, row);
         }
+        measures.put_into(this->pieces_[piece]);
     }
 
     /// Whether a point gets weights. One outside may get those of the nearest boundary point, which

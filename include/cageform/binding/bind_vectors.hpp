@@ -121,6 +121,7 @@ private:
     /// From gradients to weights; restores linear precision, takes the measures.
     void finish(const Gradients& gradients, std::size_t piece) {
         const std::size_t first = this->first_of(piece) / lanes;
+        PieceMeasures<T> measures(this->first_of(piece));
         for (std::size_t b = first; b < first + block_count<T>(this->states_of(piece).size()); ++b) {
             const Lanes<T>* const slopes = gradients.rows.block(b - gradients.first / lanes);
             Lanes<T> bound;
@@ -128,15 +129,17 @@ private:
                 const std::size_t i = b * lanes + lane;
                 bound[lane] = i < count_ && this->is_bound(states_[i]) ? T(1) : T(0);
             }
-            for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, slopes, bound);
+            for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, slopes, bound, measures);
             // A point that lost one vector loses them all.
             for (const BlockView<T>& weights : this->weights_)
                 this->clear_unreached(bound, b, weights.block(b));
         }
+        measures.put_into(this->pieces_[piece]);
     }
 
     /// The weights of vector n in a block: w_i = t·∇w_i.
-    void bind_block(std::size_t b, std::size_t n, const Lanes<T>* slopes, const Lanes<T>& bound) {
+    void bind_block(std::size_t b, std::size_t n, const Lanes<T>* slopes, const Lanes<T>& bound,
+                    PieceMeasures<T>& measures) {
         Lanes<T>* const row = this->weights_[n].block(b);
         Lanes<T> target[D];
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -152,7 +155,7 @@ private:
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (bound[lane] == T(0)) this->clear(row, lane);
         }
-        this->take(this->restorer_.run_vectors(target, bound, row, this->restores()), bound, b);
+        this->take(this->restorer_.run_vectors(target, bound, row, this->restores()), bound, b, measures);
     }
 
     std::span<const PointReader<T>> vectors_;

@@ -3,6 +3,7 @@
 
 #include <cageform/binding/binding.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
+#include <cageform/core/detail/huge_pages.hpp>
 #include <cageform/core/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -78,7 +79,8 @@ ComposeResult<T, D> compose(const Binding<T, D>& fine, const Binding<T, D>& coar
         }
         const auto view = fine.view();
         const std::size_t handles = coarse.handle_count(), blocks = view.weights.blocks();
-        std::vector<Lanes<T>> weights(blocks * handles);
+        std::vector<Lanes<T>> weights;
+        detail::resize_large(weights, blocks * handles);
         status = detail::for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
             std::vector<double> sums(handles);
             for (std::size_t n = begin * lanes; n < end * lanes; ++n) {

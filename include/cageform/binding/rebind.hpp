@@ -4,6 +4,7 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/detail/linear_shares.hpp>
 #include <cageform/binding/detail/point_tree.hpp>
+#include <cageform/core/detail/huge_pages.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,8 @@ public:
     Status run(Binding<T, D>& binding, RebindReport& report) {
         if (count_ > 0 && old_.point_count() == 0) return Status::binding_empty;
         const std::size_t blocks = block_count<T>(count_);
-        std::vector<Lanes<T>> weights(blocks * handles_.count), rest(blocks * D);
+        std::vector<Lanes<T>> weights, rest(blocks * D);
+        resize_large(weights, blocks * handles_.count);
         weights_ = {weights.data(), handles_.count, count_};
         rest_ = {rest.data(), D, count_};
         Status status = look_at_old(report);
@@ -236,12 +238,13 @@ private:
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const std::size_t i = block * lanes + lane;
                 if (bound[lane] == T(0)) continue;
-                if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) {
-                    piece.measures.note(outcome, lane, i);
-                } else {
-                    kinds_[i] = Kind::unreached;
-                }
+                if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) continue;
+                kinds_[i] = Kind::unreached;
+                bound[lane] = T(0);
             }
+            PieceMeasures<T> measures(block * lanes);
+            measures.note(outcome, bound, block);
+            measures.put_into(piece.measures);
         }
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             const std::size_t i = block * lanes + lane;

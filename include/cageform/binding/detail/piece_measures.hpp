@@ -1,0 +1,101 @@
+// The measures of the points of a piece, taken for all lanes at once, and put together in the report.
+#pragma once
+
+#include <cageform/binding/bind_report.hpp>
+#include <cageform/core/blocks.hpp>
+#include <cageform/core/detail/simd.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// What a piece of the points finds out: its status, and measures.
+struct BindPiece {
+    Status status = Status::ok;
+    Extreme partition, reproduction, change, before, least, amplification;
+
+    void put_into(BindReport& report) const noexcept {
+        report.partition_error.raise(partition);
+        report.reproduction_error.raise(reproduction);
+        report.weight_change.raise(change);
+        report.residual_restored.raise(before);
+        report.least_weight.lower(least);
+        report.amplification.raise(amplification);
+    }
+};
+
+/// The largest of some values in each lane, and in which block it was met first.
+template <Scalar T>
+class LaneExtreme {
+    using Number = Simd<T>;
+
+public:
+    /// What is no value of a lane.
+    static constexpr T none = std::numeric_limits<T>::lowest();
+
+    CAGEFORM_DETAIL_INLINE void raise(const Number& value, const Number& block) noexcept {
+        const auto larger = value_ < value;
+        value_ = select<T>(larger, value, value_);
+        block_ = select<T>(larger, block, block_);
+    }
+    /// Of all lanes the largest, of equal ones that of the first point; blocks count from `first`.
+    Extreme of_points_from(std::size_t first) const noexcept {
+        Lanes<T> values, blocks;
+        value_.store(values);
+        block_.store(blocks);
+        Extreme most;
+        for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
+            if (values[lane] == none) continue;
+            const Extreme here{double(values[lane]),
+                               first + std::size_t(blocks[lane]) * lane_count<T> + lane};
+            if (here.value == most.value && here.point < most.point) most.point = here.point;
+            most.raise(here);
+        }
+        return most;
+    }
+
+private:
+    Number value_{none}, block_{T(0)};
+};
+
+/// The measures of the points of a piece, whose blocks come one after the other.
+template <Scalar T>
+class PieceMeasures {
+    using Number = Simd<T>;
+
+public:
+    explicit PieceMeasures(std::size_t first_point) noexcept
+        : first_(first_point) {}
+
+    /// Takes those of the lanes where `bound` is one.
+    template <class Outcome>
+    void note(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
+        const Number none(LaneExtreme<T>::none), zero(T(0)),
+            at(static_cast<T>(block - first_ / lane_count<T>));
+        const auto taken = zero < Number::load(bound);
+        const auto raise = [&](LaneExtreme<T>& extreme, const Number& value) {
+            extreme.raise(select<T>(taken, value, none), at);
+        };
+        const Number change = Number::load(outcome.change);
+        raise(partition_, Number::load(outcome.partition));
+        raise(reproduction_, Number::load(outcome.reproduction));
+        raise(change_, change);
+        raise(before_, select<T>(zero < change, Number::load(outcome.before), none));
+        raise(least_, zero - Number::load(outcome.least));
+        raise(amplification_, Number::load(outcome.sizes));
+    }
+    void put_into(BindPiece& piece) const noexcept {
+        piece.partition.raise(partition_.of_points_from(first_));
+        piece.reproduction.raise(reproduction_.of_points_from(first_));
+        piece.change.raise(change_.of_points_from(first_));
+        piece.before.raise(before_.of_points_from(first_));
+        Extreme least = least_.of_points_from(first_);
+        least.value = 0 - least.value; // no minus zero
+        piece.least.lower(least);
+        piece.amplification.raise(amplification_.of_points_from(first_));
+    }
+
+private:
+    std::size_t first_;
+    LaneExtreme<T> partition_, reproduction_, change_, before_, least_, amplification_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
