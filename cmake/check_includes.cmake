@@ -1,11 +1,13 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each folder of include/cageform may include. Includes only ever point left in
 #   core -> cage -> grid -> surface -> coordinates -> binding -> clone        core -> animate
+#                   grid -> enclose
 set(allowed_core core config fwd)
 set(allowed_adapt core)
 set(allowed_cage core cage)
 set(allowed_grid core cage grid)
 set(allowed_surface core cage grid surface)
+set(allowed_enclose core cage grid enclose)
 set(allowed_coordinates core cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp binding/figure.hpp clone)
@@ -61,7 +63,10 @@ foreach(header IN LISTS headers)
           set(ok TRUE)
         endif()
       endforeach()
-      if(name MATCHES "^[ei]mmintrin.h$" AND header STREQUAL "core/detail/simd_sqrt.hpp")
+      if(name STREQUAL "sys/mman.h" AND header STREQUAL "core/detail/huge_pages.hpp")
+        set(ok TRUE)
+      endif()
+      if(name MATCHES "^[ei]mmintrin.h$" AND header STREQUAL "core/detail/simd_instructions.hpp")
         set(ok TRUE)
       endif()
       if(NOT ok)

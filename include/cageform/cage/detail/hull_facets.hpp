@@ -200,7 +200,8 @@ private:
             return sum;
         };
         const std::uint32_t half = begin + (end - begin) / 2;
-        std::nth_element(parts_.begin() + begin, parts_.begin() + half, parts_.begin() + end,
+        const auto at = [&](std::uint32_t part) { return parts_.begin() + std::ptrdiff_t(part); };
+        std::nth_element(at(begin), at(half), at(end),
                          [&](const HullPart<D>& a, const HullPart<D>& b) { return middle(a) < middle(b); });
         divide(begin, half);
         nodes_[number].second = std::uint32_t(nodes_.size());

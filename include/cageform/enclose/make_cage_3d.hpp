@@ -1,0 +1,421 @@
+// A cage for a figure in space: a closed mesh of few vertices about all faces. Of the figure nothing is asked but
+// finite coordinates: holes, torn vertices, faces that cross and scattered parts will do.
+//
+// The order of reading: distance_lattice.hpp, space_distance.hpp, join_parts.hpp, shell.hpp, surface_nets.hpp,
+// reduce_shell.hpp, relax_shell.hpp, this. In the plane: make_cage.hpp.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/enclose/cage_frame.hpp>
+#include <cageform/enclose/join_parts.hpp>
+#include <cageform/enclose/reduce_shell.hpp>
+#include <cageform/enclose/relax_shell.hpp>
+#include <cageform/enclose/surface_nets.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// The steps for one figure and one distance to keep from it.
+class SpaceCageMaker {
+public:
+    using Point = Vec<double, 3>;
+
+    SpaceCageMaker(std::span<const Corners<3>> figure, const MakeCageOptions& options)
+        : figure_(figure)
+        , options_(options) {
+        for (const auto& corner : figure) {
+            for (const auto& p : corner) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    box_.lower[k] = std::min(box_.lower[k], p[k]);
+                    box_.upper[k] = std::max(box_.upper[k], p[k]);
+                }
+            }
+        }
+        if (is_mirrored()) {
+            box_.upper[0] = std::max(box_.upper[0], -box_.lower[0]);
+            box_.lower[0] = -box_.upper[0];
+        }
+        const auto size = box_.upper - box_.lower;
+        longest_ = std::max({size[0], size[1], size[2]});
+    }
+
+    /// A shell in local coordinates that keeps `level` off the figure as far as the lattice can tell. `report` gets parts,
+    /// bridges and the tightest volume the first time.
+    Status make(double level, const Running& running, MakeCageReport& report, Shell& shell) {
+        if (options_.shape == CageShape::box) {
+            shell = box_shell(level);
+            report.tightest_area = shell.six_volumes() / 6;
+            return Status::ok;
+        }
+        const double lifted = 1.12 * level; // flat faces over a lattice come nearer than its nodes tell
+        if (const Status status = make_lattice(lifted); status != Status::ok) return status;
+        SpaceDistance(lattice_, figure_).fill(lifted, 5 * lifted);
+        if (options_.shape == CageShape::hull)
+            fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + lifted; });
+        if (is_mirrored()) lattice_.mirror();
+        if (!running.keep_going(0.15)) return Status::cancelled;
+        report.parts = LatticeParts(lattice_, lattice_.outside(0)).count;
+        report.bridges = options_.one_cage ? join_parts(lattice_, lifted, is_mirrored()) : 0;
+        close_slits(lattice_, 0.6 * lifted, false);
+        if (is_mirrored()) lattice_.mirror();
+        shell = contour();
+        if (options_.fill_tunnels) fill_tunnels(lifted, shell);
+        if (shell.faces.empty()) return Status::cage_not_found;
+        const double six = shell.six_volumes();
+        if (report.tightest_area == 0) report.tightest_area = six / 6 * (shell.half ? 2 : 1);
+        if (!running.keep_going(0.3)) return Status::cancelled;
+        const ShellObstacles obstacles(lattice_, lifted);
+        double area = 0;
+        for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
+        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.part(0.3, 0.8)))
+            return Status::cancelled;
+        const ShellEnergy energy(six, options_.vertices, area * (shell.half ? 2 : 1),
+                                 std::fmax(options_.regular, 0.0));
+        if (!ShellRelaxation(shell, obstacles, energy).relax(24, running.part(0.8, 1)))
+            return Status::cancelled;
+        return Status::ok;
+    }
+
+private:
+    bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
+
+    Shell box_shell(double level) const {
+        const auto box = box_.widened(level);
+        Shell shell;
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            Point p = box.lower;
+            for (std::size_t k = 0; k < 3; ++k) p[k] = (corner >> k & 1U) != 0 ? box.upper[k] : p[k];
+            shell.points.push_back(p);
+            shell.on_rim.push_back(false);
+        }
+        for (const Shell::Face& quad :
+             {Shell::Face{0, 2, 1}, {4, 5, 6}, {0, 1, 4}, {2, 6, 3}, {0, 4, 2}, {1, 3, 5}}) {
+            shell.faces.push_back(
+                quad); // a corner and its neighbours on a side, and the corner opposite to it
+            shell.faces.push_back({quad[1], quad[1] + quad[2] - quad[0], quad[2]});
+        }
+        shell.link();
+        return shell;
+    }
+
+    /// How far the figure reaches along a direction, mirrored where the cage is.
+    double reach(const Point& direction) const noexcept {
+        double most = std::numeric_limits<double>::lowest();
+        for (const auto& corner : figure_) {
+            for (const auto& p : corner) {
+                most = std::max(most, dot(direction, p));
+                if (is_mirrored()) most = std::max(most, dot(direction, Point{-p[0], p[1], p[2]}));
+            }
+        }
+        return most;
+    }
+
+    /// A little more than two spacings to a margin, but at most 220 along the longest side.
+    Status make_lattice(double level) {
+        const double wanted = std::max(level / 2.2, (longest_ + 2 * level) / 220);
+        const double h = double(static_cast<float>(wanted)); // of few digits: places are exact
+        if (h > 0.8 * level) return Status::margin_too_small;
+        lattice_ = lattice_about(h, 5 * level + 4 * h, 5 * level);
+        return Status::ok;
+    }
+    /// Mirrored, the plane lies midway between nodes.
+    DistanceLattice<3> lattice_about(double h, double padding, double far) const {
+        Point low{};
+        DistanceLattice<3>::Count count{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const bool centred = k == 0 && is_mirrored();
+            const double to = box_.upper[k] + padding, from = box_.lower[k] - padding;
+            const double half = std::ceil(to / h);
+            low[k] = centred ? (0.5 - half) * h : from;
+            count[k] = static_cast<std::size_t>(centred ? 2 * half : std::ceil((to - from) / h) + 1);
+        }
+        return {low, h, count, far};
+    }
+
+    /// The border of what the outside reaches, as a manifold.
+    Shell contour() {
+        auto outside = lattice_.outside(0);
+        for (std::size_t node = 0; node < lattice_.size(); ++node) {
+            if (outside[node] == 0 && lattice_[node] > 0)
+                lattice_[node] = static_cast<float>(-lattice_.spacing());
+        }
+        for (bool changed = true; changed;) {
+            make_well_composed(lattice_, outside);
+            changed = false;
+            if (!is_mirrored()) break;
+            const std::size_t width = lattice_.count()[0];
+            for (std::size_t node = 0; node < lattice_.size(); ++node) {
+                const std::size_t column = node % width, image = node - column + (width - 1 - column);
+                if (outside[node] == outside[image]) continue;
+                outside[node] = outside[image] = 0;
+                changed = true;
+            }
+        }
+        return SurfaceNets(lattice_, outside, is_mirrored()).shell();
+    }
+
+    /// Closings by larger and larger balls, each on a lattice of its own with room about it, until no tunnel is left.
+    void fill_tunnels(double level, Shell& shell) {
+        for (double radius = 2 * level; radius < longest_ && euler_number(shell) < 2 * shell_count(shell);
+             radius *= 2) {
+            const double h = std::max(lattice_.spacing(), (longest_ + 4 * radius) / 120);
+            auto coarse = lattice_about(h, radius + 4 * h, radius + 3 * h);
+            SpaceDistance(coarse, figure_).fill(level, radius + 3 * h);
+            if (is_mirrored()) coarse.mirror();
+            const auto open = coarse.outside(static_cast<float>(radius));
+            const auto nearest = nearest_sources(coarse, [&](std::size_t node) { return open[node] != 0; });
+            for (std::size_t node = 0; node < coarse.size(); ++node) {
+                if (nearest[node] == coarse.size()) continue;
+                coarse[node] = static_cast<float>(radius - h * std::sqrt(coarse.steps2(node, nearest[node])));
+            }
+            for (std::size_t node = 0; node < lattice_.size(); ++node)
+                lattice_[node] =
+                    std::min(lattice_[node], static_cast<float>(coarse.value(lattice_.place(node))));
+            if (is_mirrored()) lattice_.mirror();
+            shell = contour();
+        }
+    }
+
+    std::span<const Corners<3>> figure_;
+    const MakeCageOptions& options_;
+    Bounds<double, 3> box_ = bounds_of(std::span<const Point>());
+    double longest_ = 0;
+    DistanceLattice<3> lattice_;
+};
+
+/// The distance between two triangles; 0 where they meet.
+inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3 && least > 0; ++k) {
+        least = std::min(least, segment_to_facet(a[k], a[(k + 1) % 3], b));
+        least = std::min(least, segment_to_facet(b[k], b[(k + 1) % 3], a));
+    }
+    return least;
+}
+
+/// The least distance between the faces of a cage and those of a figure, at most `reach`.
+template <Scalar T>
+double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach) {
+    std::vector<Facet<3>> facets;
+    double edges = 0;
+    for (const auto& face : cage.faces()) {
+        facets.emplace_back(face, cage.vertices());
+        edges += length(facets.back().corner[1] - facets.back().corner[0]);
+    }
+    FaceHash hash(edges / double(facets.size()), facets.size());
+    for (std::uint32_t f = 0; f < facets.size(); ++f) hash.add(f, facets[f].corner);
+    double least = reach;
+    for (const auto& corner : figure) {
+        const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
+        double radius = 0;
+        for (const auto& p : corner) radius = std::max(radius, length(p - middle));
+        const auto box = box_of(corner).widened(least);
+        (void)hash.any(box, [&](std::uint32_t f) {
+            if (distance_to_facet(middle, facets[f].corner) - radius < least)
+                least = std::min(least, facet_distance(corner, facets[f].corner));
+            return false;
+        });
+    }
+    return least;
+}
+
+/// One corner of every connected part of a figure, of at most a few thousand, spread over the figure.
+template <class F>
+std::vector<std::size_t> part_corners(const F& faces, std::size_t vertices) {
+    std::vector<std::size_t> root(vertices);
+    std::iota(root.begin(), root.end(), std::size_t{0});
+    const auto find = [&](std::size_t v) {
+        while (root[v] != v) v = root[v] = root[root[v]];
+        return v;
+    };
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        for (std::size_t k = 1; k < 3; ++k)
+            root[find(std::size_t(faces[f][k]))] = find(std::size_t(faces[f][0]));
+    }
+    std::vector<std::size_t> corners;
+    std::vector<bool> seen(vertices);
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        const std::size_t part = find(std::size_t(faces[f][0]));
+        if (!seen[part]) corners.push_back(std::size_t(faces[f][0]));
+        seen[part] = true;
+    }
+    constexpr std::size_t most = 4096;
+    if (corners.size() <= most) return corners;
+    std::vector<std::size_t> some;
+    some.reserve(most);
+    for (std::size_t k = 0; k < most; ++k) some.push_back(corners[k * corners.size() / most]);
+    return some;
+}
+
+/// The smallest angle of a face, in degrees.
+template <Scalar T>
+double least_angle(const TriangleMesh<T>& cage) {
+    double least = std::numbers::pi;
+    for (const auto& face : cage.faces()) {
+        const Facet<3> facet(face, cage.vertices());
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto u = facet.corner[(k + 1) % 3] - facet.corner[k],
+                       v = facet.corner[(k + 2) % 3] - facet.corner[k];
+            least = std::min(least, std::atan2(length(cross(u, v)), dot(u, v)));
+        }
+    }
+    return least * 180 / std::numbers::pi;
+}
+
+/// A shell, or the whole of a half, as a cage in the figure's coordinates.
+template <Scalar T>
+TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
+    std::vector<Vec<T, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    for (const bool image : {false, true}) {
+        if (image && !shell.half) break;
+        static constexpr std::uint32_t none = ~std::uint32_t{0};
+        std::vector<std::uint32_t> number(shell.points.size(), none);
+        std::uint32_t next_on_rim = 0;
+        for (std::size_t v = 0; v < shell.points.size(); ++v) {
+            if (shell.star[v].empty()) continue;
+            auto p = shell.points[v];
+            if (image) p[0] = -p[0];
+            const auto place = vec_cast<T>(frame.from_local(p));
+            if (shell.half && shell.on_rim[v]) { // the first vertices are the rim's, of both sides
+                if (!image) vertices.insert(vertices.begin() + next_on_rim, place);
+                number[v] = next_on_rim++;
+            }
+        }
+        for (std::size_t v = 0; v < shell.points.size(); ++v) {
+            if (shell.star[v].empty() || number[v] != none) continue;
+            auto p = shell.points[v];
+            if (image) p[0] = -p[0];
+            number[v] = static_cast<std::uint32_t>(vertices.size());
+            vertices.push_back(vec_cast<T>(frame.from_local(p)));
+        }
+        for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+            if (!shell.is_face(f)) continue;
+            std::array<std::uint32_t, 3> face{};
+            for (std::size_t k = 0; k < 3; ++k) face[k] = number[shell.faces[f][k]];
+            if (image != frame.turns_over()) std::swap(face[1], face[2]);
+            faces.push_back(face);
+        }
+    }
+    return {vertices, faces};
+}
+
+/// The figure's faces as corners, or what is wrong with it.
+template <PointRange R, FaceRange F>
+Status read_figure(const R& vertices, const F& faces, std::vector<Corners<3>>& figure,
+                   MakeCageReport& report) {
+    using T = range_scalar_t<R>;
+    if (std::size(faces) == 0) return Status::figure_empty;
+    constexpr T limit = largest_figure_coordinate<T, 3>();
+    figure.reserve(std::size(faces));
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        const auto face = checked_face(faces[f], std::size(vertices));
+        report.culprit = f;
+        if (lacks_vertex(face)) return Status::index_out_of_range;
+        Corners<3> corner;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto p = to_vec<T>(vertices[face[k]]);
+            report.culprit = face[k];
+            for (const T x : p.v) {
+                if (!is_finite(x) || std::fabs(x) > limit) return Status::figure_not_finite;
+            }
+            corner[k] = vec_cast<double>(p);
+        }
+        figure.push_back(corner);
+    }
+    report.culprit = 0;
+    return Status::ok;
+}
+
+/// Makes the cage, verifies it against the figure itself, and tries again from farther off where it is too near.
+template <PointRange R, FaceRange F>
+Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& options,
+                      MadeCage<TriangleMesh<range_scalar_t<R>>>& made) {
+    using T = range_scalar_t<R>;
+    auto& report = made.report;
+    std::vector<Corners<3>> figure;
+    if (const Status status = read_figure(vertices, faces, figure, report); status != Status::ok)
+        return status;
+    if (const Status status = check_options<3>(options); status != Status::ok) return status;
+    Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
+    for (const auto& corner : figure) {
+        const auto b = box_of(corner);
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.lower[k] = std::min(box.lower[k], b.lower[k]);
+            box.upper[k] = std::max(box.upper[k], b.upper[k]);
+        }
+    }
+    if (!(box.diagonal() > least_figure_diagonal<3>())) return Status::figure_has_no_size;
+    const CageFrame<3> frame(box, options.mirror);
+    std::vector<Corners<3>> local = figure;
+    for (auto& corner : local) {
+        for (auto& p : corner) p = frame.to_local(p);
+    }
+    MakeCageOptions wanted = options;
+    if (wanted.vertices == 0) wanted.vertices = 112;
+    report.margin = (options.margin > 0 ? options.margin : 0.02) * box.diagonal();
+    if (!can_tell<T>(report.margin, box)) return Status::cage_not_found;
+    SpaceCageMaker maker(local, wanted);
+    const auto starts = part_corners(faces, std::size(vertices));
+    double level = report.margin * frame.scale;
+    constexpr std::size_t tries = 3;
+    for (std::size_t round = 0; round < tries; ++round) {
+        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
+        const Running running = options.running.part(done[round], done[round + 1]);
+        Shell shell;
+        if (const Status status = maker.make(level, running, report, shell); status != Status::ok)
+            return status;
+        made.cage = cage_of<T>(shell, frame);
+        report.cage = check(made.cage);
+        report.clearance = exact_clearance(made.cage, std::span<const Corners<3>>(figure), 2 * report.margin);
+        const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
+            return is_enclosed(winding_number(made.cage, to_vec<T>(vertices[v])));
+        });
+        if (!all_inside) report.clearance = -report.clearance;
+        if (report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin) break;
+        level += std::max((report.margin - report.clearance) * frame.scale, 0.1 * level);
+    }
+    if (!options.running.keep_going(1)) return Status::cancelled;
+    const auto shells = shells_of(made.cage);
+    report.vertices = made.cage.size();
+    report.least_angle = least_angle(made.cage);
+    report.area = 0;
+    for (const double six : shells.volume) report.area += std::fabs(six) / 6;
+    report.tightest_area /= frame.scale * frame.scale * frame.scale;
+    // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
+    report.tunnels = (2 * shells.first_face.size() + made.cage.faces().size() / 2 - made.cage.size()) / 2;
+    return report.cage.status == Status::ok && report.clearance > 0 ? Status::ok : Status::cage_not_found;
+}
+
+} // namespace detail
+
+/// A cage of few vertices about all faces of a figure.
+///
+///   vertices, faces   any triangles; vertices without a face do not count
+///   returns  a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It passes `check`; no
+///            face of it meets one of the figure, and report.clearance, exact, is at least 0.9 of the margin
+///            (else report.clearance tells). A corner of each connected part of the figure (of 4,096, where there are more)
+///            is inside
+///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; else options.vertices are shared out among
+///            the shells; what is narrower than 1.2 margins is closed
+///   tunnels  stay, unless options.fill_tunnels; report.tunnels counts them
+///   mirror   vertices come in pairs but for those on the plane; the number asked for is met up to one
+///   cost     some seconds, and some 40 bytes for each of at most 250^3 nodes of a lattice. Of small margins it has
+///            fewer than two nodes to a margin, and below 0.6 % of the longest side none is made
+///   errors   figure_empty; index_out_of_range, by face; figure_not_finite, by vertex; figure_has_no_size;
+///            margin_not_positive; margin_too_small; too_few_cage_vertices; mirror_not_supported; cage_not_found;
+///            cancelled; out_of_memory
+///
+/// The same input gives the same cage.
+template <PointRange R, FaceRange F>
+    requires(range_dimension<R> == 3)
+MadeCage<TriangleMesh<range_scalar_t<R>>> make_cage(const R& vertices, const F& faces,
+                                                    const MakeCageOptions& options = {}) {
+    MadeCage<TriangleMesh<range_scalar_t<R>>> made;
+    detail::run_into(made.report, [&] { return detail::make_cage_into(vertices, faces, options, made); });
+    if (!made) made.cage = {};
+    return made;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
