@@ -1,12 +1,14 @@
 // Animates any SVG figure by a cage and a motion of it.
 //
 //     animate_svg cat.svg --cage cat_cage.svg --clip cat_walk.csv --coordinates harmonic -o walk.svg
+//     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
 //
 // The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser.
 // Curves and long lines are refined so that they follow the shape in all frames, in the same pieces in every
 // frame, as SVG asks. --help tells what a clip file holds.
 
 #include "atomic_file.hpp"
+#include "auto_cage.hpp"
 #include "bind_report.hpp"
 #include "cage_file.hpp"
 #include "clip_file.hpp"
@@ -14,6 +16,7 @@
 #include "coordinates.hpp"
 #include "csv.hpp"
 #include "guard.hpp"
+#include "pose_choice.hpp"
 #include "progress_bar.hpp"
 #include "render.hpp"
 #include "svg_paint.hpp"
@@ -180,7 +183,9 @@ std::array<std::pair<const char*, std::string>, 4> animated_parts(const std::vec
 }
 
 struct Settings {
-    std::string figure, cage, clip, out, stills;
+    std::string figure, cage, clip, pose, out, stills; // clip: its name for messages, whatever it comes from
+    PoseChoice operations;
+    double seconds = 2;
     std::vector<std::string> films;
     std::size_t width = 800; // of films
     double rate = 60, tolerance = 0.2;
@@ -189,6 +194,30 @@ struct Settings {
     CoordinatesChoice choice;
     OutsideChoice outside;
 };
+
+/// From rest to a pose and back, every vertex on a straight line.
+ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
+    ClipFile clip{pose.name == cage.name ? "the pose" : pose.name, seconds, {}, {}, {}};
+    constexpr auto ease = cageform::KeyKind::bezier;
+    for (std::size_t i = 0; i < cage.vertices.size(); ++i) {
+        const Point2 &rest = cage.vertices[i], &there = pose.vertices[i];
+        clip.controls.push_back({"vertex " + std::to_string(i),
+                                 {{i, 1}},
+                                 rest,
+                                 {{0, {}, ease},
+                                  {seconds / 2, {there.x - rest.x, there.y - rest.y, 0}, ease},
+                                  {seconds, {}, ease}}});
+    }
+    return clip;
+}
+
+SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
+    if (!settings.clip.empty()) return load_clip(settings.clip, cage.vertices.size());
+    const auto pose =
+        read_pose(settings.pose, settings.operations, cage, CageWord::of(settings.cage).is_auto);
+    if (!pose) return pose.error();
+    return clip_to(*pose, cage, settings.seconds);
+}
 
 int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
             const ClipFile& file) {
@@ -423,9 +452,19 @@ int run_program(int argc, char** argv) {
     Settings settings;
     line.add("figure", settings.figure, "the SVG file to animate").required();
     line.add("--cage", settings.cage,
-             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points")
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points" +
+                 std::string(auto_cage_help))
         .required();
-    line.add("--clip", settings.clip, "its motion: a CSV file of controls and keys").required();
+    CommandOption clip = line.add("--clip", settings.clip, "its motion: a CSV file of controls and keys");
+    line.add("--pose", settings.pose,
+             "instead of a motion: to this moved cage and back; or operations, or with --cage auto nothing: "
+             "half the figure bends and returns")
+        .excludes(clip);
+    settings.operations.add_options(line);
+    line.add("--seconds", settings.seconds, "to the pose and back")
+        .range(0.01, 1000.0)
+        .show_default()
+        .excludes(clip);
     line.add("-o,--output", settings.out, "the SVG file to write").required().ends_with({".svg"});
     line.add("--rate", settings.rate, "frames a second written; a browser goes straight between them")
         .range(1.0, 240.0)
@@ -451,14 +490,18 @@ int run_program(int argc, char** argv) {
     settings.outside.add_option(line);
     settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
-    line.set_footer(cage_formats + std::string("\n") + clip_format);
+    line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (!settings.clip.empty() && !settings.operations.operations.empty())
+        return fail("--clip, or operations such as --turn, but not both");
     const auto document = load_svg(settings.figure);
     if (!document) return fail(to_string(document.error()));
-    const auto cage = load_cage(settings.cage);
+    const auto cage = load_or_make_cage(settings.cage, *document);
     if (!cage) return fail(to_string(cage.error()));
-    const auto file = load_clip(settings.clip, cage->vertices.size());
+    const auto file = read_clip(settings, *cage);
     if (!file) return fail(to_string(file.error()));
+    settings.clip = file->name;
+    settings.cage = cage->name;
     return animate(settings, *document, *cage, *file);
 }
 

@@ -5,6 +5,7 @@
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
 //     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png
 
+#include "auto_cage.hpp"
 #include "bind_report.hpp"
 #include "cage_file.hpp"
 #include "command_line.hpp"
@@ -257,12 +258,23 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
     return fine.halved();
 }
 
+SvgResult<CageFile> cage_about(const std::string& figure, const std::string& word) {
+    if (!CageWord::of(word).is_auto) return load_cage(word);
+    if (figure.empty()) return SvgError{"--cage " + word + " takes a --figure, around which it is made"};
+    const auto document = load_svg(figure);
+    return document ? load_or_make_cage(word, *document) : document.error();
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
                      "are positive, blue is negative, green is the "
                      "value on the boundary.");
     Arguments given;
-    line.add("--cage", given.cage, "an SVG or CSV file").required();
+    std::string figure;
+    line.add("--cage", given.cage,
+             "an SVG or CSV file" + std::string(auto_cage_help) + " around the --figure")
+        .required();
+    line.add("--figure", figure, "an SVG file, for --cage auto");
     const CommandOption vertex = line.add("--vertex", given.vertex, "whose coordinate, from 0");
     std::string values;
     CommandOption of_values = line.add(
@@ -284,8 +296,9 @@ int run_program(int argc, char** argv) {
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto cage = load_cage(given.cage);
+    const auto cage = cage_about(figure, given.cage);
     if (!cage) return fail(to_string(cage.error()));
+    given.cage = cage->name;
     if (!given.classes.empty() && cage->has_cells())
         return fail("--classes: " + given.cage +
                     ": the papers' grid is of cages without chains and points inside");

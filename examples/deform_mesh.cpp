@@ -1,5 +1,6 @@
 // Deforms any OBJ figure by a cage, a closed mesh around it, and a pose of the cage.
 //
+//     deform_mesh man.obj --cage auto -o first_look.obj --picture first_look.png
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
 //
 // Coordinates of points without a cage, sibson and sibson-c1, take the vertices of both files for points.
@@ -8,12 +9,14 @@
 // materials, texture coordinates, comments.
 
 #include "atomic_file.hpp"
+#include "auto_cage.hpp"
 #include "bind_report.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
 #include "mesh_picture.hpp"
+#include "pose_choice.hpp"
 #include "progress_bar.hpp"
 
 #include <cageform/clone/clone.hpp>
@@ -39,6 +42,7 @@ struct Arguments {
     bool report = false;
     CoordinatesChoice choice;
     SiteChoice of_sites;
+    PoseChoice operations;
 };
 
 /// What moves the figure: coordinates, and the pose of their handles.
@@ -82,22 +86,45 @@ SvgResult<Control> read_sites(const Arguments& given, const ObjFile& figure) {
     return control;
 }
 
+/// The pose by a file, or by operations; of a cage that is made, where neither is given, one for a first look.
+SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
+    const bool operated = !given.operations.operations.empty();
+    if (!given.pose.empty() && operated)
+        return SvgError{"--pose, or operations such as --turn, but not both"};
+    if (!given.pose.empty()) {
+        auto pose = load_obj(given.pose);
+        if (!pose) return pose;
+        const std::string why = pose_difference(cage, *pose);
+        if (!why.empty()) return SvgError{why};
+        return pose;
+    }
+    if (!operated && !CageWord::of(given.cage).is_auto)
+        return SvgError{"--pose is required, or operations such as --turn"};
+    ObjFile pose = cage;
+    if (operated) {
+        auto moved = given.operations.posed(cage.vertices);
+        if (!moved) return moved.error();
+        pose.vertices = std::move(*moved);
+    } else {
+        pose.vertices = first_pose(cage.vertices);
+    }
+    return pose;
+}
+
 SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
+    if (given.choice.takes_sites() && given.pose.empty()) return SvgError{"--pose is required, of points"};
     if (given.choice.takes_sites()) return read_sites(given, figure);
-    auto cage = load_mesh_cage(given.cage);
+    auto cage = load_or_make_cage(given.cage, figure);
     if (!cage) return cage.error();
-    auto pose = load_obj(given.pose);
+    auto pose = read_pose(given, *cage);
     if (!pose) return pose.error();
-    const std::string why = pose_difference(*cage, *pose);
-    if (!why.empty()) return SvgError{why};
     auto coordinates = make_coordinates<double>(given.choice, *cage);
+    const std::string name = cage->name;
     return Control{std::move(coordinates),
                    std::move(*cage),
                    std::move(*pose),
                    {},
-                   [name = given.cage](const cageform::BindReport& report) {
-                       return describe_mesh_faults(name, report);
-                   }};
+                   [name](const cageform::BindReport& report) { return describe_mesh_faults(name, report); }};
 }
 
 struct Deformed {
@@ -223,9 +250,14 @@ int run_program(int argc, char** argv) {
     line.add("figure", given.figure, "the OBJ file to deform").required();
     line.add("--cage", given.cage,
              "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; of sibson "
-             "and sibson-c1 points")
+             "and sibson-c1 points" +
+                 std::string(auto_cage_help))
         .required();
-    line.add("--pose", given.pose, "the same mesh with its vertices moved, or the points").required();
+    line.add("--pose", given.pose,
+             "the same mesh with its vertices moved, or the points; or operations, or with --cage auto "
+             "nothing: half "
+             "the figure bends");
+    given.operations.add_options(line);
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
     given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;
     given.choice.in_space = true;
@@ -237,7 +269,8 @@ int run_program(int argc, char** argv) {
         line.add("--weight", given.weight, "paint this vertex's weight on the figure in the picture, from 0");
     line.add_flag("--report", given.report, "print the bind report");
     given.choice.add_options(line);
-    line.set_footer(obj_format + std::string("\n") + site_formats + "\n" + site_weights_format);
+    line.set_footer(obj_format + std::string("\n") + pose_operations_format + "\n" + site_formats + "\n" +
+                    site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     const std::string why = given.of_sites.fault(given.choice);
     if (!why.empty()) return fail(why);

@@ -1,6 +1,8 @@
 // Deforms any SVG figure by a cage and a pose of it.
 //
+//     deform_svg cat.svg --cage auto -o first_look.svg --png
 //     deform_svg cat.svg --cage cat_cage.svg --pose cat_pose_step.svg --coordinates harmonic -o step.svg --png
+//     deform_svg cat.svg --cage auto:24 --turn 5-10:-30 -o tail.svg
 //
 // Curves and long lines are refined until they follow the deformed shape, since straight lines and control
 // points do not map to it. Everything that is not geometry stays: styles, gradients, groups, identifiers.
@@ -9,12 +11,14 @@
 // honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
 // Coordinates of points without a cage, sibson and sibson-c1, take the circles of an SVG or the lines of a CSV.
 
+#include "auto_cage.hpp"
 #include "base64.hpp"
 #include "bind_report.hpp"
 #include "cage_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
 #include "guard.hpp"
+#include "pose_choice.hpp"
 #include "progress_bar.hpp"
 #include "render.hpp"
 #include "svg_document.hpp"
@@ -58,10 +62,17 @@ SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
     return points;
 }
 
-SvgResult<Control> read_control(const CoordinatesChoice& choice, const std::string& cage_path,
-                                const std::string& pose_path, const SiteChoice& of_sites,
-                                const SvgDocument& figure) {
+/// What --cage and --pose say, and the operations in place of a pose.
+struct CagePaths {
+    std::string cage, pose;
+    PoseChoice operations;
+};
+
+SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
+                                const SiteChoice& of_sites, const SvgDocument& figure) {
+    const auto& [cage_path, pose_path, operations] = paths;
     if (choice.takes_sites()) {
+        if (pose_path.empty()) return SvgError{"--pose is required, of points"};
         auto posed =
             load_posed_sites<2>(cage_path, pose_path, of_sites, [&] { return control_points(figure); });
         if (!posed) return posed.error();
@@ -73,52 +84,16 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const std::stri
                            return describe_site_faults(known, report);
                        }};
     }
-    const auto cage = load_cage(cage_path);
+    const auto cage = load_or_make_cage(cage_path, figure);
     if (!cage) return cage.error();
-    auto pose = load_pose(pose_path, *cage);
+    auto pose = read_pose(pose_path, operations, *cage, CageWord::of(cage_path).is_auto);
     if (!pose) return pose.error();
     return Control{
         make_coordinates<double>(choice, *cage),
         std::move(pose->vertices),
         {},
         std::move(pose->blocks),
-        [cage_path](const cageform::BindReport& report) { return describe_faults(cage_path, report); }};
-}
-
-/// Appends a cage to a document, in root user space: loops and chains as lines, points as circles.
-void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks) {
-    const auto view = view_box(document);
-    const double diagonal = view ? std::hypot(view->width, view->height) : 100;
-    auto group = document.xml.document_element().append_child("g");
-    group.append_attribute("fill") = "none";
-    group.append_attribute("stroke") = "#c2377a";
-    group.append_attribute("stroke-width") = diagonal / 400;
-    group.append_attribute("stroke-linejoin") = "round";
-    group.append_attribute("stroke-dasharray") = diagonal / 100;
-    for (const CageBlock& block : blocks) {
-        const Point2& first = block.points.front();
-        if (block.kind == CageBlock::Kind::point) {
-            auto circle = group.append_child("circle");
-            circle.append_attribute("cx") = first.x;
-            circle.append_attribute("cy") = first.y;
-            if (block.radius > 0) {
-                circle.append_attribute("r") = block.radius;
-            } else { // a site: a dot
-                circle.append_attribute("r") = diagonal / 120;
-                circle.append_attribute("fill") = "#c2377a";
-                circle.append_attribute("stroke") = "none";
-            }
-            continue;
-        }
-        Subpath line;
-        line.start = first;
-        line.closed = block.kind == CageBlock::Kind::loop;
-        for (std::size_t k = 1; k < block.points.size() + (line.closed ? 1 : 0); ++k) {
-            const Point2& p = block.points[k % block.points.size()];
-            line.segments.push_back({p, p, p, true});
-        }
-        group.append_child("path").append_attribute("d") = write_path_data({line}, 3).c_str();
-    }
+        [name = cage->name](const cageform::BindReport& report) { return describe_faults(name, report); }};
 }
 
 /// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the document.
@@ -160,7 +135,9 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients and "
         "patterns follow by the affine map nearest to what moves their shape.");
-    std::string figure_path, cage_path, pose_path, out_path;
+    std::string figure_path, out_path;
+    CagePaths paths;
+    auto& [cage_path, pose_path, operations] = paths;
     bool png = false, show_cage = false, show_rest = false, report = false, text_as_paths = false;
     int png_width = 900;
     CoordinatesChoice choice;
@@ -170,9 +147,14 @@ int run_program(int argc, char** argv) {
     line.add("figure", figure_path, "the SVG file to deform").required();
     line.add("--cage", cage_path,
              "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; "
-             "of sibson and sibson-c1 points")
+             "of sibson and sibson-c1 points" +
+                 std::string(auto_cage_help))
         .required();
-    line.add("--pose", pose_path, "the moved cage: the same blocks, vertex by vertex, or points").required();
+    line.add(
+        "--pose", pose_path,
+        "the moved cage: the same blocks, vertex by vertex, or points; or operations, or with --cage auto "
+        "nothing: half the figure bends, and the picture grows to it");
+    operations.add_options(line);
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
@@ -191,13 +173,15 @@ int run_program(int argc, char** argv) {
     line.add_flag("--show-rest", show_rest, "draw the figure at rest under it, in white");
     line.add_flag("--report", report, "print the bind report and what became of the shapes");
     choice.add_options(line);
-    line.set_footer(cage_formats + std::string("\n") + site_formats + "\n" + site_weights_format);
+    line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + site_formats + "\n" +
+                    site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
 
+    if (pose_path.empty() && operations.operations.empty()) options.fit = true;
     auto document = load_svg(figure_path);
     if (!document) return fail(to_string(document.error()));
-    const auto control = read_control(choice, cage_path, pose_path, of_sites, *document);
+    const auto control = read_control(choice, paths, of_sites, *document);
     if (!control) return fail(to_string(control.error()));
 
     if (text_as_paths) {
@@ -222,6 +206,9 @@ int run_program(int argc, char** argv) {
     }
     cageform::BindOptions bind_options;
     bind_options.outside = outside.policy(*coordinates);
+    const std::string pose_name = !pose_path.empty()                ? pose_path
+                                  : CageWord::of(cage_path).is_auto ? figure_path
+                                                                    : cage_path;
     std::string failure, warning, pose_warning;
     const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
         const auto [binding, bound] = coordinates->bind(in, bind_options);
@@ -233,7 +220,7 @@ int run_program(int argc, char** argv) {
         failure = std::move(verdict.fault);
         if (!failure.empty()) return false;
         if (warning.empty()) warning = std::move(verdict.warning); // of all points, not of those between them
-        const auto pose = pose_of_handles(binding, control->pose, pose_path, pose_warning);
+        const auto pose = pose_of_handles(binding, control->pose, pose_name, pose_warning);
         if (!pose) {
             failure = to_string(pose.error());
             return false;
@@ -243,7 +230,7 @@ int run_program(int argc, char** argv) {
                                 ? cageform::clone(binding, *pose, moved)
                                 : cageform::clone_rational(binding, *pose, std::span(weights), moved);
         if (status != cageform::Status::ok)
-            failure = (weights.empty() ? pose_path : of_sites.weights) + ": " + cageform::to_string(status);
+            failure = (weights.empty() ? pose_name : of_sites.weights) + ": " + cageform::to_string(status);
         if (last.points == 0) last = bound;
         return status == cageform::Status::ok;
     };
@@ -263,7 +250,10 @@ int run_program(int argc, char** argv) {
                   << " segments miss the --flatness asked for\n";
     }
     if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
-    if (show_cage) draw_cage(*document, control->drawn);
+    if (show_cage) {
+        const auto view = view_box(*document);
+        draw_cage(*document, control->drawn, view ? std::hypot(view->width, view->height) : 100, "#c2377a");
+    }
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(out_path);
     svg.write(to_text(*document));

@@ -12,7 +12,7 @@ sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev 
 
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 19 "$1"
+  printf '[%d/%d] %s\n' $count 21 "$1"
 }
 mkdir -p out
 step "configure"
@@ -70,6 +70,26 @@ for cells in head spine; do
 done
 "$programs/contact_sheet" -o out/cat_interior.svg --columns 3 --png --png-width 1500 "at rest" out/cat_rest.svg \
   "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
+
+step "a cage made, and a first animation"
+# From the figure alone: a cage, a first look, a pose by the numbers in the picture, a motion to it and back.
+"$programs/make_cage" "$data/cat.svg" -o out/cat_made_cage.svg --picture out/cat_made_numbers.svg >>$report
+"$programs/deform_svg" "$data/cat.svg" --cage auto -o out/cat_first_look.svg
+set -- --cage auto --coordinates harmonic --turn 7-8:-30@v6,9 --turn 0-2,20-23:12@v3,19
+"$programs/deform_svg" "$data/cat.svg" "$@" -o out/cat_wags.svg --fit
+"$programs/animate_svg" "$data/cat.svg" "$@" --seconds 1.2 -o out/cat_wag.svg >>$report
+"$programs/contact_sheet" -o out/make_cage.svg --columns 3 --png --png-width 1800 "a cage made" out/cat_made_numbers.svg \
+  "a first look" out/cat_first_look.svg "tail and head turned" out/cat_wags.svg
+
+step "the cat, posed by numbers"
+# No editor: the picture tells the numbers, operations move them.
+"$programs/pose_cage" "$data/cat_cage.svg" --figure "$data/cat.svg" --picture out/cat_numbers.svg >>$report
+"$programs/pose_cage" "$data/cat_cage.svg" --turn 7-11:-25@775,400 --turn 15-24:12@330,325 --bend '0-1,24:yx,500,750,20' \
+  --figure "$data/cat.svg" --picture out/cat_numbers_posed.svg -o out/cat_pose_numbers.svg >>$report
+"$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --pose out/cat_pose_numbers.svg --coordinates harmonic \
+  -o out/cat_by_numbers.svg --fit
+"$programs/contact_sheet" -o out/pose_cage.svg --columns 3 --png --png-width 1800 "the numbers" out/cat_numbers.svg \
+  "tail and head turned, a leg bent" out/cat_numbers_posed.svg "the cat by that pose" out/cat_by_numbers.svg
 
 step "the cat walks"
 # The cat walks: an SVG that browsers play, and twelve frames of a stride.
@@ -142,6 +162,12 @@ for type in mean-value harmonic green sibson-c1; do
   set -- "$@" "$type" "$name.png"
 done
 "$programs/contact_sheet" -o out/character_types.svg --columns 2 --tile 700 --png --png-width 1400 "$@"
+# Cages made around what has one already, and the character by its made cage.
+"$programs/make_cage" out/character.obj --picture out/character_made.png -o out/character_made_cage.obj >>$report
+"$programs/deform_mesh" out/character.obj --cage auto:60 -o out/character_look.obj --picture out/character_look.png
+for name in aleph fish; do "$programs/make_cage" "$data/$name.svg" --picture out/${name}_made.svg >>$report; done
+"$programs/contact_sheet" -o out/made_cages.svg --columns 4 --png --png-width 1600 cat.svg out/cat_made_numbers.svg \
+  aleph.svg out/aleph_made.svg fish.svg out/fish_made.svg character.obj out/character_made.png
 
 step "a character for a game"
 # What a game takes: a packed binding with the dance, and glTF files as a skin and as morph targets.
@@ -272,6 +298,9 @@ Open, in out/:
   cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage;
                              cat_green.png: two poses by three types of coordinates
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
+  make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to it (in a browser)
+  made_cages.png, character_look.png   cages made in the plane and in space; a first look in space
+  pose_cage.png              a cage with its vertices' numbers, and a pose by them
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates
@@ -291,4 +320,6 @@ Open, in out/:
   adaptive_grid.png          cells of the grid by accuracy: of the cat, at a corner, through a hand
   convergence.png            errors of the solver, convergence.txt: as a table; fit_curve.png: a key-frame curve and its pieces
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
+
+sh examples/page/run.sh makes out/cageform.html, in which a browser plays with all this.
 END

@@ -24,6 +24,9 @@ struct cageform::PointTraits<cageform_examples::Point2> {
 
 namespace cageform_examples {
 
+struct SvgDocument;
+struct ViewBox;
+
 /// A cage in the plane, as read: loops, and perhaps chains and points inside them.
 struct CageFile {
     std::string name;
@@ -36,6 +39,8 @@ struct CageFile {
                            [&](const CageBlock& block) { return block.kind == kind; });
     }
     bool has_cells() const { return has(CageBlock::Kind::chain) || has(CageBlock::Kind::point); }
+
+    std::vector<cageform::Vec<double, 2>> places() const; ///< of the vertices
 
     /// The loops alone.
     template <class T>
@@ -98,6 +103,23 @@ CageFile make_cage(std::string name, std::vector<CageBlock> blocks);
 
 /// Reads a cage: the first closed polygon of an SVG file, or a CSV file of loops, chains and points.
 SvgResult<CageFile> load_cage(const std::string& path);
+
+/// A cage as the file that load_cage() reads back to the bit: an SVG document, or CSV.
+///
+///   view    the document's viewBox
+///   cage    of loops, in SVG
+///   fails   in SVG, where the first and the last vertex of a loop lie at one place: there they would be one
+SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view);
+std::string to_csv(const CageFile& cage);
+
+/// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as circles.
+///
+///   diagonal   of the picture, which thicknesses go by
+void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks, double diagonal,
+               const std::string& colour);
+
+/// The same cage with its vertices, by handle, at other places.
+CageFile moved_cage(CageFile cage, std::span<const cageform::Vec<double, 2>> places);
 
 /// "(412, 88), …" for the first few of a list of points.
 std::string name_points(std::span<const Point2> points, const std::vector<std::size_t>& indices);

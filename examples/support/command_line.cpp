@@ -67,6 +67,10 @@ CommandOption& CommandOption::excludes(const CommandOption& other) {
     option_->excludes(other.option_);
     return *this;
 }
+CommandOption& CommandOption::in_order() {
+    option_->trigger_on_parse();
+    return *this;
+}
 CommandOption& CommandOption::ends_with(const std::vector<std::string>& endings) {
     option_->check([endings](const std::string& path) -> std::string {
         std::string ending = std::filesystem::path(path).extension().string(), known;

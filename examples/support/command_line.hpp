@@ -32,6 +32,7 @@ public:
     CommandOption& check(const std::function<std::string(const std::string&)>& fault); ///< empty: none
     CommandOption& count(int least, int most);                                         ///< how many values
     CommandOption& excludes(const CommandOption& other);
+    CommandOption& in_order(); ///< its function is called when the option is met: in the order of the words
     CommandOption& ends_with(const std::vector<std::string>& endings); ///< such as ".svg", of a file to write
 
     bool is_given() const; ///< after parsing

@@ -10,21 +10,6 @@ namespace cageform_examples {
 
 namespace detail {
 
-/// As many lines as turn by a few degrees each, for a curve that is no farther from its chord.
-std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance) {
-    if (s.is_line) return 1;
-    // A quarter of its second differences: the distance of a cubic from its chord is at most 3/4 of them.
-    const double bend = std::max(std::hypot(from.x - 2 * s.p1.x + s.p2.x, from.y - 2 * s.p1.y + s.p2.y),
-                                 std::hypot(s.p1.x - 2 * s.p2.x + s.p3.x, s.p1.y - 2 * s.p2.y + s.p3.y));
-    return std::size_t(std::clamp(std::ceil(std::sqrt(0.75 * bend / tolerance)), 1.0, 1000.0));
-}
-
-Point2 place_on(const Point2& from, const Segment& s, double t) {
-    const double u = 1 - t, a = u * u * u, b = 3 * u * u * t, c = 3 * u * t * t, d = t * t * t;
-    return {a * from.x + b * s.p1.x + c * s.p2.x + d * s.p3.x,
-            a * from.y + b * s.p1.y + c * s.p2.y + d * s.p3.y};
-}
-
 void flatten(const Subpath& subpath, double tolerance, DrawnLine& line) {
     line.closed =
         subpath.closed || (!subpath.segments.empty() && subpath.segments.back().p3 == subpath.start);

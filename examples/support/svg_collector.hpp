@@ -54,6 +54,7 @@ private:
     void warn(pugi::xml_node node, const std::string& why);
     static std::string text_of(const Values& values, std::string_view property);
     static void inherit(const Values& values, Place& place);
+    static void inherit_outline(const Values& values, DrawnShape& style);
     bool visit(pugi::xml_node node, const Place& parent);
     bool visit_children(pugi::xml_node node, const Place& place);
     bool apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root);

@@ -122,16 +122,6 @@ private:
 
     static double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
-    static Point2 at(const Point2& p0, const Segment& s, double t) {
-        const double u = 1 - t;
-        const double b0 = u * u * u;
-        const double b1 = 3 * u * u * t;
-        const double b2 = 3 * u * t * t;
-        const double b3 = t * t * t;
-        return {b0 * p0.x + b1 * s.p1.x + b2 * s.p2.x + b3 * s.p3.x,
-                b0 * p0.y + b1 * s.p1.y + b2 * s.p2.y + b3 * s.p3.y};
-    }
-
     /// At least six; so many that none is longer than a 64th of the diagonal, lest a narrow bulge be missed.
     std::size_t steps(const Point2& from, const Segment& s) const {
         const double length = distance(from, s.p1) + distance(s.p1, s.p2) + distance(s.p2, s.p3);
@@ -149,7 +139,7 @@ private:
             const auto n = static_cast<double>(piece.samples.size() - 1);
             for (std::size_t i = 1; i < piece.samples.size(); i += stride) {
                 const double t = piece.from + (piece.to - piece.from) * (static_cast<double>(i) / n);
-                in.push_back(at(curve.p0, curve.rest, t));
+                in.push_back(place_on(curve.p0, curve.rest, t));
             }
         }
         if (in.empty()) return true;
@@ -187,7 +177,7 @@ private:
                     const std::vector<Point2>& samples = pieces_[piece].samples;
                     for (std::size_t i = 1; i < samples.size(); ++i) {
                         const double t = static_cast<double>(i) / static_cast<double>(samples.size() - 1);
-                        const Point2 rest = at(curve.p0, curve.rest, t);
+                        const Point2 rest = place_on(curve.p0, curve.rest, t);
                         motion.add(rest, samples[i], distance(from, rest));
                         from = rest;
                     }
@@ -288,7 +278,7 @@ private:
         }
         for (std::size_t i = 0; i <= n; ++i) {
             const double t = static_cast<double>(i) / static_cast<double>(n);
-            if (!(distance(at(a, result, t), samples[i]) <= tolerance_)) return false;
+            if (!(distance(place_on(a, result, t), samples[i]) <= tolerance_)) return false;
         }
         return true;
     }

@@ -125,12 +125,18 @@ struct DrawnShape {
     Path path;                  // in root user space
     std::string fill = "black"; // as CSS has them here, inherited
     std::string stroke = "none";
-    double stroke_width = 1;     // in its own user space
-    bool marks_ends = false;     // has markers at its start or end
-    bool marks_vertices = false; // has markers between
-    int level = 0;               // of clip paths and masks that it stands in; 0 is the picture itself
-    bool clips = false;          // stands in a clip path
-    bool is_box = false;         // text or an image
+    double stroke_width = 1; // in its own user space
+    double miter_limit = 4;
+    bool has_miters = true;       // stroke-linejoin
+    bool has_square_caps = false; // stroke-linecap
+    bool even_odd = false;        // fill-rule
+    bool is_visible = true;       // visibility
+    bool is_transparent = false;  // itself or what it stands in
+    bool marks_ends = false;      // has markers at its start or end
+    bool marks_vertices = false;  // has markers between
+    int level = 0;                // of clip paths and masks that it stands in; 0 is the picture itself
+    bool clips = false;           // stands in a clip path
+    bool is_box = false;          // text or an image
 };
 
 /// What is drawn, in document order. The document is changed on the way, without changing what it shows: every `use`

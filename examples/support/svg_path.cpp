@@ -21,6 +21,14 @@ SvgError error_in_text(std::string why, std::string_view text, std::size_t posit
     return {std::move(why), line, before.size() - line_start + 1};
 }
 
+std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance) {
+    if (s.is_line) return 1;
+    // A cubic is no farther from its chord than 3/4 of its larger second difference.
+    const double bend = std::max(std::hypot(from.x - 2 * s.p1.x + s.p2.x, from.y - 2 * s.p1.y + s.p2.y),
+                                 std::hypot(s.p1.x - 2 * s.p2.x + s.p3.x, s.p1.y - 2 * s.p2.y + s.p3.y));
+    return std::size_t(std::clamp(std::ceil(std::sqrt(0.75 * bend / tolerance)), 1.0, 1000.0));
+}
+
 std::optional<Affine2> inverse(const Affine2& m) {
     const double determinant = m.a * m.d - m.b * m.c;
     const double terms = std::abs(m.a * m.d) + std::abs(m.b * m.c);

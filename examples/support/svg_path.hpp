@@ -71,6 +71,17 @@ struct Subpath {
 
 using Path = std::vector<Subpath>;
 
+/// The place of a curve at `t`, 0 to 1; `from`: the end of the segment before it.
+inline Point2 place_on(const Point2& from, const Segment& s, double t) {
+    const double u = 1 - t, a = u * u * u, b = 3 * u * u * t, c = 3 * u * t * t, d = t * t * t;
+    return {a * from.x + b * s.p1.x + c * s.p2.x + d * s.p3.x,
+            a * from.y + b * s.p1.y + c * s.p2.y + d * s.p3.y};
+}
+
+/// Into how many pieces, equal in t, a curve has to be cut so that none is farther than `tolerance` from its
+/// chord; at most 1000.
+std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance);
+
 /// (x, y) -> (a x + c y + e, b x + d y + f), in the order of SVG's matrix().
 struct Affine2 {
     double a = 1;

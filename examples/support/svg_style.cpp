@@ -38,11 +38,14 @@ std::string_view without_comments_before(std::string_view text) {
     return text;
 }
 
-/// What a deformation asks for.
+/// What a deformation or a cage asks for.
 bool is_read(std::string_view property) {
     for (const std::string_view known :
-         {"fill", "stroke", "stroke-width", "clip-path", "mask", "filter", "marker", "marker-start",
-          "marker-mid", "marker-end", "display", "overflow", "font-size", "text-anchor", "transform"}) {
+         {"fill",      "stroke",          "stroke-width",   "clip-path",         "mask",
+          "filter",    "marker",          "marker-start",   "marker-mid",        "marker-end",
+          "display",   "overflow",        "font-size",      "text-anchor",       "transform",
+          "fill-rule", "stroke-linejoin", "stroke-linecap", "stroke-miterlimit", "visibility",
+          "opacity"}) {
         if (property == known) return true;
     }
     return false;

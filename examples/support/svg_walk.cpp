@@ -62,6 +62,23 @@ void ShapeCollector::inherit(const Values& values, Place& place) {
     if (stroke && *stroke >= 0) place.style.stroke_width = *stroke;
     const auto font = parse_length(text_of(values, "font-size"), place.font_size);
     if (font && *font > 0) place.font_size = *font;
+    inherit_outline(values, place.style);
+}
+
+void ShapeCollector::inherit_outline(const Values& values, DrawnShape& style) {
+    const auto take = [&](std::string_view property, std::string_view word, bool& is) {
+        const std::string text = text_of(values, property);
+        if (!text.empty()) is = text == word;
+    };
+    take("fill-rule", "evenodd", style.even_odd);
+    take("stroke-linecap", "square", style.has_square_caps);
+    take("visibility", "visible", style.is_visible);
+    const std::string join = text_of(values, "stroke-linejoin");
+    if (!join.empty()) style.has_miters = join != "round" && join != "bevel";
+    const auto limit = parse_length(text_of(values, "stroke-miterlimit"), 1);
+    if (limit && *limit >= 1) style.miter_limit = *limit;
+    const auto opacity = parse_length(text_of(values, "opacity"), 1);
+    if (opacity && *opacity <= 0) style.is_transparent = true; // what it holds too
 }
 
 bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {

@@ -1,0 +1,264 @@
+// What the page shows: a figure, its cage and pose, what is bound to it, and the way back (undo).
+
+class App {
+  constructor(engine) {
+    this.engine = engine;
+    this.painter = new FieldPainter();
+    this.views = [];
+    this.selection = new Set();
+    this.hovered = -1;
+    this.showsWeights = this.showsCage = true;
+    this.isEditing = false;
+    this.history = new History(this);
+    this.timings = TYPE_NAMES.map(() => ({ bind: 0, clone: 0, clones: 0 }));
+    new ResizeObserver(() => this.redraw()).observe(document.getElementById('views'));
+  }
+
+  // ---- the figure ----
+
+  /** Another figure with a cage; throws where it cannot be bound. */
+  setFigure(figure, cage) {
+    const before = [this.figure, this.cage, this.pose, this.clip];
+    [this.figure, this.cage, this.pose, this.clip] = [figure, cage, cage.rest.slice(), new Clip()];
+    this.bound = TYPE_NAMES.map(() => null);
+    this.fields = TYPE_NAMES.map(() => null);
+    try {
+      this.ensureBound(this.types?.[0] ?? 0);
+    } catch (error) {
+      [this.figure, this.cage, this.pose, this.clip] = before;
+      this.bound = TYPE_NAMES.map(() => null);
+      throw error;
+    }
+    this.selection.clear();
+    this.hovered = -1;
+    this.history.clear();
+    const all = pairs(cage.rest), box = boundsOf(all), pad = 0.07 * Math.hypot(box[2] - box[0], box[3] - box[1]);
+    this.window = { x: box[0] - pad, y: box[1] - pad, w: box[2] - box[0] + 2 * pad, h: box[3] - box[1] + 2.6 * pad }; // room for the caption
+    this.views.forEach(view => view.rebuild());
+    this.onClip?.();
+    this.redraw();
+  }
+
+  /** Which coordinate types are shown, a view each. */
+  setTypes(types) {
+    this.types = types;
+    const parent = document.getElementById('views');
+    this.views = types.map(type => new View(this, type));
+    parent.replaceChildren(...this.views.map(view => view.div));
+    parent.classList.toggle('many', types.length > 1);
+    if (this.figure) this.views.forEach(view => view.rebuild());
+    this.redraw();
+  }
+
+  // ---- binding ----
+
+  /** Coordinates of a type on the cage as it is, with the figure bound. */
+  ensureBound(type) {
+    if (this.bound[type]) return;
+    const start = performance.now();
+    this.engine.makeCoordinates(type, this.cage);
+    this.bound[type] = this.engine.bind(type, 0, this.figure.points);
+    this.timings[type] = { bind: performance.now() - start, clone: 0, clones: 0 };
+    this.fields[type] = null;
+    for (let k = 0; k < 20; ++k) this.cloneFigure(type, this.pose); // the browser's clock is coarse: a mean
+  }
+  fieldOf(type) {
+    if (!this.fields[type]) {
+      this.fields[type] = fieldMesh(this.cage, 110);
+      this.engine.bind(type, 1, this.fields[type].nodes);
+    }
+    return this.fields[type];
+  }
+  /** After an edit of the cage. Throws what is wrong with it; nothing is bound then. */
+  rebind() {
+    this.bound = TYPE_NAMES.map(() => null);
+    for (const type of this.types) this.ensureBound(type);
+  }
+
+  /** The points of the figure moved by the pose. */
+  cloneFigure(type, pose) {
+    const start = performance.now(), places = this.engine.clone(type, 0, pose, this.figure.points.length / 2);
+    const timing = this.timings[type];
+    timing.clone += performance.now() - start;
+    ++timing.clones;
+    if (timing.clones > 2000) Object.assign(timing, { clone: timing.clone / 2, clones: timing.clones / 2 });
+    return places;
+  }
+
+  // ---- drawing ----
+
+  get shownPose() { return this.isEditing ? this.cage.rest : this.pose; }
+  /** The vertex whose weights show: under the pointer, else the only one selected; -1: none. */
+  get weightVertex() {
+    if (!this.showsWeights || this.drag) return this.showsWeights && this.selection.size === 1 ? [...this.selection][0] : -1;
+    return this.hovered >= 0 ? this.hovered : this.selection.size === 1 ? [...this.selection][0] : -1;
+  }
+
+  redraw() {
+    if (this.isWaiting) return;
+    this.isWaiting = true;
+    requestAnimationFrame(() => { this.isWaiting = false; this.draw(); });
+  }
+  draw() {
+    if (!this.figure || document.body.classList.contains('in-space')) return;
+    const pose = this.shownPose;
+    for (const view of this.views) {
+      view.drawFrame();
+      try {
+        this.ensureBound(view.type);
+        view.drawFigure(this.cloneFigure(view.type, pose));
+        view.drawField(this.weightVertex, pose);
+        view.fault = '';
+      } catch (error) {
+        view.fault = error.message;
+      }
+      view.drawCage(pose);
+    }
+    this.tell();
+  }
+
+  /** What was measured, under the views and in them. */
+  tell() {
+    const number = new Intl.NumberFormat('en');
+    for (const view of this.views) {
+      const { bind, clone, clones } = this.timings[view.type], name = TYPE_NAMES[view.type];
+      view.caption.innerHTML = '';
+      const title = document.createElement('b');
+      title.textContent = name;
+      const outside = this.bound[view.type]?.outside;
+      view.caption.append(title, view.fault ? ': ' + view.fault
+        : `  bound in ${bind.toFixed(bind < 10 ? 1 : 0)} ms, cloned in ${clones ? (clone / clones).toPrecision(2) : '…'} ms` +
+          (outside ? `, ${number.format(outside)} points outside` : ''));
+    }
+    if (this.notice) return;
+    const count = this.cage.rest.length / 2;
+    this.say(`${this.figure.name}: ${number.format(this.figure.points.length / 2)} points in a cage of ${count} vertices` +
+             (this.selection.size > 0 ? `, ${this.selection.size} selected` : '') +
+             (this.weightVertex >= 0 ? `; weights of vertex ${this.weightVertex}` : '') +
+             (this.isEditing ? '; the cage at rest is being edited' : ''), false);
+  }
+  /** A sentence under the views; a fault or a notice stays for some seconds. */
+  say(text, stays = true, isFault = false) {
+    const place = document.getElementById('status');
+    place.textContent = text;
+    place.classList.toggle('fault', isFault);
+    if (!stays) return;
+    clearTimeout(this.notice);
+    this.notice = setTimeout(() => { this.notice = 0; this.redraw(); }, 6000);
+  }
+  sayFault(error) { this.say(error.message, true, true); }
+
+  // ---- changes ----
+
+  /** Moves vertices: f(x, y, i) gives the place of each that is selected. */
+  moveSelected(f, from = this.shownPose) {
+    const moved = from.slice();
+    for (const i of this.selection) [moved[2 * i], moved[2 * i + 1]] = f(from[2 * i], from[2 * i + 1], i);
+    this.setShownPose(moved);
+  }
+  setShownPose(places) {
+    if (this.isEditing) {
+      const change = places.map((x, k) => x - this.cage.rest[k]);
+      this.cage = { ...this.cage, rest: places };
+      this.pose = this.pose.map((x, k) => x + change[k]);
+      this.isStale = true;
+    } else {
+      this.pose = places;
+    }
+    this.redraw();
+  }
+  /** Binds anew after the cage was edited; goes back where that cannot be. */
+  finishEdit() {
+    if (!this.isStale) return;
+    this.isStale = false;
+    try {
+      this.rebind();
+    } catch (error) {
+      this.history.undo();
+      this.history.later = [];
+      this.sayFault(new Error('That cage cannot be used: ' + error.message));
+    }
+    this.redraw();
+  }
+  /** Another cage, with the pose that goes on; throws nothing. */
+  replaceCage({ cage, pose }, selection, editClip) {
+    this.history.remember();
+    [this.cage, this.pose] = [cage, pose];
+    editClip();
+    this.selection = new Set(selection);
+    this.hovered = -1;
+    this.isStale = true;
+    this.finishEdit();
+    this.views.forEach(view => view.rebuildCage());
+    this.onClip?.();
+    this.redraw();
+  }
+  addVertex(vertex, share = 0.5) {
+    const { loop, begin } = loopOf(this.cage.loops, vertex), next = begin + (vertex + 1 - begin) % this.cage.loops[loop];
+    this.replaceCage(withVertex(this.cage, this.pose, vertex, share), [vertex + 1],
+                     () => this.clip.insertVertex(vertex, next, share));
+  }
+  removeSelected() {
+    const next = withoutVertices(this.cage, this.pose, this.selection);
+    if (!next) return this.sayFault(new Error('A loop keeps three vertices at least'));
+    const gone = this.selection;
+    this.replaceCage(next, [], () => this.clip.removeVertices(gone));
+  }
+  /** A cage around what is drawn, at rest. */
+  makeCage(vertices) {
+    const start = performance.now(), made = this.engine.makeCage(this.figure.drawnSegments(), vertices);
+    return { ...made, milliseconds: performance.now() - start };
+  }
+
+  /** The box about the selection with its corners to scale by and the place to turn by; null for less than two. */
+  gripsOf(pose, unit) {
+    if (this.selection.size < 2 || !this.showsCage || this.lasso) return null;
+    const pad = 16 * unit, box = boundsOf([...this.selection].map(i => [pose[2 * i], pose[2 * i + 1]]));
+    const [x0, y0, x1, y1] = [box[0] - pad, box[1] - pad, box[2] + pad, box[3] + pad];
+    return {
+      box: [x0, y0, x1, y1], corners: [[x0, y0], [x1, y0], [x1, y1], [x0, y1]],
+      turn: [(x0 + x1) / 2, y0 - 26 * unit], middle: [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2],
+    };
+  }
+}
+
+/** Undo and redo: states of cage, pose and clip. */
+class History {
+  constructor(app) { this.app = app; this.clear(); }
+  clear() { this.earlier = []; this.later = []; this.changed(); }
+  state() {
+    const { cage, pose, clip } = this.app;
+    return { cage, pose, clip: clip.copy() };
+  }
+  /** Before a change. */
+  remember() {
+    this.earlier.push(this.state());
+    if (this.earlier.length > 200) this.earlier.shift();
+    this.later = [];
+    this.changed();
+  }
+  undo() { this.go(this.earlier, this.later); }
+  redo() { this.go(this.later, this.earlier); }
+  go(from, to) {
+    if (from.length === 0) return;
+    to.push(this.state());
+    this.restore(from.pop());
+    this.changed();
+  }
+  restore({ cage, pose, clip }) {
+    const { app } = this, isOther = cage !== app.cage;
+    Object.assign(app, { cage, pose, clip });
+    if (isOther) {
+      app.selection.clear();
+      app.hovered = -1;
+      app.rebind();
+      app.views.forEach(view => view.rebuildCage());
+    }
+    app.onClip?.();
+    app.redraw();
+  }
+  changed() {
+    document.getElementById('undo').disabled = this.earlier.length === 0;
+    document.getElementById('redo').disabled = this.later.length === 0;
+  }
+}

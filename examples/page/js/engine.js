@@ -1,0 +1,129 @@
+// The library: page.cpp compiled to WebAssembly, behind functions that take and give arrays of numbers.
+
+const TYPE_NAMES = ['Mean value', 'Harmonic', 'Green', 'Sibson'];
+
+/** The bytes of gzip data in base64. */
+async function unpack(text) {
+  const packed = Uint8Array.from(atob(text), c => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** What WASI's C library asks its host for: a clock, and nowhere to write to. */
+function wasiHost(memory) {
+  const view = () => new DataView(memory().buffer);
+  const known = {
+    clock_time_get(id, precision, at) {
+      view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
+      return 0;
+    },
+    fd_write(file, list, count, written) {
+      let size = 0;
+      for (let i = 0; i < count; ++i) size += view().getUint32(list + 8 * i + 4, true);
+      view().setUint32(written, size, true);
+      return 0;
+    },
+    proc_exit(code) { throw new Error('the library has ended with ' + code); },
+  };
+  const badFile = 8;
+  return new Proxy(known, { get: (all, name) => all[name] ?? (() => badFile) });
+}
+
+class Engine {
+  static async start(packedWasm) {
+    const engine = new Engine();
+    const module = await WebAssembly.compile(await unpack(packedWasm));
+    const host = wasiHost(() => engine.calls.memory);
+    const imports = {};
+    for (const { module: group, name } of WebAssembly.Module.imports(module)) (imports[group] ??= {})[name] = host[name];
+    engine.calls = (await WebAssembly.instantiate(module, imports)).exports;
+    engine.calls._initialize();
+    return engine;
+  }
+
+  bytes() { return this.calls.memory.buffer.byteLength; }
+  /** Hands over numbers, of several arrays one after the other. */
+  give(...arrays) {
+    const size = arrays.reduce((sum, a) => sum + a.length, 0);
+    let at = this.calls.page_input(size);
+    for (const array of arrays) {
+      new Float64Array(this.calls.memory.buffer, at, array.length).set(array);
+      at += 8 * array.length;
+    }
+  }
+  /** `size` numbers that the last call answered with; a view that the next call may change. */
+  taken(size, from = 0) { return new Float64Array(this.calls.memory.buffer, this.calls.page_output() + 8 * from, size); }
+  text(at) {
+    const bytes = new Uint8Array(this.calls.memory.buffer, at);
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  }
+  check(status) {
+    if (status !== 0) throw new Error(this.text(this.calls.page_message()));
+  }
+
+  /** Coordinates of a type on the cage of these loops; throws what is wrong with it. */
+  makeCoordinates(type, cage) {
+    this.give(cage.loops, cage.rest);
+    this.check(this.calls.page_cage(type, cage.loops.length, cage.rest.length / 2));
+  }
+  bind(type, batch, points) {
+    this.give(points);
+    this.check(this.calls.page_bind(type, batch, points.length / 2));
+    const [outside, unreached, notFinite, leastWeight] = this.taken(4);
+    return { outside, unreached, notFinite, leastWeight };
+  }
+  /** The points of a batch moved, `count` of them; a view that the next call may change. */
+  clone(type, batch, pose, count) {
+    this.give(pose);
+    const at = this.calls.page_clone(type, batch, pose.length / 2);
+    if (at === 0) throw new Error(this.text(this.calls.page_message()));
+    return new Float64Array(this.calls.memory.buffer, at, 2 * count);
+  }
+  weights(type, batch, vertex) { return this.taken(this.calls.page_weights(type, batch, vertex)); }
+
+  /** A cage for segments (ax, ay, bx, by, radius each). */
+  makeCage(segments, vertices, margin = 0) {
+    this.give(segments);
+    this.check(this.calls.page_make_cage(segments.length / 5, vertices, margin));
+    const [loops, clearance, seconds] = this.taken(3);
+    const sizes = Array.from(this.taken(loops, 3));
+    const count = sizes.reduce((sum, n) => sum + n, 0);
+    return { loops: sizes, rest: this.taken(2 * count, 3 + loops).slice(), clearance, seconds };
+  }
+  /** The cubic pieces of keys (time, value, kind, in-handle, out-handle each), and their certified error. */
+  fit(keys, tolerance) {
+    this.give(keys);
+    const count = this.calls.page_fit(keys.length / 7, tolerance);
+    if (count < 0) throw new Error(this.text(this.calls.page_message()));
+    return { error: this.taken(1)[0], pieces: this.taken(5 * count, 1).slice() };
+  }
+
+  /** A cage for a mesh; some seconds. */
+  makeShell(mesh, vertices) {
+    this.give(mesh.vertices, mesh.faces);
+    this.check(this.calls.page_make_shell(mesh.vertices.length / 3, mesh.faces.length / 3, vertices));
+    const [count, faces, clearance] = this.taken(3);
+    return { vertices: this.taken(3 * count, 3).slice(), faces: this.taken(3 * faces, 3 + 3 * count).slice(), clearance };
+  }
+  bindMesh(mesh, cage) {
+    this.give(cage.vertices, cage.faces, mesh.vertices, mesh.faces);
+    this.check(this.calls.page_mesh(cage.vertices.length / 3, cage.faces.length / 3, mesh.vertices.length / 3,
+                                    mesh.faces.length / 3));
+    return { outside: this.taken(1)[0] };
+  }
+  cloneMesh(pose, count) {
+    this.give(pose);
+    const at = this.calls.page_mesh_clone(pose.length / 3);
+    if (at === 0) throw new Error(this.text(this.calls.page_message()));
+    return new Float32Array(this.calls.memory.buffer, at, 3 * count);
+  }
+  meshNormals(count) { return new Float32Array(this.calls.memory.buffer, this.calls.page_mesh_normals(), 3 * count); }
+  meshSkin(influences, count) {
+    this.check(this.calls.page_mesh_skin(influences));
+    return {
+      joints: new Uint16Array(this.calls.memory.buffer, this.calls.page_mesh_joints(), influences * count).slice(),
+      weights: new Float32Array(this.calls.memory.buffer, this.calls.page_mesh_weights(), influences * count).slice(),
+    };
+  }
+  glsl() { return this.text(this.calls.page_glsl()); }
+}

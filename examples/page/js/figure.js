@@ -1,0 +1,332 @@
+// A figure: an SVG document, and the points of its shapes that are bound to a cage.
+//
+// Every segment of a shape becomes some pieces; of each its ends and the places at one and two thirds are bound. Moved,
+// the four points make a cubic again (that through them), so lines bend and curves stay smooth.
+
+const SHAPES = 'path,rect,circle,ellipse,line,polyline,polygon';
+const NOT_DRAWN = 'defs,clipPath,mask,pattern,marker,symbol,filter,linearGradient,radialGradient';
+const PAINT = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-linecap', 'stroke-linejoin',
+  'stroke-miterlimit', 'stroke-dasharray', 'stroke-dashoffset', 'opacity'];
+const SVG_NS = 'http://www.w3.org/2000/svg';
+
+function svgElement(name, attributes = {}, parent = null) {
+  const element = document.createElementNS(SVG_NS, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  parent?.append(element);
+  return element;
+}
+
+/** Takes out of a document what could run, or ask for something elsewhere. */
+function sanitise(root) {
+  root.querySelectorAll('script,foreignObject,iframe,animate,animateTransform,animateMotion,set').forEach(e => e.remove());
+  for (const element of [root, ...root.querySelectorAll('*')]) {
+    for (const { name, value } of [...element.attributes]) {
+      const reference = /(^|:)href$/.test(name) && !/^\s*(#|data:image\/)/.test(value);
+      if (/^on/i.test(name) || reference) element.removeAttribute(name);
+    }
+  }
+}
+
+/** Puts what `use` elements point to in their place. */
+function expandUses(root) {
+  for (let round = 0; round < 8; ++round) {
+    const uses = [...root.querySelectorAll('use')].filter(use => !use.closest(NOT_DRAWN));
+    if (uses.length === 0) return;
+    for (const use of uses) {
+      const id = (use.getAttribute('href') ?? use.getAttributeNS('http://www.w3.org/1999/xlink', 'href') ?? '').slice(1);
+      const target = id && root.querySelector('#' + CSS.escape(id));
+      const group = svgElement('g');
+      for (const { name, value } of use.attributes) if (!/^(x|y|width|height|.*href)$/.test(name)) group.setAttribute(name, value);
+      const x = lengthOf(use, 'x'), y = lengthOf(use, 'y');
+      if (x !== 0 || y !== 0) group.setAttribute('transform', `${use.getAttribute('transform') ?? ''} translate(${x} ${y})`);
+      if (target && !target.contains(use)) {
+        const copy = target.cloneNode(true);
+        if (copy.localName === 'symbol') group.append(...copy.childNodes);
+        else group.append(copy);
+      }
+      use.replaceWith(group);
+    }
+  }
+}
+
+/** The map from an element's coordinates to the document's, as [a, b, c, d, e, f]. */
+function mapToRoot(root, element) {
+  const m = root.getScreenCTM().inverse().multiply(element.getScreenCTM());
+  const map = [m.a, m.b, m.c, m.d, m.e, m.f];
+  const isIdentity = map.every((x, k) => Math.abs(x - [1, 0, 0, 1, 0, 0][k]) < (k < 4 ? 1e-12 : 1e-9));
+  return isIdentity ? [1, 0, 0, 1, 0, 0] : map;
+}
+const mapped = ([a, b, c, d, e, f], [x, y]) => [a * x + c * y + e, b * x + d * y + f];
+function inverted([a, b, c, d, e, f]) {
+  const det = a * d - b * c;
+  return [d / det, -b / det, -c / det, a / det, (c * f - d * e) / det, (b * e - a * f) / det];
+}
+/** How much a map stretches at most: the larger singular value. */
+function largestScale([a, b, c, d]) {
+  const sum = a * a + b * b + c * c + d * d, det = a * d - b * c;
+  return Math.sqrt((sum + Math.sqrt(Math.max(0, sum * sum - 4 * det * det))) / 2);
+}
+
+const cubicAt = (p, s, t) => {
+  const u = 1 - t, [w0, w1, w2, w3] = [u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t];
+  return [0, 1].map(k => w0 * p[k] + w1 * s.c1[k] + w2 * s.c2[k] + w3 * s.to[k]);
+};
+const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+
+class Figure {
+  /** From the text of an SVG document; throws a sentence where it is none, or draws nothing. */
+  constructor(text, name) {
+    const parsed = new DOMParser().parseFromString(text, 'image/svg+xml');
+    if (parsed.querySelector('parsererror') || parsed.documentElement.localName !== 'svg')
+      throw new Error(name + ' is no SVG document');
+    this.name = name;
+    this.root = document.importNode(parsed.documentElement, true);
+    sanitise(this.root);
+    const stage = document.getElementById('stage');
+    const shadow = (stage.shadowRoot ?? stage.attachShadow({ mode: 'open' }));
+    shadow.replaceChildren(this.root);
+    expandUses(this.root);
+    this.readShapes();
+    shadow.replaceChildren();
+    if (this.points.length === 0) throw new Error(name + ' draws nothing that a cage could hold');
+  }
+
+  readShapes() {
+    const drawn = [...this.root.querySelectorAll(SHAPES + ',text,image')].filter(e => !e.closest(NOT_DRAWN) && isShown(e));
+    const shapes = drawn.map(element => this.readShape(element)).filter(shape => shape !== null);
+    this.box = boundsOf(shapes.flatMap(shape => shape.corners));
+    const size = Math.hypot(this.box[2] - this.box[0], this.box[3] - this.box[1]);
+    const points = [];
+    this.decimals = Math.max(0, 5 - Math.floor(Math.log10(size || 1)));
+    this.shapes = shapes.map(shape => shape.outline ? bindOutline(shape, points, size / 40) : bindBox(shape, points));
+    this.points = new Float64Array(points.flat());
+    this.size = size;
+    this.gradients = this.shapes.flatMap((shape, index) => userSpaceGradients(this.root, shape, index));
+  }
+
+  /** A shape's outline in the document's coordinates, and what its stroke adds; of text and images the box. */
+  readShape(element) {
+    const map = mapToRoot(this.root, element), style = getComputedStyle(element);
+    if (element.localName === 'text' || element.localName === 'image') {
+      const { x, y, width, height } = element.getBBox();
+      const corners = [[x, y], [x + width, y], [x, y + height], [x + width, y + height]];
+      return width > 0 && height > 0 ? { element, map, corners: corners.map(p => mapped(map, p)) } : null;
+    }
+    const toRoot = p => mapped(map, p);
+    const outline = outlineOf(element).map(({ start, segments, closed }) => ({
+      start: toRoot(start), closed,
+      segments: segments.map(s => ({ line: s.line, c1: toRoot(s.c1), c2: toRoot(s.c2), to: toRoot(s.to) })),
+    })).filter(({ segments }) => segments.length > 0);
+    if (outline.length === 0) return null;
+    const stroked = style.stroke !== 'none';
+    return {
+      element, map, outline, filled: style.fill !== 'none', stroked,
+      radius: stroked ? parseFloat(style.strokeWidth) / 2 * largestScale(map) : 0,
+      miter: style.strokeLinejoin === 'miter' ? parseFloat(style.strokeMiterlimit) : 0,
+      square: style.strokeLinecap === 'square',
+      paint: PAINT.map(name => [name, style.getPropertyValue(name)]), // style sheets may go by a shape's kind
+      corners: outline.flatMap(({ start, segments }) => [start, ...segments.map(s => s.to)]),
+    };
+  }
+
+  /** What is drawn, as segments with radii (ax, ay, bx, by, radius), for make_cage. */
+  drawnSegments() {
+    const segments = [], tolerance = 5e-4 * this.size;
+    for (const shape of this.shapes) {
+      if (!shape.outline) {
+        const [a, b, c, d] = shape.corners;
+        for (const [p, q] of [[a, b], [b, d], [d, c], [c, a]]) segments.push(...p, ...q, 0);
+        continue;
+      }
+      for (const subpath of shape.outline) drawSubpath(shape, subpath, tolerance, segments);
+    }
+    return segments;
+  }
+
+  /** A copy of the document whose shapes are paths, to be moved by write(). */
+  makeCopy() {
+    const copy = this.root.cloneNode(true);
+    const originals = [...this.root.querySelectorAll('*')], copies = [...copy.querySelectorAll('*')];
+    const twin = new Map(originals.map((element, i) => [element, copies[i]]));
+    const targets = this.shapes.map(shape => {
+      const element = twin.get(shape.element);
+      if (!shape.outline || element.localName === 'path') return element;
+      const path = svgElement('path');
+      const geometry = /^(x|y|width|height|rx|ry|cx|cy|r|x1|y1|x2|y2|points)$/;
+      for (const { name, value } of element.attributes) if (!geometry.test(name)) path.setAttribute(name, value);
+      path.append(...element.childNodes);
+      for (const [name, value] of shape.paint) path.style.setProperty(name, value);
+      element.replaceWith(path);
+      return path;
+    });
+    const gradients = this.gradients.map(({ element, index, paint, base }) => {
+      const own = twin.get(element).cloneNode(true);
+      own.id = `${element.id}-${index}-${paint}`;
+      twin.get(element).after(own);
+      targets[index].style.setProperty(paint, `url("#${own.id}")`);
+      return { own, shape: this.shapes[index], base };
+    });
+    return { root: copy, targets, gradients };
+  }
+
+  /** Writes moved points into a copy. */
+  write(copy, places) {
+    this.shapes.forEach((shape, i) => {
+      if (shape.outline) copy.targets[i].setAttribute('d', pathData(shape, places, this.decimals));
+      else copy.targets[i].setAttribute('transform', boxTransform(shape, places));
+    });
+    for (const { own, shape, base } of copy.gradients) {
+      const moved = product(shape.back, product(affineFit(shape, this.points, places), shape.map));
+      own.setAttribute('gradientTransform', `matrix(${product(moved, base).join(' ')})`);
+    }
+  }
+}
+
+/** Whether an element shows at all. */
+function isShown(element) {
+  const style = getComputedStyle(element);
+  const painted = /^(text|image)$/.test(element.localName) || style.fill !== 'none' || style.stroke !== 'none';
+  for (let e = element; e instanceof SVGElement; e = e.parentNode) {
+    const { display, opacity } = getComputedStyle(e);
+    if (display === 'none' || parseFloat(opacity) === 0) return false;
+  }
+  return painted;
+}
+
+/** The gradients in user space that paint a shape: they follow the affine map nearest to what moves it. */
+function userSpaceGradients(root, shape, index) {
+  if (!shape.outline) return [];
+  return ['fill', 'stroke'].flatMap(paint => {
+    const id = /^url\("?#([^")]*)"?\)/.exec(shape.paint.find(([name]) => name === paint)[1])?.[1];
+    const element = id && root.querySelector('#' + CSS.escape(id));
+    if (!element || !/^(linear|radial)Gradient$/.test(element.localName)) return [];
+    const inherited = name => { // attributes come from the gradients that it refers to
+      for (let e = element, hops = 0; e && hops < 8; ++hops) {
+        if (e.hasAttribute(name)) return e;
+        const to = (e.getAttribute('href') ?? e.getAttributeNS('http://www.w3.org/1999/xlink', 'href') ?? '').slice(1);
+        e = to && root.querySelector('#' + CSS.escape(to));
+      }
+      return null;
+    };
+    if (inherited('gradientUnits')?.getAttribute('gradientUnits') !== 'userSpaceOnUse') return [];
+    const m = inherited('gradientTransform')?.gradientTransform.baseVal.consolidate()?.matrix;
+    return [{ element, index, paint, base: m ? [m.a, m.b, m.c, m.d, m.e, m.f] : [1, 0, 0, 1, 0, 0] }];
+  });
+}
+/** The affine map that fits best to how a shape's points move; on lines it keeps the size across. */
+function affineFit(shape, rest, places) {
+  const begin = 2 * shape.begin, end = begin + 2 * shape.pieces.reduce((sum, n) => sum + 3 * n + 1, 0), count = (end - begin) / 2;
+  const mean = points => [0, 1].map(axis => { let sum = 0; for (let k = begin + axis; k < end; k += 2) sum += points[k]; return sum / count; });
+  const [px, py] = mean(rest), [qx, qy] = mean(places);
+  let [xx, xy, yy, ux, uy, vx, vy] = [0, 0, 0, 0, 0, 0, 0];
+  for (let k = begin; k < end; k += 2) {
+    const x = rest[k] - px, y = rest[k + 1] - py, u = places[k] - qx, v = places[k + 1] - qy;
+    xx += x * x; xy += x * y; yy += y * y; ux += u * x; uy += u * y; vx += v * x; vy += v * y;
+  }
+  const least = 1e-6 * (xx + yy) || 1;
+  xx += least; yy += least; ux += least; vy += least;
+  const det = xx * yy - xy * xy;
+  const [a, c, b, d] = [(ux * yy - uy * xy) / det, (uy * xx - ux * xy) / det, (vx * yy - vy * xy) / det, (vy * xx - vx * xy) / det];
+  return [a, b, c, d, qx - a * px - c * py, qy - b * px - d * py];
+}
+
+function boundsOf(points) {
+  const box = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const [x, y] of points) {
+    box[0] = Math.min(box[0], x); box[1] = Math.min(box[1], y);
+    box[2] = Math.max(box[2], x); box[3] = Math.max(box[3], y);
+  }
+  return box;
+}
+
+/** Puts the points of a shape's pieces, no longer than `step`, behind `points`. */
+function bindOutline(shape, points, step) {
+  const begin = points.length;
+  const pieces = shape.outline.map(({ start, segments }) => {
+    points.push(start);
+    let count = 0, from = start;
+    for (const segment of segments) {
+      const length = distance(from, segment.c1) + distance(segment.c1, segment.c2) + distance(segment.c2, segment.to);
+      const n = Math.min(400, Math.max(1, Math.ceil(length / step)));
+      for (let k = 1; k <= 3 * n; ++k) points.push(k === 3 * n ? segment.to : cubicAt(from, segment, k / (3 * n)));
+      count += n;
+      from = segment.to;
+    }
+    return count;
+  });
+  return { ...shape, begin, pieces, back: inverted(shape.map) };
+}
+
+/** Text and images are moved by the affine map that fits their box's corners. */
+function bindBox(shape, points) {
+  const begin = points.length;
+  points.push(...shape.corners);
+  return { ...shape, begin, back: inverted(shape.map), transform: shape.element.getAttribute('transform') ?? '' };
+}
+
+function pathData(shape, places, decimals) {
+  const [a, b, c, d, e, f] = shape.back;
+  const x = i => (a * places[2 * i] + c * places[2 * i + 1] + e), y = i => (b * places[2 * i] + d * places[2 * i + 1] + f);
+  const scale = 10 ** decimals, short = n => Math.round(n * scale) / scale;
+  const data = [];
+  let at = shape.begin;
+  shape.pieces.forEach((count, k) => {
+    data.push('M', short(x(at)), short(y(at)));
+    for (let i = 0; i < count; ++i, at += 3) {
+      const line = [x, y].map(of => {
+        const p = of(at), q = of(at + 1), r = of(at + 2), s = of(at + 3);
+        return [(-5 * p + 18 * q - 9 * r + 2 * s) / 6, (2 * p - 9 * q + 18 * r - 5 * s) / 6, s].map(short);
+      });
+      data.push('C', line[0][0], line[1][0], line[0][1], line[1][1], line[0][2], line[1][2]);
+    }
+    ++at;
+    if (shape.outline[k].closed) data.push('Z');
+  });
+  return data.join(' ');
+}
+
+/** The affine map that takes the rest corners of a box nearest to where they are now, before the element's own. */
+function boxTransform(shape, places) {
+  const p = k => [places[2 * (shape.begin + k)], places[2 * (shape.begin + k) + 1]], r = shape.corners;
+  const half = (i, j, k, l, of) => [0, 1].map(n => (of(i)[n] - of(j)[n] + of(k)[n] - of(l)[n]) / 2);
+  const middle = of => [0, 1].map(n => (of(0)[n] + of(1)[n] + of(2)[n] + of(3)[n]) / 4), rest = k => r[k];
+  const [u0, v0, m0] = [half(1, 0, 3, 2, rest), half(2, 0, 3, 1, rest), middle(rest)];
+  const [u, v, m] = [half(1, 0, 3, 2, p), half(2, 0, 3, 1, p), middle(p)];
+  const back = inverted([...u0, ...v0, ...m0]), now = [...u, ...v, ...m];
+  const moved = product(now, back);                         // in the document's coordinates
+  const own = product(shape.back, product(moved, shape.map)); // in the element's
+  return `${shape.transform} matrix(${own.join(' ')})`;
+}
+function product([a, b, c, d, e, f], [g, h, i, j, k, l]) {
+  return [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f];
+}
+
+/** Segments of a subpath's outline, with its stroke's mitres and square caps. */
+function drawSubpath(shape, { start, segments: curves, closed }, tolerance, segments) {
+  const points = [start], corner = [true];
+  for (const s of curves) {
+    const from = points[points.length - 1];
+    const bend = Math.hypot(from[0] - 2 * s.c1[0] + s.c2[0], from[1] - 2 * s.c1[1] + s.c2[1]) +
+                 Math.hypot(s.c1[0] - 2 * s.c2[0] + s.to[0], s.c1[1] - 2 * s.c2[1] + s.to[1]);
+    const n = s.line ? 1 : Math.min(100, Math.ceil(Math.sqrt(bend / tolerance)) + 1);
+    for (let k = 1; k <= n; ++k) { points.push(k === n ? s.to : cubicAt(from, s, k / n)); corner.push(k === n); }
+  }
+  const last = points.length - 1, r = shape.radius + tolerance;
+  for (let i = 0; i < last; ++i) segments.push(...points[i], ...points[i + 1], r);
+  if (!closed && shape.filled) segments.push(...points[last], ...start, tolerance);
+  if (!shape.stroked) return;
+  const direction = (p, q) => { const l = distance(p, q) || 1; return [(q[0] - p[0]) / l, (q[1] - p[1]) / l]; };
+  for (let i = closed ? 0 : 1; i < last; ++i) {
+    const before = points[i === 0 ? last - 1 : i - 1], p = points[i], u = direction(before, p), v = direction(p, points[i + 1]);
+    const sine = Math.sqrt(Math.max(0, (1 + u[0] * v[0] + u[1] * v[1]) / 2));
+    const out = [u[0] - v[0], u[1] - v[1]], size = Math.hypot(...out);
+    if (!corner[i] || size < 1e-6 || sine * shape.miter < 1) continue;
+    segments.push(...p, ...p.map((x, k) => x + shape.radius / sine * out[k] / size), 0);
+  }
+  if (!shape.square || closed) return;
+  for (const [end, inner] of [[0, 1], [last, last - 1]]) {
+    const u = direction(points[inner], points[end]), p = points[end];
+    for (const s of [-1, 1])
+      segments.push(...p, p[0] + shape.radius * (u[0] - s * u[1]), p[1] + shape.radius * (u[1] + s * u[0]), 0);
+  }
+}

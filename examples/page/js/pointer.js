@@ -1,0 +1,168 @@
+// Pointers on a view: drag vertices, lasso, turn and scale a selection, zoom by the wheel or two fingers.
+
+function attachPointer(view, app) {
+  const { div } = view, fingers = new Map();
+  let gesture = null; // what the pressed pointer does: { move(place, event), end() }
+
+  const reach = event => (event.pointerType === 'touch' ? 26 : 13) / view.frame().scale;
+  div.addEventListener('pointerdown', event => {
+    if (event.button > 0) return;
+    div.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    if (fingers.size === 2) {
+      gesture?.end(true);
+      gesture = startPinch(app, view, fingers);
+    } else if (fingers.size === 1) {
+      app.pause?.();
+      gesture = startGesture(app, view, view.placeOf(event), reach(event), event);
+    }
+    event.preventDefault();
+  });
+  div.addEventListener('pointermove', event => {
+    if (fingers.has(event.pointerId)) {
+      fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      gesture?.move(view.placeOf(event), event);
+    } else {
+      app.hover(nearestVertex(app.shownPose, view.placeOf(event), 1.7 * reach(event)));
+    }
+  });
+  const release = event => {
+    if (!fingers.delete(event.pointerId)) return;
+    gesture?.end();
+    gesture = null;
+  };
+  div.addEventListener('pointerup', release);
+  div.addEventListener('pointercancel', release);
+  div.addEventListener('pointerleave', event => { if (!fingers.has(event.pointerId)) app.hover(-1); });
+  div.addEventListener('dblclick', event => {
+    const edge = nearestEdge(app, view.placeOf(event), 1.5 * reach(event));
+    if (edge) app.addVertex(edge.vertex, edge.share);
+  });
+  div.addEventListener('wheel', event => {
+    zoom(app, view.placeOf(event), Math.exp(0.0015 * Math.max(-200, Math.min(200, event.deltaY))));
+    event.preventDefault();
+  }, { passive: false });
+}
+
+App.prototype.hover = function (vertex) {
+  if (vertex === this.hovered) return;
+  this.hovered = vertex;
+  this.redraw();
+};
+
+function nearestVertex(pose, [x, y], reach) {
+  let best = -1, least = reach;
+  for (let i = 0; 2 * i < pose.length; ++i) {
+    const d = Math.hypot(pose[2 * i] - x, pose[2 * i + 1] - y);
+    if (d < least) { least = d; best = i; }
+  }
+  return best;
+}
+function nearestEdge(app, [x, y], reach) {
+  const pose = app.shownPose;
+  let best = null, least = reach;
+  forEachEdge(app.cage.loops, (i, j) => {
+    const [px, py, ux, uy] = [pose[2 * i], pose[2 * i + 1], pose[2 * j] - pose[2 * i], pose[2 * j + 1] - pose[2 * i + 1]];
+    const share = Math.max(0.1, Math.min(0.9, ((x - px) * ux + (y - py) * uy) / (ux * ux + uy * uy)));
+    const d = Math.hypot(px + share * ux - x, py + share * uy - y);
+    if (d < least) { least = d; best = { vertex: i, share }; }
+  });
+  return best;
+}
+
+function zoom(app, [x, y], factor) {
+  const w = app.window;
+  if (w.w * factor > 40 * app.figure.size || w.w * factor < app.figure.size / 200) return;
+  app.window = { x: x + factor * (w.x - x), y: y + factor * (w.y - y), w: w.w * factor, h: w.h * factor };
+  app.redraw();
+}
+
+/** What a press at a place begins. */
+function startGesture(app, view, place, reach, event) {
+  const grips = app.gripsOf(app.shownPose, 1 / view.frame().scale);
+  if (grips) {
+    if (distance(grips.turn, place) < reach) return dragSelection(app, turnAbout(grips.middle, place));
+    const corner = grips.corners.findIndex(p => distance(p, place) < reach);
+    if (corner >= 0) return dragSelection(app, scaleAbout(grips.corners[(corner + 2) % 4], place));
+  }
+  const vertex = app.showsCage ? nearestVertex(app.shownPose, place, reach) : -1;
+  if (vertex < 0) return startLasso(app, view, place, event.shiftKey);
+  if (event.shiftKey) {
+    if (!app.selection.delete(vertex)) app.selection.add(vertex);
+  } else if (!app.selection.has(vertex)) {
+    app.selection = new Set([vertex]);
+  }
+  app.hovered = vertex;
+  app.onSelect?.(vertex);
+  app.redraw();
+  return dragSelection(app, to => (x, y) => [x + to[0] - place[0], y + to[1] - place[1]]);
+}
+const turnAbout = (middle, from) => to => {
+  const angle = Math.atan2(to[1] - middle[1], to[0] - middle[0]) - Math.atan2(from[1] - middle[1], from[0] - middle[0]);
+  return turned(middle, angle);
+};
+const turned = (middle, angle) => (x, y) => {
+  const c = Math.cos(angle), s = Math.sin(angle), [u, v] = [x - middle[0], y - middle[1]];
+  return [middle[0] + c * u - s * v, middle[1] + s * u + c * v];
+};
+const scaleAbout = (fixed, from) => to => {
+  const [fx, fy] = [0, 1].map(k => (to[k] - fixed[k]) / (from[k] - fixed[k] || 1));
+  return (x, y) => [fixed[0] + fx * (x - fixed[0]), fixed[1] + fy * (y - fixed[1])];
+};
+
+/** Moves the selection by mapTo(place) of where the pointer is. */
+function dragSelection(app, mapTo) {
+  const begin = app.shownPose;
+  let moved = false;
+  app.drag = true;
+  return {
+    move(place) {
+      if (!moved) app.history.remember();
+      moved = true;
+      app.moveSelected(mapTo(place), begin);
+    },
+    end() {
+      app.drag = false;
+      if (moved) app.finishEdit();
+      app.redraw();
+    },
+  };
+}
+
+function startLasso(app, view, place, adds) {
+  app.lasso = { view, points: [...place] };
+  return {
+    move(to) { app.lasso.points.push(...to); app.redraw(); },
+    end(isCancelled = false) {
+      const { points } = app.lasso, pose = app.shownPose;
+      app.lasso = null;
+      app.redraw();
+      if (isCancelled) return;
+      if (!adds) app.selection.clear();
+      for (let i = 0; 2 * i < pose.length; ++i)
+        if (isInside([points.length / 2], points, pose[2 * i], pose[2 * i + 1])) app.selection.add(i);
+    },
+  };
+}
+
+/** Two fingers: the places under them stay under them, but for turning. */
+function startPinch(app, view, fingers) {
+  const span = () => {
+    const [a, b] = [...fingers.values()];
+    return { middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], size: Math.hypot(a[0] - b[0], a[1] - b[1]) };
+  };
+  let last = span();
+  const placeAt = ([clientX, clientY]) => view.placeOf({ clientX, clientY });
+  return {
+    move() {
+      const now = span();
+      if (fingers.size !== 2) return;
+      const from = placeAt(last.middle), to = placeAt(now.middle);
+      app.window = { ...app.window, x: app.window.x + from[0] - to[0], y: app.window.y + from[1] - to[1] };
+      zoom(app, placeAt(now.middle), last.size / Math.max(now.size, 1));
+      last = now;
+      app.redraw();
+    },
+    end() {},
+  };
+}

@@ -1,0 +1,339 @@
+// The library as the page calls it: WebAssembly without threads, exceptions or a file system.
+//
+// The page writes numbers into page_input() and calls a function, which answers with a count, a status or the
+// place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in float.
+// Where a status is not 0, page_message() says what is wrong.
+
+#include <cageform/animate/compile_track.hpp>
+#include <cageform/binding/bind.hpp>
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/glsl.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/sibson.hpp>
+#include <cageform/enclose/make_cage.hpp>
+#include <cageform/enclose/make_cage_3d.hpp>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace {
+
+using cageform::Status;
+using Point2 = cageform::Vec<double, 2>;
+using Point3 = cageform::Vec<float, 3>;
+
+std::vector<double> input;
+std::vector<double> output; // what functions answer with
+std::string message;
+
+int refuse(Status status) {
+    message = cageform::to_string(status);
+    return status == Status::ok ? 0 : 1;
+}
+
+/// Reads page_input() from its begin on.
+class Reader {
+public:
+    double number() { return input[at_++]; }
+    std::size_t count() { return std::size_t(number()); }
+    std::vector<std::size_t> counts(std::size_t size) {
+        std::vector<std::size_t> all(size);
+        for (std::size_t& n : all) n = count();
+        return all;
+    }
+    /// Points as they lie in the input.
+    template <std::size_t D>
+    std::span<const cageform::Vec<double, D>> points(std::size_t size) {
+        static_assert(sizeof(cageform::Vec<double, D>) == D * sizeof(double));
+        const auto* first = reinterpret_cast<const cageform::Vec<double, D>*>(input.data() + at_);
+        at_ += D * size;
+        return {first, size};
+    }
+
+private:
+    std::size_t at_ = 0;
+};
+
+// ---- figures in the plane ----
+
+/// Two batches of points by one solve: those of the figure, and nodes that weights are shown at.
+constexpr std::size_t batches = 2;
+
+/// A cage and what is bound to it.
+class Plane {
+public:
+    virtual ~Plane() = default;
+    Plane() = default;
+    Plane(const Plane&) = delete;
+    Plane& operator=(const Plane&) = delete;
+
+    virtual Status solve() = 0;
+    virtual cageform::BindReport bind(std::size_t batch, std::span<const Point2> points) = 0;
+
+    Status clone(std::size_t batch, std::span<const Point2> pose) {
+        const auto& binding = bindings[batch];
+        handles_.resize(binding.handle_count());
+        places_.resize(binding.point_count());
+        const auto posed = pose_handles(binding, pose, handles_);
+        return posed.status == Status::ok ? cageform::clone(binding, handles_, places_) : posed.status;
+    }
+    const Point2* places() const { return places_.data(); }
+
+    std::array<cageform::Binding<double, 2>, batches> bindings;
+
+private:
+    std::vector<Point2> handles_, places_;
+};
+
+template <class C>
+class PlaneOf : public Plane {
+public:
+    explicit PlaneOf(C coordinates)
+        : coordinates_(std::move(coordinates)) {}
+
+    Status solve() override {
+        const Status status = coordinates_.cage_report().status;
+        if constexpr (requires { coordinates_.solve(); })
+            return status == Status::ok ? coordinates_.solve().status : status;
+        else
+            return status;
+    }
+    cageform::BindReport bind(std::size_t batch, std::span<const Point2> points) override {
+        cageform::BindOptions options;
+        if (!C::has_extension) // as the programs do, unless told
+            options.outside = is_sites && batch == 0 ? cageform::OutsidePoints::keep_in_place
+                                                     : cageform::OutsidePoints::nearest_boundary;
+        auto [binding, report] = cageform::bind(coordinates_, points, options);
+        bindings[batch] = std::move(binding);
+        return report;
+    }
+
+private:
+    static constexpr bool is_sites = std::is_same_v<C, cageform::SibsonCoordinates<double, 2>>;
+    C coordinates_;
+};
+
+enum Type { mean_value, harmonic, green, sibson };
+std::array<std::unique_ptr<Plane>, 4> planes;
+
+template <class C>
+std::unique_ptr<Plane> plane_of(C coordinates) {
+    return std::make_unique<PlaneOf<C>>(std::move(coordinates));
+}
+
+std::unique_ptr<Plane> make_plane(int type, const cageform::Polygon<double>& cage) {
+    switch (type) {
+    case harmonic: return plane_of(cageform::HarmonicCoordinates<double, 2>(cage));
+    case green: return plane_of(cageform::GreenCoordinates<double, 2>(cage));
+    case sibson: return plane_of(cageform::SibsonCoordinates<double, 2>(cage.vertices()));
+    default: return plane_of(cageform::MeanValueCoordinates<double, 2>(cage));
+    }
+}
+
+// ---- the mesh ----
+
+/// A figure in space, bound in float.
+struct Space {
+    cageform::Binding<float, 3> binding;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    std::vector<Point3> pose, places, normals;
+    std::vector<std::array<float, 4>> displacements;
+    cageform::SkinWeights skin;
+};
+Space space;
+
+/// Normals of the vertices: of the faces about them, by area.
+void find_normals() {
+    space.normals.assign(space.places.size(), Point3{});
+    for (const auto& [a, b, c] : space.faces) {
+        const auto& p = space.places;
+        const Point3 normal = cross(p[b] - p[a], p[c] - p[a]);
+        for (const std::uint32_t corner : {a, b, c}) space.normals[corner] = space.normals[corner] + normal;
+    }
+}
+
+std::vector<Point3> narrow(std::span<const cageform::Vec<double, 3>> points) {
+    std::vector<Point3> narrowed;
+    for (const auto& p : points) narrowed.push_back(cageform::vec_cast<float>(p));
+    return narrowed;
+}
+
+std::vector<std::array<std::uint32_t, 3>> read_faces(Reader& reader, std::size_t size) {
+    std::vector<std::array<std::uint32_t, 3>> faces(size);
+    for (auto& face : faces) {
+        for (std::uint32_t& corner : face) corner = std::uint32_t(reader.count());
+    }
+    return faces;
+}
+
+} // namespace
+
+#if defined(__wasm__)
+#define PAGE_EXPORT(name) extern "C" __attribute__((export_name(#name)))
+#else // read natively, by a test
+#define PAGE_EXPORT(name) extern "C"
+#endif
+
+/// Room for `numbers` doubles that the next call reads.
+PAGE_EXPORT(page_input) double* page_input(std::size_t numbers) {
+    input.resize(numbers);
+    return input.data();
+}
+PAGE_EXPORT(page_output) const double* page_output() {
+    return output.data();
+}
+PAGE_EXPORT(page_message) const char* page_message() {
+    return message.c_str();
+}
+
+/// Coordinates of a type on a cage. In: sizes of the loops, vertices.
+PAGE_EXPORT(page_cage) int page_cage(int type, std::size_t loops, std::size_t vertices) {
+    Reader reader;
+    const auto sizes = reader.counts(loops);
+    const cageform::Polygon<double> cage(reader.points<2>(vertices), sizes);
+    auto plane = make_plane(type, cage);
+    const Status status = plane->solve();
+    if (status == Status::ok) planes[std::size_t(type)] = std::move(plane);
+    return refuse(status);
+}
+
+/// Binds points. In: points. Out: how many are outside, not reached, or not finite; the least weight.
+PAGE_EXPORT(page_bind) int page_bind(std::size_t type, std::size_t batch, std::size_t points) {
+    Reader reader;
+    const auto report = planes[type]->bind(batch, reader.points<2>(points));
+    output = {double(report.outside.size()), double(report.unreached.size()),
+              double(report.not_finite.size()), report.least_weight.value};
+    return refuse(report.status);
+}
+
+/// Moves bound points. In: a pose of the vertices. Answers the points' place in memory, or 0.
+PAGE_EXPORT(page_clone) const Point2* page_clone(std::size_t type, std::size_t batch, std::size_t vertices) {
+    Reader reader;
+    const Status status = planes[type]->clone(batch, reader.points<2>(vertices));
+    return refuse(status) == 0 ? planes[type]->places() : nullptr;
+}
+
+/// Out: the weight of a vertex at every bound point.
+PAGE_EXPORT(page_weights) std::size_t page_weights(std::size_t type, std::size_t batch, std::size_t vertex) {
+    const auto& binding = planes[type]->bindings[batch];
+    output.resize(binding.point_count());
+    for (std::size_t i = 0; i < output.size(); ++i) output[i] = binding.weight(i, vertex);
+    return output.size();
+}
+
+/// A cage for what is drawn. In: segments, each two ends and a radius. Out: loops, clearance, seconds, sizes of the
+/// loops, vertices.
+PAGE_EXPORT(page_make_cage)
+int page_make_cage(std::size_t segments, std::size_t vertices, double margin) {
+    std::vector<cageform::DrawnSegment<double>> drawn;
+    Reader reader;
+    for (std::size_t i = 0; i < segments; ++i) {
+        const auto ends = reader.points<2>(2);
+        drawn.push_back({ends[0], ends[1], reader.number()});
+    }
+    cageform::MakeCageOptions options;
+    options.vertices = vertices;
+    options.margin = margin;
+    const auto made = cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn), options);
+    output = {double(made.cage.loops().size()), made.report.clearance, made.report.seconds};
+    for (const auto& loop : made.cage.loops()) output.push_back(double(loop.size()));
+    for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1]});
+    return refuse(made.report.status);
+}
+
+/// The cubic pieces of a track of Bézier keys. In: keys, each time, value, kind, in-handle, out-handle. Out: pieces, each
+/// its begin and four coefficients. Answers how many there are; the largest error stands before them.
+PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
+    std::vector<cageform::Key> track(keys);
+    Reader reader;
+    for (cageform::Key& key : track) {
+        key.time = reader.number();
+        key.value = reader.number();
+        key.kind = static_cast<cageform::KeyKind>(reader.count());
+        key.in_handle = reader.points<2>(1)[0];
+        key.out_handle = reader.points<2>(1)[0];
+    }
+    cageform::TrackOptions options;
+    options.tolerance = tolerance;
+    const auto compiled = cageform::compile_track<double>(track, options);
+    if (refuse(compiled.status) != 0) return -1;
+    output = {compiled.sup_error};
+    for (const auto& piece : compiled.track.curve.pieces())
+        output.insert(output.end(), {piece.begin, piece.c0, piece.c1, piece.c2, piece.c3});
+    return int(compiled.track.curve.pieces().size());
+}
+
+/// A cage for a mesh. In: points, faces. Out: vertices, faces, clearance; then them.
+PAGE_EXPORT(page_make_shell)
+int page_make_shell(std::size_t points, std::size_t faces, std::size_t vertices) {
+    Reader reader;
+    const auto places = reader.points<3>(points);
+    cageform::MakeCageOptions options;
+    options.vertices = vertices;
+    const auto made = cageform::make_cage(places, read_faces(reader, faces), options);
+    output = {double(made.cage.size()), double(made.cage.faces().size()), made.report.clearance};
+    for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1], p[2]});
+    for (const auto& [a, b, c] : made.cage.faces())
+        output.insert(output.end(), {double(a), double(b), double(c)});
+    return refuse(made.report.status);
+}
+
+/// Binds a mesh. In: vertices and faces of the cage, points, faces of the mesh.
+PAGE_EXPORT(page_mesh)
+int page_mesh(std::size_t vertices, std::size_t cage_faces, std::size_t points, std::size_t faces) {
+    Reader reader;
+    const auto corners = narrow(reader.points<3>(vertices));
+    const cageform::TriangleMesh<float> cage(corners, read_faces(reader, cage_faces));
+    const auto figure = narrow(reader.points<3>(points));
+    space.faces = read_faces(reader, faces);
+    auto [binding, report] = cageform::bind(cageform::MeanValueCoordinates<float, 3>(cage), figure);
+    space.binding = std::move(binding);
+    space.places = figure;
+    space.skin = {};
+    output = {double(report.outside.size()), report.seconds};
+    return refuse(report.status);
+}
+
+/// Moves the mesh. In: a pose of the cage. Answers the place of the points, in float; page_mesh_normals() of normals.
+PAGE_EXPORT(page_mesh_clone) const Point3* page_mesh_clone(std::size_t vertices) {
+    Reader reader;
+    space.pose.resize(vertices);
+    const auto pose = reader.points<3>(vertices);
+    for (std::size_t i = 0; i < vertices; ++i) space.pose[i] = cageform::vec_cast<float>(pose[i]);
+    return refuse(cageform::clone(space.binding, space.pose, space.places)) == 0 ? space.places.data()
+                                                                                 : nullptr;
+}
+PAGE_EXPORT(page_mesh_normals) const Point3* page_mesh_normals() {
+    find_normals();
+    return space.normals.data();
+}
+
+/// Makes a skin of the mesh for the graphics card. Answers 0, then joints and weights lie at page_mesh_joints() and
+/// page_mesh_weights(), `influences` a point.
+PAGE_EXPORT(page_mesh_skin) int page_mesh_skin(std::size_t influences) {
+    auto [skin, report] = cageform::skin_weights(space.binding, {.influences = influences});
+    space.skin = std::move(skin);
+    output = {report.seconds, report.weight_error.value};
+    return refuse(report.status);
+}
+PAGE_EXPORT(page_mesh_joints) const std::uint16_t* page_mesh_joints() {
+    return space.skin.joints.data();
+}
+PAGE_EXPORT(page_mesh_weights) const float* page_mesh_weights() {
+    return space.skin.weights.data();
+}
+
+/// The library's text for the vertex shader of a skin.
+PAGE_EXPORT(page_glsl) const char* page_glsl() {
+    static const std::string text = std::string(cageform::glsl::displacements) + cageform::glsl::skin;
+    return text.c_str();
+}

@@ -1,0 +1,26 @@
+#pragma once
+
+// Pictures of cages that show the numbers of their vertices.
+
+#include "cage_file.hpp"
+#include "obj_file.hpp"
+#include "picture.hpp"
+
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// The figure below, the cage at rest in grey where the pose is another, the pose over it with its vertices' numbers.
+///
+///   figure   may be null
+///   name     of the file, for messages
+///   fails    where the cage has no size
+SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
+                                 const std::string& name);
+
+/// A cage in space from the front and from behind: its faces, the edges at rest in grey, and the numbers of the vertices
+/// of faces turned here.
+Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose);
+
+} // namespace cageform_examples
