@@ -1,14 +1,15 @@
 // How near is a clone to merely reading its weights, and what is gained by storing fewer or smaller ones?
 //
-// Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), and Eigen's dense product
-// W · C (the better of its two storage orders). Packed bindings are of BUMPY112, by mean value coordinates; beside their times
-// stand the worst errors of a pose that bends, of the projection used here and of renormalising, and what renormalising
-// does to the figure at rest, all relative to the figure's size.
+// Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), moving all its bytes, on
+// one thread and on several, and Eigen's dense product W · C (the better of its two storage orders). Packed bindings are of
+// BUMPY112, by mean value coordinates; beside their times stand the worst errors of a pose that bends, of the projection
+// used here and of renormalising, and what renormalising does to the figure at rest, all relative to the figure's size.
 //
 // pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112 and 300 vertices with
 // 8,000 points, in every format (-1: the one of the fewest bytes) and beside renormalised weights. `distance` is the largest in
 // those poses, `between` in ten others of the same motion, `elsewhere` in five that bend across it; all of the figure's size.
 // Without the motion (0), the distance is kept in all poses that bend by up to a tenth of the cage.
+#include "counted.hpp"
 #include "workloads.hpp"
 
 #include <cageform/binding/bind_vectors.hpp>
@@ -17,6 +18,7 @@
 #include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/core/threads.hpp>
 
 #include <Eigen/Core>
 #include <benchmark/benchmark.h>
@@ -73,6 +75,7 @@ struct Workload {
 template <class T, std::size_t D>
 void clone_dense(benchmark::State& state) {
     Workload<T, D> work(state);
+    const cageform_bench::Counted counted;
     for (auto _ : state) {
         const auto status = cageform::clone(work.binding, work.pose, work.out);
         if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
@@ -81,20 +84,65 @@ void clone_dense(benchmark::State& state) {
     work.finish(state);
 }
 
+/// On some threads; those are started anew for each clone.
+template <class T, std::size_t D>
+void clone_threads(benchmark::State& state) {
+    Workload<T, D> work(state);
+    const cageform::ThreadedFor threads{unsigned(state.range(2))};
+    for (auto _ : state) {
+        const auto status = cageform::clone(work.binding, work.pose, work.out, {}, threads);
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    work.finish(state);
+}
+
+/// Reads rows and adds them up: eight sums, so that the additions of a sum do not wait for each other.
+template <class T>
+void read_rows(const cageform::Lanes<T>* rows, std::size_t count) {
+    std::array<cageform::detail::Simd<T>, 8> sums;
+    sums.fill(T(0));
+    for (std::size_t i = 0; i + 8 <= count; i += 8) {
+        for (std::size_t s = 0; s < 8; ++s) sums[s] = sums[s] + cageform::detail::Simd<T>::load(rows[i + s]);
+    }
+    benchmark::DoNotOptimize(sums);
+}
+
 template <class T, std::size_t D>
 void limit_read_weights(benchmark::State& state) {
     Workload<T, D> work(state);
     const auto weights = work.binding.view().weights;
-    const std::size_t lines = weights.blocks() * weights.rows;
+    for (auto _ : state) read_rows(weights.data, weights.blocks() * weights.rows);
+    work.finish(state);
+}
+
+/// All bytes of a clone, of some blocks: weights and points at rest are read, as many points are written.
+template <class T, std::size_t D>
+void move_bytes(Workload<T, D>& work, std::size_t begin, std::size_t end) {
+    const auto weights = work.binding.view().weights, rest = work.binding.view().rest;
+    read_rows(weights.data + begin * weights.rows, (end - begin) * weights.rows);
+    const std::size_t first = begin * cageform::lane_count<T>;
+    const std::size_t last = std::min(end * cageform::lane_count<T>, work.points);
+    std::memcpy(static_cast<void*>(work.out.data() + first), rest.data + begin * D,
+                (last - first) * D * sizeof(T));
+}
+template <class T, std::size_t D>
+void limit_move_bytes(benchmark::State& state) {
+    Workload<T, D> work(state);
     for (auto _ : state) {
-        // Eight sums, so that the additions of a sum do not wait for each other.
-        std::array<cageform::detail::Simd<T>, 8> sums;
-        sums.fill(T(0));
-        for (std::size_t i = 0; i + 8 <= lines; i += 8) {
-            for (std::size_t s = 0; s < 8; ++s)
-                sums[s] = sums[s] + cageform::detail::Simd<T>::load(weights.data[i + s]);
-        }
-        benchmark::DoNotOptimize(sums);
+        move_bytes(work, 0, cageform::block_count<T>(work.points));
+        benchmark::ClobberMemory();
+    }
+    work.finish(state);
+}
+template <class T, std::size_t D>
+void limit_move_bytes_threads(benchmark::State& state) {
+    Workload<T, D> work(state);
+    const cageform::ThreadedFor threads{unsigned(state.range(2))};
+    for (auto _ : state) {
+        threads(cageform::block_count<T>(work.points), cageform::detail::clone_grain,
+                [&](std::size_t begin, std::size_t end) { move_bytes(work, begin, end); });
+        benchmark::ClobberMemory();
     }
     work.finish(state);
 }
@@ -105,15 +153,7 @@ void limit_read_memory(benchmark::State& state) {
     std::vector<cageform::Lanes<T>> memory((std::size_t{256} << 20) / 64);
     std::memset(static_cast<void*>(memory.data()), 1,
                 memory.size() * 64); // or all of it would be one page of zeros
-    for (auto _ : state) {
-        std::array<cageform::detail::Simd<T>, 8> sums;
-        sums.fill(T(0));
-        for (std::size_t i = 0; i + 8 <= memory.size(); i += 8) {
-            for (std::size_t s = 0; s < 8; ++s)
-                sums[s] = sums[s] + cageform::detail::Simd<T>::load(memory[i + s]);
-        }
-        benchmark::DoNotOptimize(sums);
-    }
+    for (auto _ : state) read_rows(memory.data(), memory.size());
     state.SetBytesProcessed(std::int64_t(state.iterations()) * (std::int64_t{256} << 20));
 }
 
@@ -208,6 +248,18 @@ void clone_packed(benchmark::State& state) {
     state.counters["bytes_of_dense"] = double(report.bytes) / double(report.dense_bytes);
     state.counters["points/s"] =
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// On some threads, to a thousandth of the figure's size in any pose that bends.
+void pack_threads(benchmark::State& state) {
+    const auto& bumpy = Bumpy<float>::of(8019);
+    const cageform::Running running{.parallel = cageform::ThreadedFor{unsigned(state.range(0))}};
+    for (auto _ : state) {
+        const auto packed = cageform::pack(bumpy.binding, {.tolerance = 3.2e-3}, running);
+        if (packed.report.status != cageform::Status::ok)
+            state.SkipWithError(to_string(packed.report.status));
+        benchmark::DoNotOptimize(packed.binding.bytes().data());
+    }
 }
 
 /// A figure that a motion bends and twists along its z axis.
@@ -490,6 +542,15 @@ void sizes_3d(benchmark::internal::Benchmark* benchmark) {
         ->Args({100000, 112});
 }
 
+void threads_2d(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"points", "handles", "threads"})->Unit(benchmark::kMicrosecond)->UseRealTime();
+    benchmark->ArgsProduct({{1000000}, {25}, {1, 2, 4}});
+}
+void threads_3d(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"points", "handles", "threads"})->Unit(benchmark::kMicrosecond)->UseRealTime();
+    benchmark->ArgsProduct({{100000}, {112}, {1, 2, 4}});
+}
+
 void sizes_mapped(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "largest"})
         ->Unit(benchmark::kMicrosecond)
@@ -510,10 +571,12 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
 #define CAGEFORM_BENCH_CLONE(T)                                                                              \
     BENCHMARK_TEMPLATE(clone_dense, T, 2)->Apply(sizes_2d);                                                  \
     BENCHMARK_TEMPLATE(limit_read_weights, T, 2)->Apply(sizes_2d);                                           \
+    BENCHMARK_TEMPLATE(limit_move_bytes, T, 2)->Apply(sizes_2d);                                             \
     BENCHMARK_TEMPLATE(eigen_product, T, 2, Eigen::RowMajor)->Apply(sizes_2d);                               \
     BENCHMARK_TEMPLATE(eigen_product, T, 2, Eigen::ColMajor)->Apply(sizes_2d);                               \
     BENCHMARK_TEMPLATE(clone_dense, T, 3)->Apply(sizes_3d);                                                  \
     BENCHMARK_TEMPLATE(limit_read_weights, T, 3)->Apply(sizes_3d);                                           \
+    BENCHMARK_TEMPLATE(limit_move_bytes, T, 3)->Apply(sizes_3d);                                             \
     BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::RowMajor)->Apply(sizes_3d);                               \
     BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::ColMajor)->Apply(sizes_3d);                               \
     BENCHMARK_TEMPLATE(limit_read_memory, T)->Unit(benchmark::kMicrosecond);                                 \
@@ -529,6 +592,17 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
 
 CAGEFORM_BENCH_CLONE(float)
 CAGEFORM_BENCH_CLONE(double)
+BENCHMARK_TEMPLATE(clone_threads, float, 2)->Apply(threads_2d);
+BENCHMARK_TEMPLATE(clone_threads, float, 3)->Apply(threads_3d);
+BENCHMARK_TEMPLATE(limit_move_bytes_threads, float, 2)->Apply(threads_2d);
+BENCHMARK_TEMPLATE(limit_move_bytes_threads, float, 3)->Apply(threads_3d);
+BENCHMARK(pack_threads)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(4)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK_TEMPLATE(map_blob, float, cageform::BlobCheck::structure, cageform::WeightFormat::scalar)
     ->Apply(sizes_mapped);
 BENCHMARK_TEMPLATE(map_blob, float, cageform::BlobCheck::all, cageform::WeightFormat::scalar)

@@ -1,8 +1,9 @@
 // Key-frame curves: fitting them, and evaluating many at one time, beside solving the cubic every time.
 #include "curve_comparators.hpp"
 
-#include <cageform/animate/compile_track.hpp>
+#include <cageform/animate/compile_clip.hpp>
 #include <cageform/animate/curve_bank.hpp>
+#include <cageform/core/threads.hpp>
 
 #include <benchmark/benchmark.h>
 
@@ -95,6 +96,19 @@ void compile_million_keys(benchmark::State& state) {
     finish(state, keys.size());
 }
 
+/// All curves of a cage, on some threads.
+void compile_cage(benchmark::State& state) {
+    std::vector<std::vector<Key>> keys;
+    for (std::uint32_t k = 0; k < curves_of_cage; ++k) keys.push_back(random_keys(seconds + 1, k));
+    const ThreadedFor threads{unsigned(state.range(0))};
+    for (auto _ : state) {
+        const auto clip = compile_clip<float, 3>(keys, {}, {.parallel = threads});
+        if (clip.status != Status::ok) state.SkipWithError(to_string(clip.status));
+        benchmark::DoNotOptimize(clip.sup_error);
+    }
+    finish(state, curves_of_cage * seconds);
+}
+
 /// Sixty frames a second, or frames anywhere.
 template <class T, bool forward>
 void bank(benchmark::State& state) {
@@ -162,6 +176,13 @@ void single_solved(benchmark::State& state) {
 
 BENCHMARK(fit_to_tolerance)->Unit(benchmark::kMillisecond);
 BENCHMARK(compile_million_keys)->Unit(benchmark::kSecond)->Iterations(1);
+BENCHMARK(compile_cage)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(4)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK_TEMPLATE(bank, float, true)->Name("bank<float>/forward");
 BENCHMARK_TEMPLATE(bank, double, true)->Name("bank<double>/forward");
 BENCHMARK_TEMPLATE(bank, float, false)->Name("bank<float>/anywhere");

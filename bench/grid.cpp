@@ -2,14 +2,17 @@
 //
 // The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions); data is given at the
 // cells around them, as on the staircase grids of the papers. Beside the multigrid (to an estimated error of 1e-6): the
-// papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), CHOLMOD's factorisation
-// where it is installed, and what it takes to move the memory of the solution once. Then a drawing of a hundred strokes
+// papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), Eigen's and, where it is
+// installed, CHOLMOD's factorisation, and what it takes to move the memory of the solution once. Then a drawing of a hundred strokes
 // with two sides, its colours diffused over a canvas.
+#include "counted.hpp"
+
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
 #include <cageform/grid/pyramid/averaging_pyramid.hpp>
 #include <cageform/grid/strokes.hpp>
 
+#include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>
 
 #include <numeric>
@@ -96,6 +99,7 @@ void multigrid(benchmark::State& state) {
     if (state.range(1) > 1) running.parallel = cageform::ThreadedFor{unsigned(state.range(1))};
     cageform::SolverReport report;
     std::size_t bytes = 0;
+    const cageform_bench::Counted counted;
     for (auto _ : state) {
         const Multigrid<D> solver(problem.nodes, problem.cuts, {});
         const auto slot = solver.source_slots();
@@ -142,9 +146,9 @@ void papers_sweeps(benchmark::State& state) {
     state.counters["sweeps"] = double(sweeps) / double(problem.functions);
 }
 
-#if defined(CAGEFORM_BENCH_CHOLMOD)
-template <std::size_t D>
-void cholmod(benchmark::State& state) {
+/// One factorisation, then all right sides.
+template <class Factor, std::size_t D>
+void factorise(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
     const int n = int(problem.nodes.count());
     std::vector<int> number(problem.box.size(), -1);
@@ -159,7 +163,7 @@ void cholmod(benchmark::State& state) {
                 if (above >= 0) a.insert(above, i) = -1;
             }
         }
-        const Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(a);
+        const Factor factor(a);
         if (factor.info() != Eigen::Success) state.SkipWithError("not factorised");
         constexpr std::size_t together = 28;
         for (std::size_t first = 0; first < problem.functions; first += together) {
@@ -174,6 +178,16 @@ void cholmod(benchmark::State& state) {
         }
     }
     state.counters["unknowns"] = double(n);
+}
+template <std::size_t D>
+void ldlt(benchmark::State& state) {
+    factorise<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>, D>(state);
+}
+BENCHMARK_TEMPLATE(ldlt, 2)->ArgName("n")->Arg(256)->Arg(1024)->Unit(benchmark::kMillisecond);
+#if defined(CAGEFORM_BENCH_CHOLMOD)
+template <std::size_t D>
+void cholmod(benchmark::State& state) {
+    factorise<Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower>, D>(state);
 }
 BENCHMARK_TEMPLATE(cholmod, 2)->ArgName("n")->Arg(256)->Arg(1024)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(cholmod, 3)->ArgName("n")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
@@ -303,12 +317,12 @@ BENCHMARK(cholmod_strokes)->ArgName("n")->Arg(1024)->Unit(benchmark::kMillisecon
 void grids_2d(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"n", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
     for (const int n : {256, 1024}) benchmark->Args({n, 1});
-    benchmark->Args({1024, 2});
+    for (const int threads : {2, 4}) benchmark->Args({1024, threads});
 }
 void grids_3d(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"n", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
     for (const int n : {64, 128}) benchmark->Args({n, 1});
-    benchmark->Args({128, 2});
+    for (const int threads : {2, 4}) benchmark->Args({128, threads});
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 // LDLT (which libigl's harmonic functions take) and by CHOLMOD where it is installed (OMP_THREAD_LIMIT=1 keeps it to one
 // thread, as the others). And what no solver of this order of elimination can do without: its multiplications, done by
 // one product of dense matrices, and reading the factors forwards and backwards for every 16 bones.
+#include <cageform/core/threads.hpp>
 #include <cageform/surface/skin.hpp>
 
 #include <Eigen/SparseCholesky>
@@ -89,6 +90,17 @@ void heat(benchmark::State& state) {
         benchmark::DoNotOptimize(skin.weights.data());
     }
     count(state, torus, report);
+}
+
+void heat_threads(benchmark::State& state) {
+    const Torus torus(state.range(0));
+    const cageform::ThreadedFor threads{unsigned(state.range(1))};
+    for (auto _ : state) {
+        const auto skin =
+            cageform::bone_heat(torus.vertices, torus.faces, torus.core, {}, {.parallel = threads});
+        if (skin.report.status != cageform::Status::ok) state.SkipWithError("refused");
+        benchmark::DoNotOptimize(skin.weights.data());
+    }
 }
 
 /// Every vertex linked to the bone that its part of the torus has.
@@ -192,6 +204,11 @@ BENCHMARK(cotangents)->Apply(sizes);
 BENCHMARK(harmonic)->Apply(sizes);
 BENCHMARK_TEMPLATE(heat, cageform::BoneVisibility::inside)->Apply(sizes);
 BENCHMARK_TEMPLATE(heat, cageform::BoneVisibility::ignored)->Apply(sizes);
+BENCHMARK(heat_threads)
+    ->ArgNames({"around", "threads"})
+    ->ArgsProduct({{512}, {1, 2, 4}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK(equations)->Apply(sizes);
 BENCHMARK_TEMPLATE(equations_by, Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>)->Apply(sizes);
 #if defined(CAGEFORM_BENCH_CHOLMOD)

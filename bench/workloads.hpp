@@ -120,7 +120,6 @@ auto points_inside(const Cage& cage, std::size_t count, std::uint64_t seed) {
 inline std::vector<Point> points_inside(const std::vector<Point>& vertices, std::size_t count) {
     return points_inside(cageform::Polygon<double>(vertices), count, 1);
 }
-/// Those that go with BUMPY112.
 /// A vase of 112 vertices: 98 planar quadrilaterals in seven rings, floor and lid of 14 corners.
 template <class T>
 cageform::PolyhedralMesh<T> vase112() {
@@ -143,6 +142,20 @@ cageform::PolyhedralMesh<T> vase112() {
     return {vertices, faces};
 }
 
+/// By faces as they are, or cut into triangles.
+enum class VaseOf { polygons, triangles };
+template <VaseOf of, class T>
+auto vase() {
+    if constexpr (of == VaseOf::polygons)
+        return vase112<T>();
+    else
+        return vase112<T>().triangles();
+}
+inline std::vector<cageform::Vec<double, 3>> points_inside_vase() {
+    return points_inside(vase112<double>().triangles(), 8019, 2);
+}
+
+/// Those that go with BUMPY112.
 inline std::vector<cageform::Vec<double, 3>> points_inside_bumpy112() {
     return points_inside(bumpy112<double>(), 8019, 2);
 }

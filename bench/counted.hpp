@@ -1,0 +1,20 @@
+// Instructions of a benchmark's loop alone, for callgrind with --collect-atstart=no (bench/run.sh --count).
+#pragma once
+
+#if __has_include(<valgrind/callgrind.h>)
+#include <valgrind/callgrind.h>
+#else
+#define CALLGRIND_TOGGLE_COLLECT
+#endif
+
+namespace cageform_bench {
+
+/// What runs while it lives is counted. Not under callgrind it does nothing, and takes no time.
+struct Counted {
+    Counted() { CALLGRIND_TOGGLE_COLLECT; }
+    ~Counted() { CALLGRIND_TOGGLE_COLLECT; }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+};
+
+} // namespace cageform_bench
