@@ -11,8 +11,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <span>
+#include <system_error>
 
 namespace cageform_examples {
 
@@ -145,8 +147,10 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
     return made;
 }
 
-/// Of a file that cannot be read: whether its name was meant to be a word.
+/// Of a file that is not there: whether its name was meant to be a word.
 SvgError with_words(SvgError error, const std::string& word) {
+    std::error_code unknown;
+    if (std::filesystem::exists(word, unknown)) return error;
     if (word.starts_with("auto") || word.starts_with("hull") || word.starts_with("box"))
         error.message +=
             "; of a cage to be made: auto, hull, box, or with 3 to 1000000 vertices auto:N, hull:N";

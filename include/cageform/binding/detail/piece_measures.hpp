@@ -68,8 +68,8 @@ public:
     /// Takes those of the lanes where `bound` is one.
     template <class Outcome>
     void note(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
-        const Number none(LaneExtreme<T>::none), zero(T(0)),
-            at(static_cast<T>(block - first_ / lane_count<T>));
+        const std::size_t blocks_before = block - first_ / lane_count<T>;
+        const Number none(LaneExtreme<T>::none), zero(T(0)), at(static_cast<T>(blocks_before));
         const auto taken = zero < Number::load(bound);
         const auto raise = [&](LaneExtreme<T>& extreme, const Number& value) {
             extreme.raise(select<T>(taken, value, none), at);
