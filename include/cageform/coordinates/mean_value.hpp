@@ -31,7 +31,7 @@ class MeanValueCoordinates;
 ///   gradients  double: 1e-11 of the largest, or of one over the diagonal (3e-12 measured); float:
 ///              that of rounding them. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity likewise. Nearer to a
 ///              vertex than 1e-6 diagonals they turn with the direction, on it they are those of
-///              one. They take two to three times as long as weights; tens of times for a point on
+///              one. They take three to four times as long as double weights; tens of times for a point on
 ///              the boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
 template <Scalar T>
 class MeanValueCoordinates<T, 2> : public detail::MeanValueEvaluation<Polygon<T>> {

@@ -22,34 +22,36 @@ struct Dual {
         , gradient(slope) {}
 
     friend constexpr Dual operator+(const Dual& a, const Dual& b) noexcept {
-        return {a.value + b.value, a.gradient + b.gradient};
+        return {a.value + b.value, slope([&](std::size_t k) { return a.gradient[k] + b.gradient[k]; })};
     }
     friend constexpr Dual operator-(const Dual& a, const Dual& b) noexcept {
-        return {a.value - b.value, a.gradient - b.gradient};
+        return {a.value - b.value, slope([&](std::size_t k) { return a.gradient[k] - b.gradient[k]; })};
     }
-    friend constexpr Dual operator-(const Dual& a) noexcept { return {-a.value, U(-1) * a.gradient}; }
+    friend constexpr Dual operator-(const Dual& a) noexcept { return U(-1) * a; }
     friend constexpr Dual operator*(const Dual& a, const Dual& b) noexcept {
-        return {a.value * b.value, a.value * b.gradient + b.value * a.gradient};
+        return {a.value * b.value,
+                slope([&](std::size_t k) { return a.value * b.gradient[k] + b.value * a.gradient[k]; })};
     }
-    friend constexpr Dual operator*(U a, const Dual& b) noexcept { return {a * b.value, a * b.gradient}; }
+    friend constexpr Dual operator*(const U& a, const Dual& b) noexcept {
+        return {a * b.value, slope([&](std::size_t k) { return a * b.gradient[k]; })};
+    }
     friend constexpr Dual operator/(const Dual& a, const Dual& b) noexcept {
         const U inverse = U(1) / b.value, quotient = a.value * inverse;
-        return {quotient, inverse * (a.gradient - quotient * b.gradient)};
+        return {quotient,
+                slope([&](std::size_t k) { return inverse * (a.gradient[k] - quotient * b.gradient[k]); })};
     }
-    friend constexpr Dual operator/(U a, const Dual& b) noexcept {
-        const U inverse = U(1) / b.value, quotient = a * inverse;
-        return {quotient, (-(quotient * inverse)) * b.gradient};
+    friend constexpr Dual operator/(const U& a, const Dual& b) noexcept {
+        const U inverse = U(1) / b.value, quotient = a * inverse, factor = -(quotient * inverse);
+        return {quotient, slope([&](std::size_t k) { return factor * b.gradient[k]; })};
     }
     Dual& operator+=(const Dual& b) noexcept { return *this = *this + b; }
 
     friend constexpr auto operator<(const Dual& a, const Dual& b) noexcept { return a.value < b.value; }
 
     template <class Mask>
-    friend constexpr Dual select(const Mask& first, Dual a, const Dual& b) noexcept {
-        a.value = detail::select(first, a.value, b.value);
-        for (std::size_t k = 0; k < D; ++k)
-            a.gradient[k] = detail::select(first, a.gradient[k], b.gradient[k]);
-        return a;
+    friend constexpr Dual select(const Mask& first, const Dual& a, const Dual& b) noexcept {
+        return {detail::select(first, a.value, b.value),
+                slope([&](std::size_t k) { return detail::select(first, a.gradient[k], b.gradient[k]); })};
     }
     friend Dual abs(const Dual& a) noexcept { return select(a.value < U(0), -a, a); }
     /// Not at zero.
@@ -63,7 +65,19 @@ struct Dual {
     /// For y ≥ 0; not at (0, 0).
     friend Dual angle(const Dual& y, const Dual& x) noexcept {
         const U inverse = U(1) / (x.value * x.value + y.value * y.value);
-        return {detail::angle(y.value, x.value), inverse * (x.value * y.gradient - y.value * x.gradient)};
+        return {detail::angle(y.value, x.value), slope([&](std::size_t k) {
+                    return inverse * (x.value * y.gradient[k] - y.value * x.gradient[k]);
+                })};
+    }
+
+private:
+    /// A derivative for each variable, without a loop: those of registers stay in registers.
+    template <class F>
+    static constexpr Vec<U, D> slope(const F& f) noexcept {
+        if constexpr (D == 2)
+            return {f(0), f(1)};
+        else
+            return {f(0), f(1), f(2)};
     }
 };
 
