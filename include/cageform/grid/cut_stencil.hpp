@@ -23,9 +23,10 @@ struct CutStencil {
         double share;
     };
     static constexpr std::size_t corners = std::size_t{1} << D; ///< of a cell
-    /// As many places as D orders of the axes can meet; in the plane means of more places are taken
-    /// (grid/tree/harmonic_mean.hpp).
-    static constexpr std::size_t most_nodes = D == 2 ? 32 : corners, most_places = D == 2 ? 32 : D * corners;
+    /// As many places as D orders of the axes can meet, in the plane as a mean takes
+    /// (grid/tree/harmonic_mean.hpp), and the nearest place of the boundary.
+    static constexpr std::size_t most_nodes = D == 2 ? 32 : corners,
+                                 most_places = 1 + (D == 2 ? 32 : D * corners);
 
     std::array<Node, most_nodes> nodes;
     std::array<Place, most_places> places;
@@ -40,6 +41,10 @@ struct CutStencil {
         nodes[node_count++] = {node, share};
     }
     void add(const BoundaryValue<D>& value, double share) noexcept { places[place_count++] = {value, share}; }
+    void scale(double factor) noexcept {
+        for (std::uint32_t n = 0; n < node_count; ++n) nodes[n].share *= factor;
+        for (std::uint32_t n = 0; n < place_count; ++n) places[n].share *= factor;
+    }
 };
 
 /// From a place along an axis, up or down. In units of the lattice.

@@ -169,23 +169,12 @@ public:
         const auto p = block_point<D>(batch.points, i);
         const auto at = placed(p);
         const auto leaf = leaf_at(at);
-        const auto facets = tree_.facets(leaf.number);
         const auto [state, value] = located(p, at, leaf);
         batch.states[i] = state;
         if (state == PointState::on_boundary) {
             stencil.add(value, 1.0);
         } else if (state == PointState::inside) {
-            const auto nearest = boundary_.nearest(facets, at);
-            if (nearest.distance <= grid::on_facet_distance) {
-                stencil.add(nearest.value, 1.0);
-                return stencil;
-            }
-            if constexpr (D == 2) {
-                if (const auto mean = harmonic_mean_of(tree_, nodes_, at, leaf, HarmonicMean::most_degree))
-                    return *mean;
-            }
-            grid::StencilSink<D> sink{nodes_, stencil};
-            LeafGather<D, grid::StencilSink<D>>(boundary_, nodes_, sink).gather(leaf, facets, at);
+            set_stencil(at, leaf, stencil);
         }
         return stencil;
     }
@@ -205,6 +194,43 @@ private:
         for (std::size_t k = 0; k < D; ++k)
             doubled[k] = std::int32_t(std::floor(std::clamp(2 * p[k], 0.0, end)));
         return tree_.cells().leaf_at(doubled);
+    }
+    /// Next to the boundary, where the facets of the tree are rounded and what a leaf sees of them is not all that
+    /// shapes the function, a value is linear between the nearest place of the boundary, as it is, and a place
+    /// farther inside: with the distance it tends to the data.
+    void set_stencil(const Vec<double, D>& p, const Cell& leaf, grid::CutStencil<D>& stencil) const {
+        double layer = layer_share * leaf.size;
+        const auto facets = tree_.facets(leaf.number);
+        if (!facets.empty() && facets.back() >= boundary_.size()) { // a bone, which the place stays out of
+            if (const auto bone = boundary_.bones().nearest(p, layer)) layer = bone->distance;
+        }
+        const auto nearest = boundary_.nearest(facets, p, false);
+        if (!(nearest.distance < layer)) return set_stencil_inside(p, leaf, stencil);
+        if (nearest.distance > grid::on_facet_distance) {
+            const auto along = (layer / nearest.distance - 1) * (p - nearest.place);
+            const auto met = boundary_.first_met(p, along);
+            const double share = nearest.distance / (nearest.distance + (met ? met->part : 1) * length(along));
+            if (met) {
+                stencil.add(met->value, share);
+            } else {
+                set_stencil_inside(p + along, leaf_at(p + along), stencil);
+                stencil.scale(share);
+            }
+            stencil.add(nearest.value, 1 - share);
+        } else {
+            stencil.add(nearest.value, 1.0);
+        }
+    }
+    void set_stencil_inside(const Vec<double, D>& p, const Cell& leaf, grid::CutStencil<D>& stencil) const {
+        if constexpr (D == 2) {
+            if (const auto mean = harmonic_mean_of(tree_, nodes_, p, leaf, HarmonicMean::most_degree)) {
+                stencil = *mean;
+                return;
+            }
+        }
+        grid::StencilSink<D> sink{nodes_, stencil};
+        LeafGather<D, grid::StencilSink<D>>(boundary_, nodes_, sink)
+            .gather(leaf, tree_.facets(leaf.number), p);
     }
     grid::Located<D> located(const Vec<T, D>& p, const Vec<double, D>& at, const Cell& leaf) const noexcept {
         const double size = tree_.cells().size();
@@ -227,6 +253,8 @@ private:
         if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(cage_, p, place);
         return found;
     }
+
+    static constexpr double layer_share = 0.01; ///< of a leaf: how far values are linear from the boundary
 
     const C& cage_;
     T tolerance_;

@@ -99,8 +99,9 @@ inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& fac
     for (std::size_t k = 0; k < 3; ++k) w[k] = cross(c[(k + 1) % 3], c[(k + 2) % 3]) / area;
     return w;
 }
-/// The weights of a place that rounding put beyond an edge, moved onto the edge.
-inline std::array<double, 3> onto_face(std::array<double, 3> w) noexcept {
+/// The weights of a place that rounding put beyond the rim of a facet, moved onto the rim.
+template <std::size_t D>
+std::array<double, D> onto_facet(std::array<double, D> w) noexcept {
     double sum = 0;
     for (double& x : w) sum += (x = std::clamp(x, 0.0, 1.0));
     for (double& x : w) x /= sum;
@@ -114,7 +115,7 @@ inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>
     const auto [u, v] = other_axes[ray.axis];
     const auto w = weights_at(face, ray.axis, ray.from[u], ray.from[v]);
     if (!w || (*w)[0] < -rim || (*w)[1] < -rim || (*w)[2] < -rim) return std::nullopt;
-    return onto_face(*w);
+    return onto_facet(*w);
 }
 
 template <std::size_t D>
@@ -281,7 +282,7 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
             if (!w) continue;
             const double position = std::clamp(face.coordinate(*w, axis), box.lower[axis], box.upper[axis]);
             const auto line = std::uint32_t(x) + std::uint32_t(lattice.cells[u]) * std::uint32_t(y);
-            add_crossing(face, onto_face(*w), axis, {line, face.turns, position, {}}, out);
+            add_crossing(face, onto_facet(*w), axis, {line, face.turns, position, {}}, out);
         }
     }
 }

@@ -39,14 +39,15 @@ public:
             Vec<double, 2> along{};
             along[side / 2] =
                 (side % 2 == 0 ? leaf.low[side / 2] : leaf.low[side / 2] + leaf.size) - p[side / 2];
-            if (const auto met = first_met(p, along, facets)) add_place(met->offset, met->value);
+            if (const auto met = tree_.boundary().first_met(p, along, facets))
+                add_place(met->part * along, met->value);
         }
         std::array<std::pair<double, Index>, 4> corners;
         std::size_t count = 0;
         for (std::size_t n = 0; n < 4; ++n) {
             const Index there = on_rim(leaf, n);
             const auto along = node_position<2>(there) - p;
-            if (nodes_.find(there) != Nodes::none && !first_met(p, along, facets))
+            if (nodes_.find(there) != Nodes::none && !tree_.boundary().first_met(p, along, facets))
                 corners[count++] = {dot(along, along), there};
         }
         std::sort(corners.begin(), corners.begin() + std::ptrdiff_t(count));
@@ -90,8 +91,8 @@ private:
             const Index there = on_rim(leaf, target);
             const auto along = node_position<2>(there) - from;
             if (dot(along, along) == 0) continue;
-            if (const auto met = first_met(from, along, facets)) {
-                add_place(from + met->offset - centre_, met->value);
+            if (const auto met = tree_.boundary().first_met(from, along, facets)) {
+                add_place(from + met->part * along - centre_, met->value);
             } else if (target < 4 && nodes_.find(there) != Nodes::none) {
                 add_node(there);
             }
@@ -113,35 +114,6 @@ private:
         }
         if (places_.size() < HarmonicMean::most) places_.push_back({offset, Nodes::none, value});
     }
-    struct Met {
-        Vec<double, 2> offset;
-        BoundaryValue<2> value;
-    };
-    /// Of some facets the first that a segment from inside would leave by, its place from where that begins.
-    std::optional<Met> first_met(const Vec<double, 2>& from, const Vec<double, 2>& along,
-                                 std::span<const std::uint32_t> facets) const noexcept {
-        const auto& boundary = tree_.boundary();
-        double nearest = 1;
-        const PlacedFacet<2>* met = nullptr;
-        for (const std::uint32_t n : facets) {
-            const PlacedFacet<2>& facet = boundary[n];
-            const auto& normal = boundary.normal(n);
-            const double leaves = dot(along, normal);
-            if (facet.turns ? !(leaves > 0) : leaves == 0) continue;
-            const double t = dot(facet.corner[0] - from, normal) / leaves;
-            if (t < 0 || !(t < nearest || (met == nullptr && t <= nearest))) continue;
-            const auto w = weights_in_plane(facet, from + t * along);
-            if (std::min(w[0], w[1]) < -1e-9) continue;
-            nearest = t;
-            met = &facet;
-        }
-        if (met == nullptr) return std::nullopt;
-        auto w = weights_in_plane(*met, from + nearest * along);
-        w[0] = std::clamp(w[0], 0.0, 1.0);
-        w[1] = 1 - w[0];
-        return Met{nearest * along, value_on_facet(met->vertex, w)};
-    }
-
     const grid::CutTree<2>& tree_;
     const Nodes& nodes_;
     double size_ = 0;

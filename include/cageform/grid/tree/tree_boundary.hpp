@@ -148,7 +148,7 @@ inline std::optional<double> crossing(const PlacedFacet<3>& face, std::size_t ax
     const auto w = weights_at(face, axis, std::ldexp(double(line[u]), -fraction),
                               std::ldexp(double(line[v]), -fraction));
     if (!w) return std::nullopt;
-    return face.coordinate(onto_face(*w), axis);
+    return face.coordinate(onto_facet(*w), axis);
 }
 
 } // namespace detail
@@ -268,29 +268,77 @@ public:
         return std::fmax(ray.length, 0.0);
     }
 
+    struct Meeting {
+        double part; ///< of the segment before it, in [0, 1]
+        BoundaryValue<D> value;
+    };
+    /// Where the segment from a place inside to `from + along` first leaves the inside, or meets a wall, among
+    /// some facets as they are rounded.
+    std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along,
+                                     std::span<const std::uint32_t> facets) const noexcept {
+        Met met;
+        for (const std::uint32_t n : facets) meet(facets_[n], normals_[n], from, along, met);
+        return meeting_of(met, from, along);
+    }
+    /// The same among all facets, not rounded.
+    std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
+        Met met;
+        boxes_->for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
+            const auto normal = normal_of(exact_[n]);
+            meet(exact_[n], dot(normal, normals_[n]) < 0 ? -1.0 * normal : normal, from, along, met);
+            return met.part;
+        });
+        return meeting_of(met, from, along);
+    }
+
     struct Nearest {
         double distance; ///< negative within a bone
         BoundaryValue<D> value;
+        Vec<double, D> place; ///< of a facet
     };
     /// The nearest place of some parts, of facets as they are or rounded.
     Nearest nearest(std::span<const std::uint32_t> parts, const Vec<double, D>& p,
                     bool rounded = true) const noexcept {
-        Nearest best{std::numeric_limits<double>::infinity(), {}};
+        Nearest best{std::numeric_limits<double>::infinity(), {}, {}};
         for (const std::uint32_t n : parts) {
             if (n >= size()) {
                 const auto bone = bones_.nearest(p, best.distance); // of all: at joints they overlap
-                if (bone) best = {bone->distance, bone->value};
+                if (bone) best = {bone->distance, bone->value, {}};
                 continue;
             }
             const Facet& facet = rounded ? facets_[n] : exact_[n];
             const auto weights = detail::nearest_on_facet(p, facet.corner);
-            const double distance = detail::length(facet.place(weights) - p);
-            if (distance < best.distance) best = {distance, value_on_facet(facet.vertex, weights)};
+            const auto place = facet.place(weights);
+            const double distance = detail::length(place - p);
+            if (distance < best.distance) best = {distance, value_on_facet(facet.vertex, weights), place};
         }
         return best;
     }
 
 private:
+    struct Met {
+        double part = 1;
+        const Facet* facet = nullptr; ///< none yet
+    };
+    /// Replaces what has been met by a facet that is met before it.
+    static void meet(const Facet& facet, const Vec<double, D>& outward, const Vec<double, D>& from,
+                     const Vec<double, D>& along, Met& met) noexcept {
+        constexpr double rim = 1e-9; // of rounding, in weights of the corners
+        const double leaves = dot(along, outward);
+        if (facet.turns ? !(leaves > 0) : leaves == 0) return;
+        const double part = dot(facet.corner[0] - from, outward) / leaves;
+        if (part < 0 || !(part < met.part || (met.facet == nullptr && part <= met.part))) return;
+        const auto w = detail::weights_in_plane(facet, from + part * along);
+        if (*std::min_element(w.begin(), w.end()) < -rim) return;
+        met = {part, &facet};
+    }
+    static std::optional<Meeting> meeting_of(const Met& met, const Vec<double, D>& from,
+                                             const Vec<double, D>& along) noexcept {
+        if (met.facet == nullptr) return std::nullopt;
+        const auto w = detail::weights_in_plane(*met.facet, from + met.part * along);
+        return Meeting{met.part, value_on_facet(met.facet->vertex, detail::onto_facet(w))};
+    }
+
     /// Facets of a shell turn the same way: all of them tell which, by their area.
     void turn_normals_outward() {
         std::vector<std::uint32_t> shell; // of a vertex: another of it, down to the first
