@@ -11,6 +11,8 @@
 #include <cageform/coordinates/tree_solver.hpp>
 #include <cageform/core/threads.hpp>
 
+#include <cstdio>
+
 namespace harmonic_tree_tests {
 
 using namespace cageform_tests;
@@ -131,6 +133,183 @@ TEST_CASE("the errors of an adaptive grid are known by an estimate",
         }
         check_estimate(mesh, in_space, 0.02);
     }
+}
+
+/// Places on facets of a cage, drawn at random off their rims, and directions.
+template <class C>
+class BoundaryPlaces {
+    static constexpr std::size_t D = C::dimension;
+
+public:
+    BoundaryPlaces(const C& cage, std::uint64_t seed)
+        : cage_(cage)
+        , random_(seed) {
+        for_each_facet(boundary_of(cage), [&](const auto& facet) {
+            facets_.emplace_back();
+            for (std::size_t k = 0; k < D; ++k) facets_.back()[k] = cage.vertices()[facet[k]];
+        });
+    }
+    Vec<double, D> place() {
+        const auto& corners = facets_[random_.below(facets_.size())];
+        std::array<double, D> weight{};
+        double sum = 0;
+        for (double& w : weight) sum += (w = random_.uniform(0.05, 1));
+        Vec<double, D> p{};
+        for (std::size_t k = 0; k < D; ++k) p = p + (weight[k] / sum) * corners[k];
+        return p;
+    }
+    Vec<double, D> direction() {
+        for (;;) {
+            Vec<double, D> d{};
+            for (std::size_t k = 0; k < D; ++k) d[k] = random_.uniform(-1, 1);
+            if (const double square = dot(d, d); square > 0.01 && square <= 1)
+                return (1 / std::sqrt(square)) * d;
+        }
+    }
+    /// The data at the place of the boundary nearest to a point, by handle.
+    std::vector<double> data(const Vec<double, D>& p) const {
+        Vec<double, D> nearest;
+        const auto value = nearest_boundary_value(cage_, p, nearest);
+        std::vector<double> data(cage_.size());
+        for (std::size_t k = 0; k < value.handle.size(); ++k) data[value.handle[k]] += value.weight[k];
+        return data;
+    }
+
+private:
+    const C& cage_;
+    Random random_;
+    std::vector<std::array<Vec<double, D>, D>> facets_;
+};
+
+/// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how many
+/// points there are.
+struct Approach {
+    static constexpr std::size_t distances = 13;
+    static double distance(std::size_t n) { return std::pow(10.0, double(n) - 15); }
+    std::array<double, distances> largest{};
+    std::array<std::size_t, distances> points{};
+
+    template <class C>
+    void add(const C& cage, std::uint64_t seed, double accuracy) {
+        const double diagonal = bounds_of(cage.vertices()).diagonal();
+        BoundaryPlaces<C> boundary(cage, seed);
+        std::vector<Vec<double, C::dimension>> inside;
+        std::vector<std::size_t> at;
+        for (int ray = 0; ray < 40; ++ray) {
+            const auto place = boundary.place(), direction = boundary.direction();
+            for (std::size_t n = 0; n < distances; ++n) {
+                const auto p = place + (distance(n) * diagonal) * direction;
+                if (locate(cage, p, 0.0) != PointState::inside) continue;
+                inside.push_back(p);
+                at.push_back(n);
+            }
+        }
+        const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), inside);
+        REQUIRE(weights.status() == Status::ok);
+        for (std::size_t i = 0; i < inside.size(); ++i) {
+            auto& error = largest[at[i]];
+            error = larger(error, difference(weights.rows[i], boundary.data(inside[i])));
+            ++points[at[i]];
+        }
+    }
+    /// Weights differ from the data by no more than functions rise, and those of these cages do by less than
+    /// 200 a diagonal.
+    void check() const {
+        for (std::size_t n = 0; n < distances; ++n) {
+            CAPTURE(distance(n));
+            CHECK(points[n] > 0);
+            CHECK(largest[n] <= 1e-12 + 200 * distance(n));
+        }
+    }
+    void print(const char* what) const {
+        std::printf("%s: distance of the point, points, largest distance of a weight from the data\n", what);
+        for (std::size_t n = 0; n < distances; ++n)
+            std::printf("%8.0e %6zu %9.1e\n", distance(n), points[n], largest[n]);
+    }
+};
+Approach approach_in_plane(std::uint64_t seeds) {
+    Approach approach;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+        CAPTURE(seed);
+        approach.add(Polygon<double>(random_star<double>(1000 + seed)), seed, 1e-3);
+    }
+    return approach;
+}
+Approach approach_in_space(std::uint64_t seeds) {
+    Approach approach;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+        CAPTURE(seed);
+        approach.add(random_mesh(1000 + seed).mesh<double>(), seed, 1e-2);
+    }
+    return approach;
+}
+TEST_CASE("towards the boundary adaptive weights tend to its data",
+          "[coordinates][harmonic][tree][property]") {
+    approach_in_plane(8).check();
+    approach_in_space(2).check();
+}
+TEST_CASE("towards the boundary adaptive weights tend to its data: a table", "[.][table]") {
+    const auto plane = approach_in_plane(200), space = approach_in_space(20);
+    plane.print("plane, 200 cages");
+    space.print("space, 20 cages");
+    plane.check();
+    space.check();
+}
+// What lies on its cage and went through text lies on either side of the boundary, and has its data.
+TEST_CASE("a figure on its own cage has the data of the boundary, after text of 7 to 17 digits",
+          "[coordinates][harmonic][tree][property]") {
+    const auto check_figure = [](const auto& cage, std::uint64_t seed, double accuracy) {
+        using C = std::decay_t<decltype(cage)>;
+        constexpr std::size_t D = C::dimension;
+        const double largest = larger(cageform::detail::length(bounds_of(cage.vertices()).lower),
+                                      cageform::detail::length(bounds_of(cage.vertices()).upper));
+        BoundaryPlaces<C> boundary(cage, seed);
+        std::vector<Vec<double, D>> figure;
+        std::vector<double> off;
+        for (int digits = 7; digits <= 17; ++digits) {
+            for (int n = 0; n < 40; ++n) {
+                auto p = boundary.place();
+                for (std::size_t k = 0; k < D; ++k) {
+                    char text[40];
+                    std::snprintf(text, sizeof text, "%.*g", digits, p[k]);
+                    p[k] = std::strtod(text, nullptr);
+                }
+                figure.push_back(p);
+                off.push_back(std::pow(10.0, 1 - digits) * largest / bounds_of(cage.vertices()).diagonal());
+            }
+        }
+        const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), figure);
+        REQUIRE(weights.status() == Status::ok);
+        std::size_t bound = 0;
+        for (std::size_t i = 0; i < figure.size(); ++i) {
+            if (weights.states[i] == PointState::outside) continue;
+            ++bound;
+            CHECK(difference(weights.rows[i], boundary.data(figure[i])) <= 1e-12 + 200 * off[i]);
+        }
+        CHECK(bound > figure.size() / 3);
+    };
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        CAPTURE(seed);
+        check_figure(Polygon<double>(random_star<double>(2000 + seed)), seed, 1e-3);
+        if (seed < 2) check_figure(random_mesh(2000 + seed).mesh<double>(), seed, 1e-2);
+    }
+}
+// Limbs and corners of which a leaf sees little, its own corners least of all.
+TEST_CASE("adaptive weights of places that see no node of their leaf are as accurate as others",
+          "[coordinates][harmonic][tree]") {
+    const auto check_place = [](std::uint64_t seed, const Vec<double, 2>& p, double accuracy) {
+        CAPTURE(seed, p[0], p[1]);
+        const Polygon<double> cage(random_star<double>(seed));
+        const auto weights =
+            evaluate_all(Adaptive<Polygon<double>>(cage, {.accuracy = accuracy}), Points2<double>{p});
+        const auto finer =
+            evaluate_all(Adaptive<Polygon<double>>(cage, {.accuracy = 0.1 * accuracy}), Points2<double>{p});
+        REQUIRE(weights.status() == Status::ok);
+        REQUIRE(finer.status() == Status::ok);
+        CHECK(difference(weights.rows[0], finer.rows[0]) <= accuracy);
+    };
+    check_place(1013, {112.40490538865558, -121.66923619912446}, 1e-4);
+    check_place(1012, {0.008007936337821828, 0.0025524405685436323}, 1e-3);
 }
 
 /// What holds of all weights. On a bone they are those of its axis: about it they reproduce no point.

@@ -31,6 +31,14 @@ public:
     const TreeBoundary<D>& boundary() const noexcept { return *boundary_; }
     const CellTree<D>& cells() const noexcept { return tree_; }
     CellState state(std::uint32_t cell) const noexcept { return states_[cell]; }
+    /// The leaf at a place; outside the cube that at the nearest place in it.
+    Cell leaf_at(const Vec<double, D>& p) const noexcept {
+        Index doubled{};
+        const double end = 2.0 * tree_.size();
+        for (std::size_t k = 0; k < D; ++k)
+            doubled[k] = std::int32_t(std::floor(std::clamp(2 * p[k], 0.0, end)));
+        return tree_.leaf_at(doubled);
+    }
     /// Those that pass a cell, a leaf or not; ascending.
     std::span<const std::uint32_t> facets(std::uint32_t cell) const noexcept {
         return {facets_.data() + ranges_[cell].begin, ranges_[cell].count};

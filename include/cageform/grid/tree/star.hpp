@@ -5,6 +5,8 @@
 #include <cageform/grid/tree/leaves_about.hpp>
 #include <cageform/grid/tree/tree_nodes.hpp>
 
+#include <numbers>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The corners of the leaves about a node, and where facets hide them the places of these; no more than
@@ -56,6 +58,28 @@ public:
             if (!look_about(corners[n].second, leaves_about(tree_, corners[n].second))) break;
         }
         return true;
+    }
+    /// Adds what a place in a leaf sees in evenly spread directions up to the leaf's size away: the boundary, or
+    /// nodes of the leaf there. Nothing where a bone is as near. In a limb narrower than the leaf the leaf itself
+    /// may have no nodes.
+    void look_around(const Vec<double, 2>& p, const Cell& leaf) {
+        constexpr std::size_t directions = 16;
+        const auto& boundary = tree_.boundary();
+        if (boundary.bones().nearest(p, 2.0 * leaf.size)) return;
+        for (std::size_t n = 0; n < directions; ++n) {
+            const double angle = 2 * std::numbers::pi * double(n) / directions;
+            const Vec<double, 2> along{leaf.size * std::cos(angle), leaf.size * std::sin(angle)};
+            if (const auto met = boundary.first_met(p, along)) {
+                add_place(met->part * along, met->value);
+                continue;
+            }
+            const Cell there = tree_.leaf_at(p + along);
+            for (std::size_t corner = 0; corner < 4; ++corner) {
+                const Index node = on_rim(there, corner);
+                if (nodes_.find(node) != Nodes::none && !boundary.first_met(p, node_position<2>(node) - p))
+                    add_node(node);
+            }
+        }
     }
     double size() const noexcept { return size_; } ///< of the smallest leaf about, or of the leaf
     std::span<const Place> places() const noexcept { return {places_.data(), places_.size()}; }
@@ -127,13 +151,21 @@ private:
 inline std::optional<grid::CutStencil<2>>
 harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, const Vec<double, 2>& p,
                  const grid::CellTree<2>::Cell& leaf, unsigned most_degree) {
-    constexpr double largest_sum = 2; // of the weights' sizes
+    constexpr double largest_sum = 4; // of the weights' sizes
     Star star(tree, nodes);
     if (!star.look(p, leaf)) return std::nullopt;
     HarmonicMean mean;
-    for (const auto& place : star.places()) mean.add((1 / star.size()) * place.offset);
-    if (mean.solve_signed(most_degree, 3, largest_sum) == 0 && mean.solve(most_degree, 1) == 0)
-        return std::nullopt;
+    const auto take_places = [&] {
+        mean.clear();
+        for (const auto& place : star.places()) mean.add((1 / star.size()) * place.offset);
+    };
+    take_places();
+    if (mean.solve_signed(most_degree, 3, largest_sum) == 0) {
+        star.look_around(p, leaf);
+        take_places();
+        if (mean.solve_signed(most_degree, 2, largest_sum) == 0 && mean.solve(most_degree, 1) == 0)
+            return std::nullopt;
+    }
     std::optional<grid::CutStencil<2>> stencil(std::in_place);
     for (std::size_t n = 0; n < mean.count(); ++n) {
         const auto& place = star.places()[n];
