@@ -292,7 +292,7 @@ TEMPLATE_TEST_CASE("added points have weights near those of a new bind, to secon
         CHECK(report.matched >= figure.points.size());
         CHECK(report.interpolated > points.size() / 3);
         CHECK(report.matched + report.interpolated == points.size());
-        CHECK(report.far.empty());
+        CHECK(report.distant.empty());
         CHECK(report.distance.value <= 1.5);
         double largest = 0, sum = 0;
         for (std::size_t i = figure.points.size(); i < points.size(); ++i) {
@@ -334,7 +334,7 @@ TEMPLATE_TEST_CASE("points moved a little follow at first order of the move and 
         const auto [binding, report] = rebind(old, points);
         REQUIRE(report.status == Status::ok);
         CHECK(report.interpolated > points.size() / 2);
-        CHECK(report.far.empty());
+        CHECK(report.distant.empty());
         double largest = 0;
         for (std::size_t i = 0; i < points.size(); ++i)
             largest = cageform_tests::larger(largest, error_at(binding, i, fresh, i));
@@ -371,7 +371,7 @@ TEMPLATE_TEST_CASE("linear weights are met to rounding, off the figure as well",
     const auto wanted = linear_binding<T, D>(points, seed);
     REQUIRE(report.status == Status::ok);
     CHECK(report.interpolated == points.size());
-    CHECK(report.far.empty());
+    CHECK(report.distant.empty());
     double size = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         for (std::size_t h = 0; h < wanted.handle_count(); ++h)
@@ -453,7 +453,7 @@ TEMPLATE_TEST_CASE("points far from the old figure are listed, by its spacing th
             greatest = cageform_tests::larger(greatest, nearest / around[D]);
         }
         largest = cageform_tests::larger(largest, greatest);
-        const bool is_listed = std::binary_search(report.far.begin(), report.far.end(), i);
+        const bool is_listed = std::binary_search(report.distant.begin(), report.distant.end(), i);
         listed += is_listed;
         CAPTURE(i, least, greatest);
         if ((1 - 1e-4) * least <= most && most <= (1 + 1e-4) * greatest) {
@@ -463,8 +463,8 @@ TEMPLATE_TEST_CASE("points far from the old figure are listed, by its spacing th
         }
     }
     CHECK(unsure < points.size() / 10);
-    CHECK(listed == report.far.size());
-    CHECK(std::is_sorted(report.far.begin(), report.far.end()));
+    CHECK(listed == report.distant.size());
+    CHECK(std::is_sorted(report.distant.begin(), report.distant.end()));
     CHECK(listed > 20);
     CHECK(report.distance.value == Approx(largest).epsilon(1e-4));
     CHECK(report.points == points.size());

@@ -25,8 +25,8 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
     T of_a = 1 - part, of_b = part;
     // Nearer than that a straight line does as well, made of unit length below; the sine is not
     // near zero.
-    constexpr T near = T(0.9995);
-    if (cosine < near) {
+    constexpr T nearly_equal = T(0.9995);
+    if (cosine < nearly_equal) {
         const T angle = std::acos(cosine), sine = std::sin(angle);
         of_a = std::sin(of_a * angle) / sine;
         of_b = std::sin(of_b * angle) / sine;

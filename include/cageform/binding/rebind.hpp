@@ -27,7 +27,7 @@ struct RebindReport {
     std::size_t points = 0;              ///< given
     std::size_t matched = 0;             ///< stand where an old point stood
     std::size_t interpolated = 0;        ///< have weights interpolated from old points
-    std::vector<std::size_t> far; ///< of these, farther off than `largest_distance`: weights are guessed
+    std::vector<std::size_t> distant; ///< of these, farther off than `largest_distance`: weights are guessed
     std::vector<std::size_t>
         kept_in_place; ///< no pose moves them, for none moved the old point there, or the nearest
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
@@ -114,7 +114,7 @@ private:
         return 2 * zeros > binding.point_count() * binding.handle_count();
     }
 
-    enum class Kind : std::uint8_t { matched, interpolated, far, kept_in_place, not_finite, unreached };
+    enum class Kind : std::uint8_t { matched, interpolated, distant, kept_in_place, not_finite, unreached };
 
     struct Piece {
         BindPiece measures;
@@ -256,7 +256,7 @@ private:
     }
 
     static bool is_interpolated(Kind kind) noexcept {
-        return kind == Kind::interpolated || kind == Kind::far;
+        return kind == Kind::interpolated || kind == Kind::distant;
     }
 
     void clear(Lanes<T>* rows, std::size_t lane) const noexcept {
@@ -311,7 +311,7 @@ private:
         if (length(offset) > 64 * double(epsilon<T>) * size)
             target = vec_cast<T>(vec_cast<double>(place) - (1 / unit_) * offset);
         piece.distance.raise({distance / spacing, slot.point});
-        return distance <= options_.largest_distance * spacing ? Kind::interpolated : Kind::far;
+        return distance <= options_.largest_distance * spacing ? Kind::interpolated : Kind::distant;
     }
 
     void gather(RebindReport& report) const {
@@ -327,7 +327,7 @@ private:
             if (is_interpolated(kinds_[i])) ++report.interpolated;
             switch (kinds_[i]) {
             case Kind::interpolated: break;
-            case Kind::far: report.far.push_back(i); break;
+            case Kind::distant: report.distant.push_back(i); break;
             case Kind::kept_in_place: report.kept_in_place.push_back(i); break;
             case Kind::not_finite: report.not_finite.push_back(i); break;
             case Kind::unreached: report.unreached.push_back(i); break;

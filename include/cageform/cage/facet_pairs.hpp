@@ -211,7 +211,7 @@ private:
         for (std::size_t i = 0, end = 0; i < items.size(); ++i) {
             if (i == end) end = end_of_group(items, i);
             for (std::size_t j = end; j < items.size(); ++j) {
-                if (!near(items[i].bounds, items[j].bounds)) continue;
+                if (!are_near(items[i].bounds, items[j].bounds)) continue;
                 const std::size_t m = std::min(items[i].facet, items[j].facet);
                 const std::size_t n = std::max(items[i].facet, items[j].facet);
                 if (meet(m, n) && !found_before(m, n)) found(m, n);
@@ -220,7 +220,7 @@ private:
         for (const Item& item : items) parts_of_[item.facet].push_back({parts_, item.bounds});
         ++parts_;
     }
-    bool near(const Bounds<double, D>& a, const Bounds<double, D>& b) const noexcept {
+    bool are_near(const Bounds<double, D>& a, const Bounds<double, D>& b) const noexcept {
         return a.widened(2 * margin_).overlaps(b);
     }
     std::size_t end_of_group(const Items& items, std::size_t i) const noexcept {
@@ -233,7 +233,7 @@ private:
     bool found_before(std::size_t m, std::size_t n) const noexcept {
         const auto &a = parts_of_[m], &b = parts_of_[n];
         for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
-            if (a[i].part == b[j].part && near(a[i].bounds, b[j].bounds)) return true;
+            if (a[i].part == b[j].part && are_near(a[i].bounds, b[j].bounds)) return true;
             ++(a[i].part <= b[j].part ? i : j);
         }
         return false;

@@ -160,12 +160,12 @@ private:
     }
 
     template <class N, class S>
-    detail::ThreePointSum<N> weigh(const detail::ThreePointFrame<S>& frame, S near,
+    detail::ThreePointSum<N> weigh(const detail::ThreePointFrame<S>& frame, S near_distance,
                                    const Vec<detail::ValueOf<N>, 2>& p, std::vector<N>& weights) const {
         constexpr auto rises = std::is_same_v<F, Wachspress>         ? detail::ThreePointRises::none
                                : std::is_same_v<F, DiscreteHarmonic> ? detail::ThreePointRises::of_squares
                                                                      : detail::ThreePointRises::of_any;
-        return detail::weigh_three_points<rises, N>(frame, f_, near, p, weights);
+        return detail::weigh_three_points<rises, N>(frame, f_, near_distance, p, weights);
     }
 
     template <class N>
@@ -193,7 +193,7 @@ private:
         Vec<X, 2> p;
         for (std::size_t k = 0; k < 2; ++k)
             p[k] = X(S(scale_)) * detail::load_lanes<S>(batch.points.block(b)[k], first);
-        const auto result = weigh<N>(frame<N>(), near<N>(), p, memory);
+        const auto result = weigh<N>(frame<N>(), near_distance<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
             detail::for_parts(memory[i] * inverse, i, cage_.size(), S(scale_),
@@ -227,7 +227,7 @@ private:
     /// How far from the line of an edge registers suffice, in units of the frame: gradients of double
     /// next to the boundary lose what the distance is smaller than one.
     template <class N, class S = detail::ScalarOf<detail::ValueOf<N>>>
-    S near() const noexcept {
+    S near_distance() const noexcept {
         const double edge = scale_ * tolerance_;
         return static_cast<S>(detail::has_gradient<N> && sizeof(T) == 8 ? std::fmax(edge, 1e-5) : edge);
     }

@@ -1,4 +1,5 @@
-// A parallel_for on std::jthread for programs without a job system of their own.
+// A parallel_for on std::jthread for programs without a job system of their own. It needs a standard
+// library with threads: of the two of mingw-w64, the one whose thread model is posix.
 #pragma once
 
 #include <cageform/core/parallel.hpp>

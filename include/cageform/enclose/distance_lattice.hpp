@@ -34,18 +34,18 @@ public:
     using Count = std::array<std::size_t, D>;
 
     DistanceLattice() = default;
-    /// Nodes at `low` + `spacing` (i, j, …), all of them `far` from the figure.
-    DistanceLattice(const Point& low, double spacing, const Count& count, double far)
+    /// Nodes at `low` + `spacing` (i, j, …), all of them `farthest` from the figure.
+    DistanceLattice(const Point& low, double spacing, const Count& count, double farthest)
         : low_(low)
         , h_(spacing)
         , count_(count)
-        , far_(far) {
+        , far_(farthest) {
         std::size_t size = 1;
         for (std::size_t k = 0; k < D; ++k) {
             stride_[k] = size;
             size *= count[k];
         }
-        f_.assign(size, static_cast<float>(far));
+        f_.assign(size, static_cast<float>(farthest));
     }
 
     double spacing() const noexcept { return h_; }

@@ -120,7 +120,7 @@ private:
         return Status::ok;
     }
     /// Mirrored, the plane lies midway between nodes.
-    DistanceLattice<3> lattice_about(double h, double padding, double far) const {
+    DistanceLattice<3> lattice_about(double h, double padding, double farthest) const {
         Point low{};
         DistanceLattice<3>::Count count{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -130,7 +130,7 @@ private:
             low[k] = centred ? (0.5 - half) * h : from;
             count[k] = static_cast<std::size_t>(centred ? 2 * half : std::ceil((to - from) / h) + 1);
         }
-        return {low, h, count, far};
+        return {low, h, count, farthest};
     }
 
     /// The border of what the outside reaches, as a manifold.

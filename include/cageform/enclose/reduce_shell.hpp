@@ -198,7 +198,7 @@ private:
         const Point &a = shell_.points[c.u], &b = shell_.points[c.v];
         const double h = obstacles_.lattice->spacing(), extra = stretch(c.u, c.v);
         std::array<Point, 4> starts{a, 0.5 * (a + b), a, b};
-        const std::size_t first = q.least(starts[0]) && near(starts[0], a, b) ? 0 : 1;
+        const std::size_t first = q.least(starts[0]) && is_near(starts[0], a, b) ? 0 : 1;
         double best = std::numeric_limits<double>::infinity();
         for (std::size_t k = first; k < 4; ++k) {
             for (const double out : {0.0, 0.3, 0.8, 1.6, 3.0, 5.0}) {
@@ -214,7 +214,7 @@ private:
         }
         return is_finite(best);
     }
-    static bool near(const Point& p, const Point& a, const Point& b) noexcept {
+    static bool is_near(const Point& p, const Point& a, const Point& b) noexcept {
         const auto e = b - a, d = p - 0.5 * (a + b);
         return dot(d, d) <= 9 * dot(e, e);
     }

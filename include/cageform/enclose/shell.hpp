@@ -237,10 +237,10 @@ inline bool are_apart(const Facet<3>& a, const Facet<3>& b, double gap) noexcept
         const std::size_t next = (e + 1) % 3, opposite = (e + 2) % 3;
         if (b.has(a.vertex[opposite])) continue;
         const auto outwards = cross(a.corner[next] - a.corner[e], n);
-        const double far = gap * length(outwards);
+        const double limit = gap * length(outwards);
         bool beyond = true;
         for (std::size_t k = 0; k < 3; ++k)
-            beyond = beyond && (a.has(b.vertex[k]) || dot(outwards, b.corner[k] - a.corner[e]) > far);
+            beyond = beyond && (a.has(b.vertex[k]) || dot(outwards, b.corner[k] - a.corner[e]) > limit);
         if (beyond) return true;
     }
     return false;

@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Fills a lattice with the distance from triangles less `margin`, at most `far`: exact beside the faces, then by sweeps
+/// Fills a lattice with the distance from triangles less `margin`, at most `farthest`: exact beside the faces, then by sweeps
 /// that try the nearest triangles of the neighbours (Bridson, Fluid simulation for computer graphics, 2015, sec. 14.1).
 /// Farther off what it finds is a true distance of some face, at times not of the nearest: containment does not rest on it.
 class SpaceDistance {
@@ -18,15 +18,15 @@ public:
         , triangles_(triangles)
         , nearest_(lattice.size(), none) {}
 
-    void fill(double margin, double far) {
+    void fill(double margin, double farthest) {
         for (std::size_t node = 0; node < lattice_.size(); ++node)
-            lattice_[node] = static_cast<float>(far + margin);
+            lattice_[node] = static_cast<float>(farthest + margin);
         for (std::size_t t = 0; t < triangles_.size(); ++t) place_beside(t);
         for (int round = 0; round < 2; ++round) {
-            for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, far + margin);
+            for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
         }
         for (std::size_t node = 0; node < lattice_.size(); ++node)
-            lattice_[node] = static_cast<float>(std::min(double(lattice_[node]) - margin, far));
+            lattice_[node] = static_cast<float>(std::min(double(lattice_[node]) - margin, farthest));
     }
 
 private:
@@ -56,7 +56,7 @@ private:
 
     /// One pass over all nodes, each trying what the nodes before it found; bit k of `directions`: downwards along axis k.
     /// A neighbour's triangle is nearer than what a node has only if the neighbour's distance is, but for the step between.
-    void sweep(unsigned directions, double far) {
+    void sweep(unsigned directions, double farthest) {
         const auto& count = lattice_.count();
         const auto& stride = lattice_.stride();
         const auto h = static_cast<float>(lattice_.spacing());
@@ -79,7 +79,7 @@ private:
                         const auto other = static_cast<std::size_t>(std::ptrdiff_t(node) + off);
                         if (nearest_[other] == nearest_[node] || nearest_[other] == none) continue;
                         const float least = lattice_[other] - 1.75F * h; // the step is at most sqrt(3) h
-                        if (least < lattice_[node] && double(lattice_[other]) < far)
+                        if (least < lattice_[node] && double(lattice_[other]) < farthest)
                             offer(node, nearest_[other]);
                     }
                 }

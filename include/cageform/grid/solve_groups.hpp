@@ -14,13 +14,21 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-#if defined(__STDCPP_THREADS__)
+#if defined(__STDCPP_THREADS__) && (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
 using Mutex = std::mutex;
 #else
-/// Of programs that cannot have threads, as WebAssembly's without them: their library has no std::mutex.
-struct Mutex {
-    void lock() noexcept {}
-    void unlock() noexcept {}
+/// For standard libraries without std::mutex: WebAssembly's without threads, and mingw-w64's of the thread
+/// model win32, where a job system may still have threads. A thread that waits asks again and again: what
+/// is guarded takes well below a microsecond.
+class Mutex {
+public:
+    void lock() noexcept {
+        while (taken_.test_and_set(std::memory_order_acquire)) {}
+    }
+    void unlock() noexcept { taken_.clear(std::memory_order_release); }
+
+private:
+    std::atomic_flag taken_;
 };
 #endif
 

@@ -59,17 +59,17 @@ struct NearestBones {
 class HeatScale {
 public:
     HeatScale(double heat, std::span<const NearestBones> nearest) noexcept {
-        for (const auto& each : nearest) least_ = std::fmin(least_, distance(each.distance));
+        for (const auto& each : nearest) least_ = std::fmin(least_, at_least(each.distance));
         most_ = std::clamp(heat / least_ / least_, 1e-100, 1e200);
     }
-    double of(double far) const noexcept {
-        const double part = least_ / distance(far);
+    double of(double distance) const noexcept {
+        const double part = least_ / at_least(distance);
         return most_ * part * part;
     }
 
 private:
     /// On a bone the weight is that bone's, as it is to rounding at this distance.
-    static double distance(double far) noexcept { return std::fmax(far, 1e-6); }
+    static double at_least(double distance) noexcept { return std::fmax(distance, 1e-6); }
 
     double least_ = std::numeric_limits<double>::infinity();
     double most_ = 0;

@@ -31,8 +31,8 @@ inline Status sound(const BezierCurve& curve) noexcept {
     if (status != Status::ok) return status;
     const auto& p = curve.points;
     const double length = p[3][0] - p[0][0];
-    const bool near = (p[1][0] - p[0][0]) / length <= 2 && (p[3][0] - p[2][0]) / length <= 2;
-    return near ? status : Status::curve_turns_back;
+    const bool fits = (p[1][0] - p[0][0]) / length <= 2 && (p[3][0] - p[2][0]) / length <= 2;
+    return fits ? status : Status::curve_turns_back;
 }
 
 inline ImportedCurve refused(Status status, KeyKind kind = KeyKind::bezier) noexcept {

@@ -108,11 +108,11 @@ private:
         const std::size_t middle = begin + (end - begin) / 2, axis = axes_[middle];
         const double beyond = query.p[axis] - places_[middle][axis];
         const auto below = std::pair(begin, middle), above = std::pair(middle + 1, end);
-        const auto& [near, other] = beyond < 0 ? std::pair(below, above) : std::pair(above, below);
-        search(near.first, near.second, query);
+        const auto& [nearer, farther] = beyond < 0 ? std::pair(below, above) : std::pair(above, below);
+        search(nearer.first, nearer.second, query);
         consider(middle);
         if (query.found.size() < query.count || beyond * beyond <= query.found.front().squared)
-            search(other.first, other.second, query);
+            search(farther.first, farther.second, query);
     }
 
     std::vector<Vec<double, D>> places_; // in the order of the tree

@@ -227,14 +227,14 @@ private:
             }
             return;
         }
-        std::uint32_t near = number + 1, far = node.second;
-        double least = distance2(q, nodes_[near].bounds), most = distance2(q, nodes_[far].bounds);
+        std::uint32_t nearer = number + 1, farther = node.second;
+        double least = distance2(q, nodes_[nearer].bounds), most = distance2(q, nodes_[farther].bounds);
         if (most < least) {
-            std::swap(near, far);
+            std::swap(nearer, farther);
             std::swap(least, most);
         }
-        if (least < best.distance2) find(near, q, best);
-        if (most < best.distance2) find(far, q, best);
+        if (least < best.distance2) find(nearer, q, best);
+        if (most < best.distance2) find(farther, q, best);
     }
 
     std::vector<HullPart<D>> parts_;

@@ -36,13 +36,13 @@ struct FacetContinuation {
     }
     /// α and β/size, from the nearest corner on.
     std::array<double, D + 1> at(const Vec<double, D>& p) const noexcept {
-        std::size_t near = 0;
+        std::size_t nearest = 0;
         for (std::size_t k = 1; k < D; ++k) {
-            if (length(p - corner[k]) < length(p - corner[near])) near = k;
+            if (length(p - corner[k]) < length(p - corner[nearest])) nearest = k;
         }
-        const auto away = p - corner[near];
+        const auto away = p - corner[nearest];
         std::array<double, D + 1> value{};
-        value[near] = 1;
+        value[nearest] = 1;
         for (std::size_t k = 0; k < D; ++k) value[k] += dot(hat[k], away);
         value[D] = dot(across, away);
         return value;
@@ -51,10 +51,10 @@ struct FacetContinuation {
 
 /// The formula as one piece of code, which keeps numbers in registers.
 template <bool gradients, class S, std::size_t D>
-CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& frame, S near,
+CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& frame, S near_distance,
                                                         const Vec<Simd<S>, D>& p, GreenRows<S, D>& memory,
                                                         Lanes<S>* rows) noexcept {
-    return integrate<gradients>(frame, near, p, memory, rows);
+    return integrate<gradients>(frame, near_distance, p, memory, rows);
 }
 
 /// What GreenCoordinates are in both dimensions. Points are evaluated a register at a time. Those
@@ -160,19 +160,20 @@ private:
     }
 
     template <bool gradients>
-    void evaluate_block(const Batch<T>& batch, std::size_t b, double near, GreenRows<T, D>& memory) const {
+    void evaluate_block(const Batch<T>& batch, std::size_t b, double near_distance,
+                        GreenRows<T, D>& memory) const {
         using X = Simd<T>;
         Lanes<T>* const rows = batch.rows.block(b);
         for (std::size_t row = 0; row < batch.rows.rows; ++row) X(T(0)).store(rows[row]);
         // Farther away the integrals change by less than a rounding of the continuation, which
         // restores p from any of them.
-        constexpr double far = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
+        constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k) {
             p[k] = X(T(scale_)) * X::load(batch.points.block(b)[k]);
-            p[k] = (max)(X(T(middle_[k] - far)), (min)(X(T(middle_[k] + far)), p[k]));
+            p[k] = (max)(X(T(middle_[k] - farthest)), (min)(X(T(middle_[k] + farthest)), p[k]));
         }
-        const GreenSum<T> sum = integrate_registers<gradients>(frame_, T(near), p, memory, rows);
+        const GreenSum<T> sum = integrate_registers<gradients>(frame_, T(near_distance), p, memory, rows);
         if constexpr (gradients) {
             for (std::size_t row = 0; row < batch.rows.rows; ++row)
                 (X(T(scale_)) * X::load(rows[row])).store(rows[row]);
@@ -187,7 +188,7 @@ private:
             const Lane at{rows, lane};
             if (touched[lane] != T(0)) {
                 batch.states[i] = PointState::on_boundary;
-                add_on_boundary<gradients>(at, q, near, 1 - double(winding[lane]));
+                add_on_boundary<gradients>(at, q, near_distance, 1 - double(winding[lane]));
             } else if (winding[lane] > T(0.5)) {
                 batch.states[i] = PointState::inside;
             } else {
@@ -262,9 +263,12 @@ private:
     /// What the facets that q lies on are seen under, divided equally: how much each has depends on
     /// the direction that q is reached from, what they give to the vertices they share does not.
     template <bool gradients>
-    void add_on_boundary(const Lane& to, const Vec<double, D>& q, double near, double share) const noexcept {
+    void add_on_boundary(const Lane& to, const Vec<double, D>& q, double near_distance,
+                         double share) const noexcept {
         // A rounding of the scalar farther than the formula has it.
-        const auto holds = [&](std::size_t f) { return distance_to_facet(q, corners_of(f)) <= 1.25 * near; };
+        const auto holds = [&](std::size_t f) {
+            return distance_to_facet(q, corners_of(f)) <= 1.25 * near_distance;
+        };
         std::size_t count = 0;
         for (std::size_t f = 0; f < topology_.facets.size(); ++f) count += holds(f) ? 1 : 0;
         if (count == 0) (void)add_nearest<gradients>(to, q, share);

@@ -49,9 +49,9 @@ struct EdgeIntegrals {
     Simd<S> s1, s2, d, theta, touched;
 
     EdgeIntegrals(const typename GreenFrame<S, 2>::Edge& edge, const typename GreenRows<S, 2>::Corner& a,
-                  const typename GreenRows<S, 2>::Corner& b, S near) noexcept {
+                  const typename GreenRows<S, 2>::Corner& b, S near_distance) noexcept {
         using X = Simd<S>;
-        const X zero(S(0)), one(S(1)), reach(near), tx(edge.along[0]), ty(edge.along[1]);
+        const X zero(S(0)), one(S(1)), reach(near_distance), tx(edge.along[0]), ty(edge.along[1]);
         s1 = a.u[0] * tx + a.u[1] * ty;
         s2 = b.u[0] * tx + b.u[1] * ty;
         // From the nearer end: next to an end the edge's two angles cancel only then.
@@ -80,8 +80,8 @@ struct EdgeIntegrals {
 ///
 /// ψ is divided by the length of the handle, L. `rows` are zero on entry.
 template <bool gradients, class S>
-GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near, const Vec<Simd<S>, 2>& p, GreenRows<S, 2>& seen,
-                      Lanes<S>* rows) noexcept {
+GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near_distance, const Vec<Simd<S>, 2>& p,
+                      GreenRows<S, 2>& seen, Lanes<S>* rows) noexcept {
     using X = Simd<S>;
     constexpr S pi = S(3.14159265358979323846);
     const std::size_t vertices = cage.vertices.size(), handles = vertices + cage.edges.size();
@@ -95,7 +95,7 @@ GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near, const Vec<Simd<S>, 2
     for (std::size_t e = 0; e < cage.edges.size(); ++e) {
         const auto& edge = cage.edges[e];
         const auto &a = seen.corners[edge.from], &b = seen.corners[edge.to];
-        const EdgeIntegrals<S> of(edge, a, b, near);
+        const EdgeIntegrals<S> of(edge, a, b, near_distance);
         angles += of.theta;
         touched = (max)(touched, of.touched);
         const X ratio = b.log - a.log, share(edge.inverse / (2 * pi));

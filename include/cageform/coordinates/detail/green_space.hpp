@@ -70,10 +70,10 @@ Simd<S> product(const Vec<Simd<S>, 3>& a, const Vec<S, 3>& b) noexcept {
 /// next to the edge are sensitive apart, though not together. It is seen from the nearer end, and
 /// projected twice, so that it is right to a rounding of its own length.
 template <bool gradients, class S>
-void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near, GreenRows<S, 3>& seen,
+void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, GreenRows<S, 3>& seen,
                   typename GreenRows<S, 3>::Edge& out) noexcept {
     using X = Simd<S>;
-    const X zero(S(0)), one(S(1)), reach(near), length(edge.length), least(least_square<S>);
+    const X zero(S(0)), one(S(1)), reach(near_distance), length(edge.length), least(least_square<S>);
     const auto &a = seen.corners[edge.from], &b = seen.corners[edge.to];
     const auto from_a = a.r <= b.r;
     for (std::size_t k = 0; k < 3; ++k) out.q[k] = select(from_a, a.u[k], b.u[k]);
@@ -133,8 +133,8 @@ struct FaceIntegrals {
     X height, rho[3], f[3], angle, touched;
 
     FaceIntegrals(const typename GreenFrame<S, 3>::Face& face, const GreenFrame<S, 3>& cage,
-                  const GreenRows<S, 3>& seen, S near) noexcept {
-        const X zero(S(0)), one(S(1)), reach(near);
+                  const GreenRows<S, 3>& seen, S near_distance) noexcept {
+        const X zero(S(0)), one(S(1)), reach(near_distance);
         const typename GreenRows<S, 3>::Edge* edges[3];
         for (std::size_t k = 0; k < 3; ++k) {
             edges[k] = &seen.edges[face.edge[k]];
@@ -171,8 +171,8 @@ struct FaceIntegrals {
 ///
 /// ψ is divided by the length of the handle, √area. `rows` are zero on entry.
 template <bool gradients, class S>
-GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near, const Vec<Simd<S>, 3>& p, GreenRows<S, 3>& seen,
-                      Lanes<S>* rows) noexcept {
+GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near_distance, const Vec<Simd<S>, 3>& p,
+                      GreenRows<S, 3>& seen, Lanes<S>* rows) noexcept {
     using X = Simd<S>;
     constexpr S full = S(4 * 3.14159265358979323846);
     const std::size_t vertices = cage.vertices.size(), handles = vertices + cage.faces.size();
@@ -182,11 +182,11 @@ GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near, const Vec<Simd<S>, 3
         r = sqrt(u[0] * u[0] + (u[1] * u[1] + u[2] * u[2]));
     }
     for (std::size_t e = 0; e < cage.edges.size(); ++e)
-        look_at_edge<gradients>(cage.edges[e], near, seen, seen.edges[e]);
+        look_at_edge<gradients>(cage.edges[e], near_distance, seen, seen.edges[e]);
     X angles(S(0)), touched(S(0));
     for (std::size_t j = 0; j < cage.faces.size(); ++j) {
         const auto& face = cage.faces[j];
-        const FaceIntegrals<S> of(face, cage, seen, near);
+        const FaceIntegrals<S> of(face, cage, seen, near_distance);
         angles += of.angle;
         touched = (max)(touched, of.touched);
         const X size(cage.inverse_size[j] / full);

@@ -108,17 +108,17 @@ private:
     }
 
     /// In diagonals or half diagonals, for registers. Far away the weights grow like the distance
-    /// and cancel: `far` keeps them to some ten roundings, gradients to a hundred. Gradients of
+    /// and cancel: `far_distance` keeps them to some ten roundings, gradients to a hundred. Gradients of
     /// double next to the boundary lose what the distance is smaller than one; those that are
     /// rounded to float do not mind.
     template <class N>
     MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
         using S = ScalarOf<ValueOf<N>>;
-        const double near = scale_ * tolerance_;
+        const double near_distance = scale_ * tolerance_;
         if constexpr (has_gradient<N>) {
-            return {std::max(near, sizeof(T) == 8 ? 1e-5 : 0.0), 2, 2e-3};
+            return {std::max(near_distance, sizeof(T) == 8 ? 1e-5 : 0.0), 2, 2e-3};
         } else {
-            return {S(near), D == 2 ? S(64) : S(16), sizeof(T) == 8 ? S(5e-4) : S(1e-3)};
+            return {S(near_distance), D == 2 ? S(64) : S(16), sizeof(T) == 8 ? S(5e-4) : S(1e-3)};
         }
     }
 

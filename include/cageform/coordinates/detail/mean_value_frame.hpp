@@ -38,8 +38,8 @@ inline Vec<double, 3> outward_normal(const Corners<3>& facet) noexcept {
 /// Where the formula is not to be used, and where it changes; lengths of the frame.
 template <class S>
 struct MeanValueLimits {
-    S near;   ///< points nearer to the boundary than this are flagged
-    S far;    ///< and so are points farther than this from the cage
+    S near_distance; ///< points nearer to the boundary than this are flagged
+    S far_distance;  ///< and so are points farther than this from the cage
     S beside; ///< in space: points nearer to a face's plane, but not over the face, have a formula of their own
 };
 

@@ -91,12 +91,13 @@ template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
-    const X zero(S(0)), one(S(1)), on_vertex(limits.near * limits.near), far(limits.far * limits.far);
+    const X zero(S(0)), one(S(1)), on_vertex(limits.near_distance * limits.near_distance),
+        far2(limits.far_distance * limits.far_distance);
     // The nearest to a vertex, and to an edge: there |c| is small and d is not positive.
     X special = zero, least_rr(std::numeric_limits<S>::max()), least_clearance = least_rr;
     for (const auto& loop : cage.loops) {
         const Spoke<N> first(cage.corners[loop.begin].position, p);
-        special = select(far < first.rr, one, special);
+        special = select(far2 < first.rr, one, special);
         Spoke<N> from = first;
         N t_before = zero, t_first = zero, inverse_r = zero;
         for (std::size_t i = loop.begin; i < loop.end; ++i) {
@@ -111,7 +112,7 @@ WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& l
             const N s = from.r * to.r + abs(d);
             const N numerator = select(acute, c, s), denominator = select(acute, s, c);
             least_clearance =
-                (min)(abs(value_of(denominator)) - X(limits.near * corner.extent), least_clearance);
+                (min)(abs(value_of(denominator)) - X(limits.near_distance * corner.extent), least_clearance);
             N t, inverse_next;
             if constexpr (estimates_roots<N>) {
                 t = numerator / denominator;

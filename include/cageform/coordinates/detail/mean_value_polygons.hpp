@@ -170,8 +170,9 @@ void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polyg
     rows.in_plane.weights.resize(polygon.corners.size());
     const auto extent = polygon.upper - polygon.lower;
     const S size = extent[0] + extent[1];
-    const MeanValueLimits<S> in_plane{(std::max)(limits.near, 16 * std::numeric_limits<S>::epsilon() * size),
-                                      std::sqrt(std::numeric_limits<S>::max()) * S(0.5), S(0)};
+    const MeanValueLimits<S> in_plane{
+        (std::max)(limits.near_distance, 16 * std::numeric_limits<S>::epsilon() * size),
+        std::sqrt(std::numeric_limits<S>::max()) * S(0.5), S(0)};
     const Vec<X, 2> at{value_of(x[0]), value_of(x[1])};
     auto [total, near_edge] = weigh(polygon.plane, in_plane, at, rows.in_plane);
     if constexpr (std::is_floating_point_v<X>) {

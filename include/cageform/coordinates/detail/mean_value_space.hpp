@@ -218,8 +218,8 @@ template <class U>
 U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end) noexcept {
     using std::atan;
     using K = ValueOf<U>;
-    const U zero(K(0)), one(K(1)), rr = rho * rho, far2 = rr + height * height;
-    if (is_beyond_ends(far2, begin, end)) { // both as series, of which the H² is taken out
+    const U zero(K(0)), one(K(1)), rr = rho * rho, distance2 = rr + height * height;
+    if (is_beyond_ends(distance2, begin, end)) { // both as series, of which the H² is taken out
         const U b = one / begin, e = one / end;
         U b_power = b, e_power = e, powers = one, rho_power = one, sum = zero;
         constexpr int terms = sizeof(K) == 8 ? 8 : 10;
@@ -228,23 +228,23 @@ U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end)
             e_power = e_power * (e * e);
             sum += (K(i % 2 == 0 ? 1 : -1) / K(2 * i + 1)) * (powers * (b_power - e_power));
             rho_power = rho_power * rr;
-            powers = far2 * powers + rho_power;
+            powers = distance2 * powers + rho_power;
         }
         return rho * sum;
     }
-    const U r = abs(rho), far = sqrt(far2);
+    const U r = abs(rho), distance = sqrt(distance2);
     const auto part = [&](const U& t) { // (atan(t/R) − atan(t/r))/H²
-        const U d = r * far + t * t;
+        const U d = r * distance + t * t;
         if (!(zero < d)) return zero;
-        const U x = t * height * height / ((r + far) * d);
+        const U x = t * height * height / ((r + distance) * d);
         // Below 1e-3 the next term of the series of atan(x)/x, x⁶/7, is below rounding.
         const U slope =
             K(1e-3) < abs(value_of(x)) ? atan(x) / x : one - x * x * (U(K(1) / K(3)) - K(0.2) * (x * x));
-        return -(t * slope / ((r + far) * d));
+        return -(t * slope / ((r + distance) * d));
     };
     const U seen = angle(r * (end - begin), rr + begin * end); // from the foot point
     const U sign(rho < zero ? K(-1) : K(1));
-    return (rho / far) * (part(end) - part(begin)) - sign * (seen / (far * (r + far)));
+    return (rho / distance) * (part(end) - part(begin)) - sign * (seen / (distance * (r + distance)));
 }
 
 /// S of a face that p is not over. There Σ φ_k = 0, so that S = ½ H Σ (g_k ρ_k − φ_k)/H², which
@@ -311,7 +311,8 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     height_times_s = half * height_times_s;
     const X distance = abs(value_of(height));
     const X inmost = (min)(value_of(rho[0]), (min)(value_of(rho[1]), value_of(rho[2])));
-    special = select(both(distance <= X(limits.near), X(-limits.near) <= inmost), one, special);
+    special =
+        select(both(distance <= X(limits.near_distance), X(-limits.near_distance) <= inmost), one, special);
     const X near_plane = X(limits.beside) * (max)(one, -inmost);
     const auto beside = both(distance < near_plane, both(inmost < zero, value_of(height_times_s) < half));
     N s = height_times_s / select(distance <= least, N(least), height);
@@ -336,7 +337,7 @@ ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits
     const X zero(S(0)), one(S(1));
     angles_over_distances<N, S>(cage.edges, p, rows.edges);
     for (N& w : rows.weights) w = zero;
-    return select(X(limits.far * limits.far) < inner(p, p), one, zero);
+    return select(X(limits.far_distance * limits.far_distance) < inner(p, p), one, zero);
 }
 
 /// The edges' angles at a face.

@@ -64,10 +64,10 @@ private:
     }
 
     void fill(std::uint32_t v, bool mirrored) {
-        const auto& near = neighbours_[v];
-        if (near.empty()) return;
+        const auto& around = neighbours_[v];
+        if (around.empty()) return;
         std::vector<Place<D>> places;
-        for (const std::uint32_t n : near)
+        for (const std::uint32_t n : around)
             places.push_back(difference<D>(sites_->place(n), sites_->place(v)));
         if (mirrored) add_mirrored(places);
         // The cell of v is that of a new place at v among its neighbours.
@@ -96,7 +96,7 @@ private:
     }
 
     void fit(std::uint32_t v, const Delaunay<D>& local) {
-        const auto& near = neighbours_[v];
+        const auto& around = neighbours_[v];
         double size = 0; // the nearest neighbour's distance
         for (std::size_t n = 0; n < cell_.cavity.vertices.size(); ++n) {
             const double distance = length(cell_.seen(n));
@@ -112,10 +112,10 @@ private:
             // The facet's area is `facet` / |d| times a constant; both μ are divided by |d|².
             const double weight =
                 std::fmax(cell_.facet(n), 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
-            if (number >= near.size() || !(weight > 0)) continue;
+            if (number >= around.size() || !(weight > 0)) continue;
             root.push_back(std::sqrt(weight));
             scaled.push_back(root.back() * d);
-            row.push_back({sites_->site(near[number]), {}});
+            row.push_back({sites_->site(around[number]), {}});
         }
         // With A = QR the pseudoinverse is R⁻¹Qᵀ: the condition is not squared, as it is in AᵀA.
         const OrthonormalRows<D> rows(std::move(scaled));

@@ -55,8 +55,8 @@ struct ThreePointFrame {
 template <class N>
 struct ThreePointSum {
     N sum;
-    ValueOf<N> beside;  ///< within twice `near` of the line of an edge, or beyond it
-    ValueOf<N> outside; ///< farther than `near` beyond the line of an edge
+    ValueOf<N> beside;  ///< within twice `near_distance` of the line of an edge, or beyond it
+    ValueOf<N> outside; ///< farther than `near_distance` beyond the line of an edge
 };
 
 /// The vector u from the point to a vertex, and c = f(|u|²), `square` the square of the unit.
@@ -105,7 +105,7 @@ N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>:
 ///   rises  none where f is constant: differences of c are left out; of_squares where it is r²
 template <ThreePointRises rises, class N, class S, class F>
 CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFrame<S>& cage, const F& f,
-                                                            S near, const Vec<ValueOf<N>, 2>& p,
+                                                            S near_distance, const Vec<ValueOf<N>, 2>& p,
                                                             std::vector<N>& weights) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), square(cage.square);
@@ -138,7 +138,7 @@ CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFram
     }
     const auto sums =
         compensated_sums<N, 1>(count, [&](std::size_t i, auto& total) { total[0] += weights[i]; });
-    const X limit(near);
+    const X limit(near_distance);
     return {sums[0], select(least <= limit, one, zero), select(least < -limit, one, zero)};
 }
 

@@ -236,9 +236,9 @@ private:
         if (in_cube && state != grid::CellState::cut)
             return {state == grid::CellState::in ? PointState::inside : PointState::outside, {}};
         // Where the tolerance or what the tree has rounded might decide.
-        const double near =
+        const double undecided =
             1e-4 + std::ldexp(2.0, -boundary_.fraction()) + 2 * double(tolerance_) / boundary_.unit();
-        if (in_cube && boundary_.nearest(tree_.facets(leaf.number), at).distance > near) {
+        if (in_cube && boundary_.nearest(tree_.facets(leaf.number), at).distance > undecided) {
             std::array<std::int64_t, D> line{};
             for (std::size_t k = 0; k < D; ++k)
                 line[k] = std::llround(std::ldexp(at[k], boundary_.fraction()));

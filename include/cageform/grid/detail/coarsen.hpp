@@ -134,10 +134,10 @@ private:
     /// A node with regular surroundings keeps the multilinear interpolation.
     void make_interpolation() {
         out_.slot.assign(fine_.nodes.count(), none);
-        const auto near = near_irregular();
+        const auto is_near = near_irregular();
         std::uint32_t count = 0;
         fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
-            const std::size_t odd = near[node] ? odd_axes(index) : 0;
+            const std::size_t odd = is_near[node] ? odd_axes(index) : 0;
             if (odd > 1 || (odd == 1 && fine_.is_irregular(node))) out_.slot[node] = count++;
         });
         out_.irregular.resize(count);
@@ -154,17 +154,17 @@ private:
     }
     /// Which nodes have an irregular one among their 3^D. Beside a missing neighbour there is one.
     std::vector<bool> near_irregular() const {
-        std::vector<bool> near(fine_.nodes.count());
+        std::vector<bool> is_near(fine_.nodes.count());
         Neighbours<D> around(fine_.nodes);
         fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
             if (!fine_.is_irregular(node)) return;
             around.move_to(index);
             for (std::size_t p = 0; p < P::count; ++p) {
                 const auto n = around.at(p);
-                if (n != none) near[n] = true;
+                if (n != none) is_near[n] = true;
             }
         });
-        return near;
+        return is_near;
     }
     /// Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes along
     /// which it lies between coarse nodes, and solved for the node.
@@ -245,7 +245,7 @@ private:
     /// irregular equation within one.
     void choose_irregular() {
         auto& coarse = out_.coarse;
-        std::vector<bool> near(coarse.nodes.count());
+        std::vector<bool> is_near(coarse.nodes.count());
         Neighbours<D> coarse_around(coarse.nodes);
         fine_.nodes.for_each([&](const Index& index, std::uint32_t node) {
             if (!fine_.is_irregular(node) && !out_.is_irregular(node)) return;
@@ -256,12 +256,12 @@ private:
                 for (std::size_t k = 0; k < D; ++k)
                     within = within && std::abs(2 * P::offset(p)[k] - (index[k] & 1)) <= reach;
                 const auto n = within ? coarse_around.at(p) : none;
-                if (n != none) near[n] = true;
+                if (n != none) is_near[n] = true;
             }
         });
         coarse.slot.assign(coarse.nodes.count(), none);
         for (std::uint32_t node = 0; node < coarse.nodes.count(); ++node) {
-            if (!near[node]) continue;
+            if (!is_near[node]) continue;
             coarse.slot[node] = std::uint32_t(coarse.irregular.size());
             coarse.irregular.push_back({});
         }

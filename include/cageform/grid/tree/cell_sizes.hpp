@@ -61,16 +61,16 @@ public:
     /// The distance between two vertices far from each other: nearly the largest, however the cage is
     /// turned.
     static double size_of_cage(const Boundary& boundary) noexcept {
-        auto from = boundary[0].corner[0], far = from;
+        auto from = boundary[0].corner[0], to = from;
         for (int step = 0; step < 3; ++step) {
             for (std::size_t n = 0; n < boundary.size(); ++n) {
                 for (const auto& corner : boundary[n].corner) {
-                    if (length(corner - from) > length(far - from)) far = corner;
+                    if (length(corner - from) > length(to - from)) to = corner;
                 }
             }
-            if (step < 2) std::swap(from, far);
+            if (step < 2) std::swap(from, to);
         }
-        return length(far - from);
+        return length(to - from);
     }
 
     // ---- facets -----------------------------------------------------------------------------------

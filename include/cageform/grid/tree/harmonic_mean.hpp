@@ -30,8 +30,8 @@ public:
     /// The distances from the point are about 1, or smaller.
     void add(const Vec<double, 2>& offset) noexcept {
         Moments& m = moments_[count_];
-        constexpr double near = 0.03; // what is nearer counts no more
-        const double square = std::max(dot(offset, offset), near * near);
+        constexpr double nearest = 0.03; // what is nearer counts no more
+        const double square = std::max(dot(offset, offset), nearest * nearest);
         prior_[count_++] = 1 / (square * square);
         m[0] = 1;
         double re = 1, im = 0;

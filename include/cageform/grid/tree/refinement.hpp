@@ -74,8 +74,8 @@ private:
         const auto middle = middle_of(cell);
         auto least = sizes_.of_facets(tree_.facets(cell.number), cell, middle, thin_);
         if (const double size = bones_.size_of(cell); size < least.size) least = {size, SizeReason::bone};
-        const Range near = ranges_[cell.number];
-        for (std::uint32_t n = near.begin; n < near.end; ++n) {
+        const Range features = ranges_[cell.number];
+        for (std::uint32_t n = features.begin; n < features.end; ++n) {
             const auto& feature = features_[near_[n]];
             const double size = CellSizes::size_at(feature, middle);
             if (size < least.size) least = {size, feature.reason};
@@ -84,14 +84,14 @@ private:
         tree_.split(cell);
         if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, middle, least.reason};
         for (std::size_t n = 0; n < grid::CellTree<3>::children; ++n)
-            hand_down(near, tree_.cells().child(cell, n));
+            hand_down(features, tree_.cells().child(cell, n));
     }
     /// The features that may ask something of a cell, or of one in it.
-    void hand_down(const Range& near, const Cell& child) {
+    void hand_down(const Range& features, const Cell& child) {
         const auto middle = middle_of(child);
         const auto begin = std::uint32_t(near_.size());
         const bool counts = tree_.state(child.number) != grid::CellState::out;
-        for (std::uint32_t n = near.begin; counts && n < near.end; ++n) {
+        for (std::uint32_t n = features.begin; counts && n < features.end; ++n) {
             if (CellSizes::size_at(features_[near_[n]], middle) < child.size) near_.push_back(near_[n]);
         }
         ranges_.push_back({begin, std::uint32_t(near_.size())});

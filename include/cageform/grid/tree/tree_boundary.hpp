@@ -120,8 +120,8 @@ inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, dou
         const auto along = c[(e + 1) % 3] - c[e];
         for (const auto& [u, v] : other_axes) { // across the edge and an axis
             const double side = along[u] * c[e][v] - along[v] * c[e][u];
-            const auto& far = c[(e + 2) % 3];
-            const double other = along[u] * far[v] - along[v] * far[u];
+            const auto& opposite = c[(e + 2) % 3];
+            const double other = along[u] * opposite[v] - along[v] * opposite[u];
             const double reach = half * (std::fabs(along[u]) + std::fabs(along[v]));
             if (std::min(side, other) > reach || std::max(side, other) < -reach) return false;
         }
