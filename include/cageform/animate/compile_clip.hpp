@@ -31,7 +31,7 @@ CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const Tr
         // A track may take seconds, where its pieces are tied.
         const std::size_t step = std::max<std::size_t>(keys.size() / 50, 16);
         for (std::size_t begin = 0; begin < keys.size(); begin += step) {
-            const std::size_t count = std::min(step, keys.size() - begin);
+            const std::size_t count = (std::min)(step, keys.size() - begin);
             detail::in_parallel(running, count, 1, [&](std::size_t b, std::size_t e) {
                 for (std::size_t k = begin + b; k < begin + e; ++k)
                     tracks[k] = compile_track<T>(keys[k], options);
@@ -45,7 +45,7 @@ CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const Tr
                 result.culprit = tracks[k].culprit;
                 return tracks[k].status;
             }
-            result.sup_error = std::max(result.sup_error, tracks[k].sup_error);
+            result.sup_error = (std::max)(result.sup_error, tracks[k].sup_error);
             curves.push_back(std::move(tracks[k].track.curve));
         }
         result.clip = CageClip<T, D>(curves, options.before, options.after);

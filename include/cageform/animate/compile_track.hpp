@@ -100,7 +100,7 @@ private:
         const BezierFit fitted = search.find(
             search.tied() ? running.part(double(i) / intervals, double(i + 1) / intervals) : Running{});
         if (fitted.status != Status::ok) return fitted.status;
-        result_.sup_error = std::max(result_.sup_error, fitted.sup_error);
+        result_.sup_error = (std::max)(result_.sup_error, fitted.sup_error);
         for (std::size_t k = 0; k < fitted.pieces(); ++k) {
             const T begin = static_cast<T>(fitted.knots[k]), end = static_cast<T>(fitted.knots[k + 1]);
             if (!(begin < end)) continue; // shorter than T resolves

@@ -77,7 +77,7 @@ private:
         while (begin < 1) {
             if (!running.keep_going(begin)) return refused(Status::cancelled);
             if (pieces.size() == max_pieces_) return refused(Status::tolerance_not_met);
-            const auto [status, piece] = longest_piece(begin, std::min(1.0, begin + step));
+            const auto [status, piece] = longest_piece(begin, (std::min)(1.0, begin + step));
             if (status != Status::ok) return refused(status);
             pieces.push_back(piece);
             step = 1.2 * (piece.end - begin);
@@ -108,7 +108,7 @@ private:
             if (fits) good = piece;
             if (fits && last && (end == 1 || error >= 0.97 * tolerance_ || narrow()))
                 return {Status::ok, good};
-            const double guess = begin + (end - begin) * length_factor(error), top = std::min(high, 1.0);
+            const double guess = begin + (end - begin) * length_factor(error), top = (std::min)(high, 1.0);
             end = guess > low && guess < top ? guess : fits && high > 1 ? 1.0 : 0.5 * (low + top);
         }
         // Samples may have missed the largest error. Below what doubles resolve no length helps.
@@ -123,7 +123,7 @@ private:
     /// How much longer a piece of this error may be: errors are of order degree + 1 in the length.
     double length_factor(double error) const noexcept {
         const double order = double(options_.degree + 1);
-        return std::clamp(std::pow(0.985 * tolerance_ / std::max(error, 1e-300), 1 / order), 0.1, 8.0);
+        return std::clamp(std::pow(0.985 * tolerance_ / (std::max)(error, 1e-300), 1 / order), 0.1, 8.0);
     }
 
     /// Why there is no piece however short.

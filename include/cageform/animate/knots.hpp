@@ -175,7 +175,7 @@ inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
         };
         const double margin = 1e-6 * (t[i + 1] - t[i - 1]);
         const double best = line_minimum(t[i - 1] + margin, t[i], t[i + 1] - margin, 1e-9, objective);
-        moved = std::max(moved, std::fabs(best - t[i]));
+        moved = (std::max)(moved, std::fabs(best - t[i]));
         t[i] = best;
     }
     return moved;
@@ -227,13 +227,13 @@ inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, co
         search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.part(0, 0.5));
         search.parameters = detail::divided_anew(search.parameters, pieces);
     } else {
-        const auto candidates = uniform_in_parameter(std::max(options.steps, 2 * pieces));
+        const auto candidates = uniform_in_parameter((std::max)(options.steps, 2 * pieces));
         search = search_knots(curve, candidates, pieces, on_grid, running.part(0, 0.5));
     }
     if (search.status != Status::ok) return search;
     search.indices.clear();
     const SobolevFitter fitter(curve, polished);
-    const int rounds = many ? std::min(options.rounds, 20) : options.rounds;
+    const int rounds = many ? (std::min)(options.rounds, 20) : options.rounds;
     for (int round = 0; round < rounds; ++round) {
         if (!running.keep_going(0.5 + 0.5 * round / rounds)) {
             search.status = Status::cancelled;

@@ -87,7 +87,7 @@ protected:
     std::size_t first_of(std::size_t piece) const noexcept { return piece * piece_blocks_ * lanes; }
     std::span<PointState> states_of(std::size_t piece) noexcept {
         const std::size_t first = first_of(piece);
-        return std::span(states_).subspan(first, std::min(piece_blocks_ * lanes, count_ - first));
+        return std::span(states_).subspan(first, (std::min)(piece_blocks_ * lanes, count_ - first));
     }
 
     /// Whether a point of this state gets weights.

@@ -144,7 +144,7 @@ BindBonesResult<T, D> bind_bones(const R& points, std::span<const Transform<T, D
             const Status done =
                 detail::for_each_block(found.size(), part, [&](std::size_t begin, std::size_t end) {
                     for (std::size_t i = begin * lane_count<T>;
-                         i < std::min(end * lane_count<T>, batch.points.points); ++i) {
+                         i < (std::min)(end * lane_count<T>, batch.points.points); ++i) {
                         if (batch.states[i] != PointState::not_finite)
                             found[i / lane_count<T>].raise(shares.weigh(batch, i));
                     }

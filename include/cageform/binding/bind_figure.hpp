@@ -315,7 +315,7 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
     };
     const bool own_tolerance = vectors > 0 && options.tangent_tolerance != 0;
     if (own_tolerance && how.tolerance == 0) // sparse, for an order that tangents can take over
-        how.threshold = std::max(how.threshold, std::numeric_limits<double>::min());
+        how.threshold = (std::max)(how.threshold, (std::numeric_limits<double>::min)());
     auto points = pack(figure.points, how, part(0));
     how.threshold = options.weights.threshold;
     report.points = std::move(points.report);

@@ -98,7 +98,7 @@ private:
         if (pack.figure_hash == 0) pack.figure_hash = hash_memory(std::span<const Vec<T, D>>(points_));
         Binding<T, D> recycled;
         for (std::size_t n = 0; n < batches(); ++n) {
-            const std::size_t first = n * together_, count = std::min(together_, points_.size() - first);
+            const std::size_t first = n * together_, count = (std::min)(together_, points_.size() - first);
             const Running in_batch =
                 running.part(double(n) / double(batches()), double(n + 1) / double(batches()));
             std::vector<Vec<T, D>> batch;
@@ -272,7 +272,7 @@ private:
         if (from.row_begin != nullptr) {
             std::copy_n(from.row_handle + first, rows, whole.writable(to.row_handle) + row);
             whole.writable(to.row_begin)[b + 1] = std::uint32_t(row + rows);
-            const std::size_t count = std::min(lanes, points_.size() - place.first);
+            const std::size_t count = (std::min)(lanes, points_.size() - place.first);
             std::copy_n(order_.begin() + std::ptrdiff_t(place.first), count,
                         whole.writable(to.order) + b * lanes);
         }
@@ -333,7 +333,7 @@ BindPackedMemory bind_packed_memory(const C& coordinates, std::size_t points,
     const std::size_t format = weight_bytes<T>(options.pack.format.value_or(WeightFormat::scalar));
     const std::size_t blocks = block_count<T>(points);
     BindPackedMemory memory;
-    memory.batch = block_count<T>(std::min(together, points)) * (handles + D) * sizeof(Lanes<T>);
+    memory.batch = block_count<T>((std::min)(together, points)) * (handles + D) * sizeof(Lanes<T>);
     memory.packed =
         blocks * lane_count<T> * (handles * format + 3 * D * sizeof(T)) + handles * 16 * sizeof(T);
     if constexpr (requires { coordinates.solver_memory(); }) {

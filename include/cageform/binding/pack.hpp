@@ -235,7 +235,7 @@ private:
         return at_rest.empty() ? 0 : bounds_of(std::span<const Vec<double, D>>(at_rest)).diagonal();
     }
 
-    std::size_t used(std::size_t block) const { return std::min(lanes, points_ - block * lanes); }
+    std::size_t used(std::size_t block) const { return (std::min)(lanes, points_ - block * lanes); }
     std::size_t point(std::size_t block, std::size_t lane) const {
         return has_order() ? order_[block * lanes + lane] : block * lanes + lane;
     }
@@ -314,7 +314,7 @@ private:
         const BlockPoints<T> points = points_of(block);
         Lanes<T>* const rest = blob.writable(out.rest) + block * D;
         for (std::size_t lane = 0; lane < lanes; ++lane) { // copies of the last point fill the block
-            const std::size_t i = points.index[std::min(lane, points.count - 1)];
+            const std::size_t i = points.index[(std::min)(lane, points.count - 1)];
             for (std::size_t k = 0; k < D; ++k) rest[k][lane] = binding_.rest(i, k);
         }
         PackedRows rows = rows_of(block, points);

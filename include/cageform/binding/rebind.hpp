@@ -63,7 +63,7 @@ public:
         , handles_(old.handle_view())
         , restorer_(handles_, is_mostly_zero(old))
         , count_(points.size)
-        , neighbours_(options.neighbours == 0 ? 4 * D : std::max(options.neighbours, D + 1)) {}
+        , neighbours_(options.neighbours == 0 ? 4 * D : (std::max)(options.neighbours, D + 1)) {}
 
     Status run(Binding<T, D>& binding, RebindReport& report) {
         if (count_ > 0 && old_.point_count() == 0) return Status::binding_empty;
@@ -87,7 +87,7 @@ public:
                                     Scratch scratch;
                                     for (std::size_t piece = begin; piece < end; ++piece) {
                                         const std::size_t first = piece * piece_blocks;
-                                        const std::size_t last = std::min(first + piece_blocks, blocks);
+                                        const std::size_t last = (std::min)(first + piece_blocks, blocks);
                                         for (std::size_t b = first; b < last; ++b)
                                             fill(b, pieces_[piece], scratch);
                                     }
@@ -143,7 +143,7 @@ private:
         bound_.assign(count, 0);
         std::vector<char> sound(count, 1);
         const auto look = [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin * lanes; i < std::min(end * lanes, count); ++i) {
+            for (std::size_t i = begin * lanes; i < (std::min)(end * lanes, count); ++i) {
                 for (std::size_t h = 0; h < handles_.count; ++h) {
                     const T w = old_.weights(i, h);
                     if (w != T(0)) bound_[i] = 1;
@@ -164,7 +164,7 @@ private:
             const auto p = old_point(i);
             if (!is_finite(p)) continue;
             places_.push_back(i);
-            for (std::size_t k = 0; k < D; ++k) magnitude = std::max(magnitude, std::fabs(double(p[k])));
+            for (std::size_t k = 0; k < D; ++k) magnitude = (std::max)(magnitude, std::fabs(double(p[k])));
         }
         std::sort(places_.begin(), places_.end(), [this](std::size_t a, std::size_t b) {
             const auto p = old_point(a), q = old_point(b);
@@ -186,7 +186,7 @@ private:
     /// precedence.
     void match(std::size_t block) {
         points_.read(block, rest_.block(block));
-        for (std::size_t i = block * lanes; i < std::min((block + 1) * lanes, count_); ++i) {
+        for (std::size_t i = block * lanes; i < (std::min)((block + 1) * lanes, count_); ++i) {
             const auto p = block_point<D>(rest_, i);
             if (!is_finite(p)) {
                 kinds_[i] = Kind::not_finite;

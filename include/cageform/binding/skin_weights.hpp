@@ -109,7 +109,7 @@ SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span
         if (!is_finite(shares[b])) return result;
         order[b] = static_cast<std::uint16_t>(b);
     }
-    const std::size_t most = std::min(joints.size(), shares.size());
+    const std::size_t most = (std::min)(joints.size(), shares.size());
     std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(most), order.end(),
                       [&](std::uint16_t a, std::uint16_t b) {
                           return shares[a] != shares[b] ? shares[a] > shares[b] : a < b;
@@ -131,10 +131,10 @@ SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span
         const double w = weights[k], w0 = double(shares[joints[k]]);
         result.partition += w;
         result.error += std::fabs(w - w0) - std::fabs(w0);
-        result.added = std::max(result.added, w - w0);
+        result.added = (std::max)(result.added, w - w0);
     }
     result.partition = std::fabs(result.partition);
-    result.error = std::max(result.error, 0.0);
+    result.error = (std::max)(result.error, 0.0);
     return result;
 }
 
@@ -150,7 +150,7 @@ public:
         , count_(binding.point_count()) {
         if (binding.handle_count() == 0) return;
         const auto bounds = bounds_of(std::span(binding.rest_handles, binding.handle_count()));
-        size_ = std::max(double(bounds.diagonal()), std::numeric_limits<double>::min());
+        size_ = (std::max)(double(bounds.diagonal()), (std::numeric_limits<double>::min)());
     }
 
     Status run(SkinWeights& skin, SkinWeightsReport& report) {
@@ -233,10 +233,10 @@ private:
             missed = missed + w * from(place.p, joints[k]);
             result.partition += w;
             result.error += std::fabs(w - w0) - std::fabs(w0);
-            result.added = std::max(result.added, w - w0);
+            result.added = (std::max)(result.added, w - w0);
         }
         result.partition = std::fabs(result.partition);
-        result.error = std::max(result.error, 0.0);
+        result.error = (std::max)(result.error, 0.0);
         result.reproduction = size_ * std::sqrt(dot(missed, missed));
     }
 
@@ -280,7 +280,7 @@ SkinWeightsResult skin_weights(const BindingView<T, D>& binding, const SkinWeigh
     detail::run_into(result.report, [&] {
         if (binding.handle_view().vector_count() > 0) return Status::handles_not_points;
         if (options.influences < 1) return Status::too_few_influences;
-        if (std::max(binding.handle_count(), options.influences) > 65535) return Status::too_many_handles;
+        if ((std::max)(binding.handle_count(), options.influences) > 65535) return Status::too_many_handles;
         if (!is_finite(options.threshold)) return Status::value_not_finite;
         return detail::Skinner<T, D>(binding, options, running).run(result.skin, result.report);
     });
@@ -309,7 +309,7 @@ SkinWeightsResult skin_weights(std::span<const W> shares, std::size_t bones,
     detail::run_into(result.report, [&] {
         if (bones == 0 || shares.size() % bones != 0) return Status::bone_weights_do_not_match;
         if (options.influences < 1) return Status::too_few_influences;
-        if (std::max(bones, options.influences) > 65535) return Status::too_many_handles;
+        if ((std::max)(bones, options.influences) > 65535) return Status::too_many_handles;
         if (!is_finite(options.threshold)) return Status::value_not_finite;
         const std::size_t count = shares.size() / bones, most = options.influences;
         result.report.points = count;
@@ -369,7 +369,7 @@ Status skin_to_binding(const Binding<T, D>& binding, const SkinWeights& skin, Bi
 template <class Integer>
     requires(std::same_as<Integer, std::uint8_t> || std::same_as<Integer, std::uint16_t>)
 std::vector<Integer> to_normalised(const SkinWeights& skin) {
-    constexpr double most = std::numeric_limits<Integer>::max();
+    constexpr double most = (std::numeric_limits<Integer>::max)();
     std::vector<Integer> result(skin.weights.size());
     std::vector<std::size_t> order(skin.influences);
     for (std::size_t i = 0; i < skin.point_count(); ++i) {

@@ -66,7 +66,7 @@ std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& 
             if (slot == mean.handle.end()) return std::nullopt;
             *slot = value.handle[n];
             mean.weight[std::size_t(slot - mean.handle.begin())] += depth / sum * value.weight[n];
-            end = std::max(end, slot + 1);
+            end = (std::max)(end, slot + 1);
         }
     }
     return mean;

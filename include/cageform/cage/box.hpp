@@ -52,7 +52,7 @@ public:
                 continue;
             }
             const double t = std::clamp(part[k], 0.0, 1.0) * double(divisions_[k]);
-            low[k] = std::min(std::size_t(t), divisions_[k] - 1);
+            low[k] = (std::min)(std::size_t(t), divisions_[k] - 1);
             beyond[k] = t - double(low[k]);
         }
         const auto [a, b] = detail::other_axes[axis];
@@ -157,7 +157,7 @@ void for_each_facet(const Box<T>& box, F&& f) {
 template <Scalar T>
 PointState locate(const Box<T>& box, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
-    double least = std::numeric_limits<double>::max(); // to a face, negative outside
+    double least = (std::numeric_limits<double>::max)(); // to a face, negative outside
     for (std::size_t k = 0; k < 3; ++k) {
         least = std::fmin(
             least, std::fmin(double(p[k]) - double(box.lower()[k]), double(box.upper()[k]) - double(p[k])));
@@ -171,7 +171,7 @@ template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, Vec<T, 3>& place) noexcept {
     std::size_t axis = 0;
     bool upper = false, outside = false;
-    double least = std::numeric_limits<double>::max();
+    double least = (std::numeric_limits<double>::max)();
     place = p;
     for (std::size_t k = 0; k < 3; ++k) {
         for (const bool up : {false, true}) {

@@ -243,7 +243,7 @@ private:
             const std::uint32_t next = step_towards(p, at, none, 0);
             if (next == none || has_infinite(next)) break;
         }
-        return search.last_ = std::min(at, std::uint32_t(simplices_.size() - 1));
+        return search.last_ = (std::min)(at, std::uint32_t(simplices_.size() - 1));
     }
     /// The same from a simplex in which p lies, or whose ball holds it.
     void find_cavity(const detail::Place<D>& p, std::uint32_t from, Search& search) const {

@@ -61,7 +61,7 @@ public:
             double largest = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 c[k] = face.corner[k] - vec_cast<double>(p);
-                largest = std::max(largest, detail::length(c[k]));
+                largest = (std::max)(largest, detail::length(c[k]));
             }
             const double height = dot(face.normal, c[0]);
             // The normal's part of the spherical triangle's vector area: half of what its sides

@@ -160,7 +160,7 @@ private:
         Bounds<double, D> box;
         for (std::size_t k = 0; k < D; ++k) {
             box.lower[k] = std::numeric_limits<double>::lowest();
-            box.upper[k] = std::numeric_limits<double>::max();
+            box.upper[k] = (std::numeric_limits<double>::max)();
         }
         return box;
     }
@@ -212,8 +212,8 @@ private:
             if (i == end) end = end_of_group(items, i);
             for (std::size_t j = end; j < items.size(); ++j) {
                 if (!are_near(items[i].bounds, items[j].bounds)) continue;
-                const std::size_t m = std::min(items[i].facet, items[j].facet);
-                const std::size_t n = std::max(items[i].facet, items[j].facet);
+                const std::size_t m = (std::min)(items[i].facet, items[j].facet);
+                const std::size_t n = (std::max)(items[i].facet, items[j].facet);
                 if (meet(m, n) && !found_before(m, n)) found(m, n);
             }
         }

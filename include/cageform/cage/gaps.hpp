@@ -13,14 +13,14 @@ struct HalfEdge {
     std::uint32_t from, to, face;
 
     /// The edge, whichever way it is run along.
-    auto edge() const noexcept { return std::pair(std::min(from, to), std::max(from, to)); }
+    auto edge() const noexcept { return std::pair((std::min)(from, to), (std::max)(from, to)); }
 };
 
 /// The half-edges of all faces, those of an edge in a row, by the edges' lesser vertices. O(#F + #V)
 /// where vertices have few faces.
 inline std::vector<HalfEdge> half_edges_of(std::span<const std::array<std::uint32_t, 3>> faces) {
     std::size_t size = 0;
-    for (const auto& [a, b, c] : faces) size = std::max<std::size_t>(size, std::max({a, b, c}));
+    for (const auto& [a, b, c] : faces) size = std::max<std::size_t>(size, (std::max)({a, b, c}));
     std::vector<std::size_t> end(size + 2); // of the half-edges of a lesser vertex, once they are placed
     const auto for_each = [&](const auto& f) {
         for (std::size_t n = 0; n < 3 * faces.size(); ++n) {
@@ -115,7 +115,7 @@ private:
         return open;
     }
     bool has_edge(std::uint32_t i, std::uint32_t j) const noexcept {
-        const std::pair edge(std::min(i, j), std::max(i, j));
+        const std::pair edge((std::min)(i, j), (std::max)(i, j));
         const auto at = std::lower_bound(half_edges_.begin(), half_edges_.end(), edge,
                                          [](const HalfEdge& a, const auto& b) { return a.edge() < b; });
         return at != half_edges_.end() && at->edge() == edge;

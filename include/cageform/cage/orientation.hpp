@@ -52,11 +52,11 @@ template <std::size_t D>
 double unit_scale(std::initializer_list<const Vec<double, D>*> points) noexcept {
     double largest = 0;
     for (const auto* p : points) {
-        for (std::size_t k = 0; k < D; ++k) largest = std::max(largest, std::fabs((*p)[k]));
+        for (std::size_t k = 0; k < D; ++k) largest = (std::max)(largest, std::fabs((*p)[k]));
     }
     int exponent = 0;
     std::frexp(largest, &exponent);
-    return std::ldexp(1.0, -std::max(exponent, -1022));
+    return std::ldexp(1.0, -(std::max)(exponent, -1022));
 }
 
 /// 1 where `c` lies to the left of the line from `a` to `b`, −1 to the right, 0 on it. Exact for
@@ -112,7 +112,8 @@ inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const V
 inline bool segments_touch(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c,
                            const Vec<double, 2>& d) noexcept {
     for (std::size_t k = 0; k < 2; ++k) {
-        if (std::max(a[k], b[k]) < std::min(c[k], d[k]) || std::max(c[k], d[k]) < std::min(a[k], b[k]))
+        if ((std::max)(a[k], b[k]) < (std::min)(c[k], d[k]) ||
+            (std::max)(c[k], d[k]) < (std::min)(a[k], b[k]))
             return false;
     }
     return orientation(a, b, c) * orientation(a, b, d) <= 0 &&

@@ -59,7 +59,7 @@ template <Scalar T, std::size_t D>
 Bounds<T, D> bounds_of(std::span<const Vec<T, D>> points) noexcept {
     Bounds<T, D> b;
     for (std::size_t k = 0; k < D; ++k) {
-        b.lower[k] = std::numeric_limits<T>::max();
+        b.lower[k] = (std::numeric_limits<T>::max)();
         b.upper[k] = std::numeric_limits<T>::lowest();
         for (const auto& p : points) {
             b.lower[k] = std::fmin(b.lower[k], p[k]);
@@ -158,8 +158,8 @@ double distance_to_segment(const Vec<double, D>& p, const Vec<double, D>& a,
 template <std::size_t D>
 double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const Vec<double, D>& c,
                         const Vec<double, D>& d) noexcept {
-    const double least = std::min({distance_to_segment(c, a, b), distance_to_segment(d, a, b),
-                                   distance_to_segment(a, c, d), distance_to_segment(b, c, d)});
+    const double least = (std::min)({distance_to_segment(c, a, b), distance_to_segment(d, a, b),
+                                     distance_to_segment(a, c, d), distance_to_segment(b, c, d)});
     if constexpr (D == 2) {
         return segments_touch(a, b, c, d) ? 0.0 : least;
     } else {
@@ -170,7 +170,7 @@ double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const 
         const double s = (ef * dot(f, g) - ff * dot(e, g)) / determinant;
         const double t = (ee * dot(f, g) - ef * dot(e, g)) / determinant;
         if (s < 0 || s > 1 || t < 0 || t > 1) return least;
-        return std::min(least, length(a + s * e - (c + t * f)));
+        return (std::min)(least, length(a + s * e - (c + t * f)));
     }
 }
 
@@ -219,7 +219,7 @@ double distance_to_facet(const Vec<double, D>& p, const Corners<D>& corner) noex
 /// Whether the corners of a triangle lie on one line within `tolerance`.
 inline bool is_flat(const Corners<3>& corner, double tolerance) noexcept {
     const auto& [a, b, c] = corner;
-    const double longest = std::max({length(b - a), length(c - b), length(a - c)});
+    const double longest = (std::max)({length(b - a), length(c - b), length(a - c)});
     return !(length(cross(b - a, c - a)) > tolerance * longest);
 }
 
@@ -255,9 +255,9 @@ double segment_to_facet(const Vec<double, D>& a, const Vec<double, D>& b, const 
         return segment_distance(a, b, corner[0], corner[1]);
     } else {
         if (pierces(a, b, corner)) return 0;
-        double least = std::min(distance_to_facet(a, corner), distance_to_facet(b, corner));
+        double least = (std::min)(distance_to_facet(a, corner), distance_to_facet(b, corner));
         for (std::size_t k = 0; k < 3; ++k)
-            least = std::min(least, segment_distance(a, b, corner[k], corner[(k + 1) % 3]));
+            least = (std::min)(least, segment_distance(a, b, corner[k], corner[(k + 1) % 3]));
         return least;
     }
 }
@@ -272,7 +272,7 @@ inline bool facets_touch(const Facet<2>& a, const Facet<2>& b, double tolerance)
             // Neighbours may not fold back onto each other.
             const auto u = a.corner[1 - k] - a.corner[k], v = b.corner[1 - l] - b.corner[l];
             return dot(u, v) > 0 &&
-                   std::fabs(cross(u, v)) <= tolerance * std::sqrt(std::max(dot(u, u), dot(v, v)));
+                   std::fabs(cross(u, v)) <= tolerance * std::sqrt((std::max)(dot(u, u), dot(v, v)));
         }
     }
     return segment_distance(a.corner[0], a.corner[1], b.corner[0], b.corner[1]) <= tolerance;
@@ -336,7 +336,8 @@ void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
     for (std::size_t m = 0; m < sorted.size(); ++m) {
         const double end = sorted[m].upper[axis];
         for (std::size_t n = m + 1; n < sorted.size() && sorted[n].lower[axis] <= end; ++n) {
-            if (sorted[m].overlaps(sorted[n])) f(std::min(order[m], order[n]), std::max(order[m], order[n]));
+            if (sorted[m].overlaps(sorted[n]))
+                f((std::min)(order[m], order[n]), (std::max)(order[m], order[n]));
         }
     }
 }

@@ -242,7 +242,7 @@ private:
     void locate(std::size_t b, std::size_t points, const Lanes<T>* row,
                 std::span<PointState> states) const noexcept {
         const std::size_t first = b * lane_count<T>;
-        const std::size_t used = std::min(lane_count<T>, points - first);
+        const std::size_t used = (std::min)(lane_count<T>, points - first);
         for (std::size_t lane = 0; lane < used; ++lane) {
             PointState& state = states[first + lane];
             if (state == PointState::not_finite) continue;

@@ -112,7 +112,7 @@ std::size_t memory_limit([[maybe_unused]] const Options& options) noexcept {
     if constexpr (requires { options.memory_limit; }) {
         return options.memory_limit;
     } else {
-        return std::numeric_limits<std::size_t>::max();
+        return (std::numeric_limits<std::size_t>::max)();
     }
 }
 

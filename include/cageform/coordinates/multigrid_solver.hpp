@@ -171,7 +171,7 @@ private:
     }
     /// The first handle of a group, and how many it has.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
-        return {group * width, std::min(width, grid_.cage().size() - group * width)};
+        return {group * width, (std::min)(width, grid_.cage().size() - group * width)};
     }
 
     detail::EmbeddedCage<C> grid_;

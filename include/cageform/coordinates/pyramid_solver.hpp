@@ -40,7 +40,8 @@ public:
         const auto lattice = grid::lattice_about(bounds_of(problem.cage.vertices()), resolution);
         const double bytes = double(lattice.size()) * (bytes_of_cell(width(problem)) + sizeof(grid::CellTag));
         if (bytes > double(problem.options.memory_limit)) {
-            report.bytes = std::size_t(std::min(bytes, double(std::numeric_limits<std::ptrdiff_t>::max())));
+            report.bytes =
+                std::size_t((std::min)(bytes, double((std::numeric_limits<std::ptrdiff_t>::max)())));
             return Status::out_of_memory;
         }
         made.emplace(problem);
@@ -79,7 +80,7 @@ public:
     }
 
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
-        const std::size_t first = group * width(), count = std::min(width(), problem_.cage.size() - first);
+        const std::size_t first = group * width(), count = (std::min)(width(), problem_.cage.size() - first);
         block.functions.assign(count, std::vector<T>(domain_.tags.size(), T(0)));
         for (std::size_t n = 0; n < count; ++n) {
             std::vector<T>& field = block.functions[n];
@@ -90,7 +91,8 @@ public:
             if (outcome.cancelled) return Status::cancelled;
             ++work.report.solves;
             work.report.sweeps += outcome.sweeps;
-            work.report.largest_mean_change = std::max(work.report.largest_mean_change, outcome.mean_change);
+            work.report.largest_mean_change =
+                (std::max)(work.report.largest_mean_change, outcome.mean_change);
             if (outcome.converged) continue;
             work.report.unconverged = 1;
             return Status::not_converged;
@@ -112,7 +114,7 @@ public:
     };
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples{first, std::vector<Sample>(last - first)};
-        for (std::size_t i = first; i < std::min(last, batch.points.points); ++i) {
+        for (std::size_t i = first; i < (std::min)(last, batch.points.points); ++i) {
             Sample& sample = samples.points[i - first];
             PointState& state = batch.states[i];
             if (state == PointState::not_finite) continue;

@@ -159,7 +159,7 @@ private:
         return Status::ok;
     }
     void add_tips() {
-        std::vector<double> nearest(site_count_, std::numeric_limits<double>::max());
+        std::vector<double> nearest(site_count_, (std::numeric_limits<double>::max)());
         const auto& sites = neighbours_.sites();
         for (const auto& simplex : sites.simplices()) {
             for (std::size_t i = 0; !simplex.is_ghost() && i <= D; ++i) {
@@ -197,7 +197,7 @@ private:
         Lanes<T>* const rows = batch.rows.block(b);
         for (std::size_t n = 0; n < batch.rows.rows; ++n) std::fill_n(rows[n].v, lane_count<T>, T(0));
         const std::size_t first = b * lane_count<T>;
-        const std::size_t used = std::min(lane_count<T>, batch.points.points - first);
+        const std::size_t used = (std::min)(lane_count<T>, batch.points.points - first);
         for (std::size_t lane = 0; lane < used; ++lane) {
             PointState& state = batch.states[first + lane];
             if (state == PointState::not_finite) continue;

@@ -42,8 +42,8 @@ private:
         for (std::size_t k = 0; k < D; ++k) {
             T low = places[handle_[begin]][k], high = low;
             for (std::size_t n = begin; n < end; ++n) {
-                low = std::min(low, places[handle_[n]][k]);
-                high = std::max(high, places[handle_[n]][k]);
+                low = (std::min)(low, places[handle_[n]][k]);
+                high = (std::max)(high, places[handle_[n]][k]);
             }
             if (double(high) - double(low) <= longest) continue;
             longest = double(high) - double(low);
@@ -125,19 +125,19 @@ public:
             return Status::resolution_not_supported;
         const typename Cage::Plan plan(problem.cage, problem.tolerance);
         double leaves = plan.leaves(accuracy);
-        const double most =
-            std::min(double(problem.options.memory_limit) / bytes_of_leaf, 0.125 * double(std::uint32_t(-1)));
+        const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
+                                       0.125 * double(std::uint32_t(-1)));
         std::unique_ptr<Cage> cage;
         constexpr double few = 2e5; // soon made, and fewer than the plan says
-        if (leaves < std::max(1.5 * most, few))
+        if (leaves < (std::max)(1.5 * most, few))
             cage = std::make_unique<Cage>(problem.cage, problem.tolerance, plan.scale(accuracy));
         if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
             report.unseen_handle = *handle;
             return Status::grid_too_coarse;
         }
         if (!cage || !cage->refine(accuracy, most, leaves)) {
-            report.bytes = std::size_t(std::min(bytes_of_leaf * leaves, 9e18));
-            const double more = std::max(1.0, leaves / plan.leaves(accuracy)); // than planned
+            report.bytes = std::size_t((std::min)(bytes_of_leaf * leaves, 9e18));
+            const double more = (std::max)(1.0, leaves / plan.leaves(accuracy)); // than planned
             report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most / more);
             return Status::out_of_memory;
         }
@@ -189,7 +189,8 @@ public:
             // A cycle's change is the error before it, but for what is left. The first ones gain more
             // than those that follow.
             const double gained = before > 0 ? change / before : 0.5;
-            if (before > tolerance_) report.convergence_factor = std::max(report.convergence_factor, gained);
+            if (before > tolerance_)
+                report.convergence_factor = (std::max)(report.convergence_factor, gained);
             report.error_estimate = change * std::clamp(gained, 0.2, 0.9);
             before = change;
             if (refined && report.error_estimate <= tolerance_) break;
@@ -296,7 +297,7 @@ private:
     bool is_refined() const noexcept { return tolerance_ < 2e-6; }
     /// The rank of a group's first handle, and how many it has.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
-        return {group * width, std::min(width, cage_->cage().size() - group * width)};
+        return {group * width, (std::min)(width, cage_->cage().size() - group * width)};
     }
 
     std::unique_ptr<Cage> cage_;

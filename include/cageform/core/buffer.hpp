@@ -42,8 +42,8 @@ protected:
 
     /// Moves to memory for exactly `capacity` elements; those there are fit.
     void move_to(std::size_t capacity, Element element) {
-        if (capacity > std::numeric_limits<std::ptrdiff_t>::max() / element.size)
-            capacity = std::numeric_limits<std::ptrdiff_t>::max() / element.size; // which no system has
+        if (capacity > (std::numeric_limits<std::ptrdiff_t>::max)() / element.size)
+            capacity = (std::numeric_limits<std::ptrdiff_t>::max)() / element.size; // which no system has
         void* const moved = capacity == 0
                                 ? nullptr
                                 : ::operator new(capacity* element.size, std::align_val_t(element.alignment));
@@ -56,7 +56,7 @@ protected:
     /// Makes room for `count` elements more; twice what there was at least.
     void grow(std::size_t count, Element element) {
         if (count <= capacity_ - size_) return;
-        const std::size_t most = std::numeric_limits<std::size_t>::max() - size_;
+        const std::size_t most = (std::numeric_limits<std::size_t>::max)() - size_;
         move_to(size_ + (count > most ? most : count > size_ ? count : size_), element);
     }
     /// `from` is no part of this.

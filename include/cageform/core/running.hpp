@@ -61,7 +61,7 @@ Status for_each_block(std::size_t blocks, const Running& running, const Body& bo
     constexpr std::size_t grain = 16;
     const std::size_t step = running.progress ? std::max<std::size_t>(blocks / 50, 16 * grain) : blocks;
     for (std::size_t begin = 0; begin < blocks; begin += step) {
-        const std::size_t count = std::min(step, blocks - begin);
+        const std::size_t count = (std::min)(step, blocks - begin);
         in_parallel(running, count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
         if (!running.keep_going(double(begin + count) / double(blocks))) return Status::cancelled;
     }

@@ -41,7 +41,7 @@ struct CageFrame {
 /// Areas, or volumes, of larger figures overflow.
 template <Scalar T, std::size_t D>
 constexpr T largest_figure_coordinate() noexcept {
-    return T(std::min(double(std::numeric_limits<T>::max()) / 64, D == 2 ? 1e150 : 1e100));
+    return T((std::min)(double((std::numeric_limits<T>::max)()) / 64, D == 2 ? 1e150 : 1e100));
 }
 
 /// Of a diagonal below that they underflow.
@@ -55,7 +55,7 @@ template <Scalar T, std::size_t D>
 bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
     double farthest = 0;
     for (std::size_t k = 0; k < D; ++k)
-        farthest = std::max({farthest, std::fabs(box.lower[k]), std::fabs(box.upper[k])});
+        farthest = (std::max)({farthest, std::fabs(box.lower[k]), std::fabs(box.upper[k])});
     return margin > 4 * double(std::numeric_limits<T>::epsilon()) * farthest;
 }
 

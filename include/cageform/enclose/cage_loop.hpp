@@ -81,11 +81,11 @@ private:
         constexpr double wide = 1.05; // radians, 60 degrees: what is wider costs nothing
         if (along <= 0 || along * along <= 0.247 * dot(u, u) * dot(v, v)) return 0; // cos(1.05)^2
         const double angle = angle_between(u, v), missing = (wide - angle) / wide;
-        return angle < wide ? for_angles_ * missing * missing * (1 + 4 * std::max(0.5 - angle, 0.0)) : 0;
+        return angle < wide ? for_angles_ * missing * missing * (1 + 4 * (std::max)(0.5 - angle, 0.0)) : 0;
     }
     double edge_from(const CageLoop& loop, std::size_t i) const noexcept {
         const double t = length(loop.points[loop.next(i)] - loop.points[i]) / length_;
-        const double is_short = std::max(0.5 - t, 0.0), is_tiny = std::max(0.15 - t, 0.0);
+        const double is_short = (std::max)(0.5 - t, 0.0), is_tiny = (std::max)(0.15 - t, 0.0);
         return for_lengths_ * (8 * is_short * is_short + 400 * is_tiny * is_tiny + 0.05 * t * t);
     }
 
@@ -144,7 +144,8 @@ public:
     bool any_within(const Point& a, const Point& b, const Point& c) const noexcept {
         return std::any_of(marks_.begin(), marks_.end(), [&](const Point& p) {
             for (std::size_t k = 0; k < 2; ++k) { // which tells the line of a flat triangle from the triangle
-                if (p[k] < std::min({a[k], b[k], c[k]}) || p[k] > std::max({a[k], b[k], c[k]})) return false;
+                if (p[k] < (std::min)({a[k], b[k], c[k]}) || p[k] > (std::max)({a[k], b[k], c[k]}))
+                    return false;
             }
             const double u = cross(b - a, p - a), v = cross(c - b, p - b), w = cross(a - c, p - c);
             return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
@@ -154,8 +155,8 @@ public:
     static bool segments_near(const Point& a, const Point& b, const Point& c, const Point& d,
                               double gap) noexcept {
         for (std::size_t k = 0; k < 2; ++k) {
-            if (std::max(a[k], b[k]) + gap < std::min(c[k], d[k])) return false;
-            if (std::max(c[k], d[k]) + gap < std::min(a[k], b[k])) return false;
+            if ((std::max)(a[k], b[k]) + gap < (std::min)(c[k], d[k])) return false;
+            if ((std::max)(c[k], d[k]) + gap < (std::min)(a[k], b[k])) return false;
         }
         return gap > 0 ? segment_distance(a, b, c, d) < gap : segments_touch(a, b, c, d);
     }

@@ -116,9 +116,9 @@ public:
             const float from = d[0];
             for (std::size_t i = first; i < last; ++i) {
                 d[0] = from + h * static_cast<float>(i);
-                const float s = std::min(std::max(dot(d, e) * inverse, 0.0F), 1.0F);
+                const float s = (std::min)((std::max)(dot(d, e) * inverse, 0.0F), 1.0F);
                 const auto off = d - s * e;
-                f_[row + i] = std::min(f_[row + i], std::sqrt(dot(off, off)) - r);
+                f_[row + i] = (std::min)(f_[row + i], std::sqrt(dot(off, off)) - r);
             }
         });
     }
@@ -186,7 +186,7 @@ public:
     void for_each_around(std::size_t node, const Visit& visit) const {
         Count from = numbers(node), to = from;
         for (std::size_t k = 0; k < D; ++k) {
-            to[k] = std::min(from[k] + 1, count_[k] - 1);
+            to[k] = (std::min)(from[k] + 1, count_[k] - 1);
             if (from[k] > 0) --from[k];
         }
         const auto visit_row = [&](std::size_t row) {
@@ -207,7 +207,7 @@ public:
     void mirror() noexcept {
         for (std::size_t node = 0; node < f_.size(); ++node) {
             const std::size_t column = node % count_[0], image = node - column + (count_[0] - 1 - column);
-            f_[node] = f_[image] = std::min(f_[node], f_[image]);
+            f_[node] = f_[image] = (std::min)(f_[node], f_[image]);
         }
     }
 
@@ -247,8 +247,8 @@ void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
     for (std::size_t node = 0; node < lattice.size(); ++node) {
         const Point p = lattice.place(node);
         double most = std::numeric_limits<double>::lowest();
-        for (std::size_t k = 0; k < directions; ++k) most = std::max(most, dot(normals[k], p) - offsets[k]);
-        lattice[node] = std::min(lattice[node], static_cast<float>(most));
+        for (std::size_t k = 0; k < directions; ++k) most = (std::max)(most, dot(normals[k], p) - offsets[k]);
+        lattice[node] = (std::min)(lattice[node], static_cast<float>(most));
     }
 }
 
@@ -264,7 +264,7 @@ inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
     for (double t = 0; t < whole;) {
         const double f = lattice.value(a + (t / whole) * e);
         if (f < least) return false;
-        t += std::max(f, 0.5 * lattice.spacing());
+        t += (std::max)(f, 0.5 * lattice.spacing());
     }
     return lattice.value(b) >= least;
 }
@@ -285,7 +285,7 @@ inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<doub
         const auto& lower = up ? edge.a : edge.b;
         const auto& upper = up ? edge.b : edge.a;
         const auto row = [&](double y) { return std::ceil((y - low[1]) / h); };
-        for (auto j = static_cast<std::size_t>(std::max(row(lower[1]), 0.0)); double(j) < row(upper[1]);
+        for (auto j = static_cast<std::size_t>((std::max)(row(lower[1]), 0.0)); double(j) < row(upper[1]);
              ++j) {
             const double t = (low[1] + h * double(j) - lower[1]) / (upper[1] - lower[1]);
             rows[j].push_back({lower[0] + t * (upper[0] - lower[0]), up ? 1 : -1});
@@ -301,7 +301,7 @@ inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<doub
             const bool painted = even_odd ? winding % 2 != 0 : winding != 0;
             for (; low[0] + h * double(i) < crossing.x; ++i) {
                 float& f = lattice[j * width + i];
-                if (painted) f = std::min(f, static_cast<float>(-depth));
+                if (painted) f = (std::min)(f, static_cast<float>(-depth));
             }
             winding += crossing.turn;
         }

@@ -153,7 +153,7 @@ void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
     }
     for (std::size_t node = 0; node < lattice.size(); ++node) {
         if (outside[node] == 0)
-            lattice[node] = std::min(lattice[node], static_cast<float>(radius) - free[node]);
+            lattice[node] = (std::min)(lattice[node], static_cast<float>(radius) - free[node]);
     }
 }
 

@@ -67,12 +67,12 @@ private:
         Bounds<double, 2> all = bounds_of(std::span<const Point>());
         for (const auto& s : figure_) {
             for (std::size_t k = 0; k < 2; ++k) {
-                all.lower[k] = std::min({all.lower[k], s.a[k] - s.radius, s.b[k] - s.radius});
-                all.upper[k] = std::max({all.upper[k], s.a[k] + s.radius, s.b[k] + s.radius});
+                all.lower[k] = (std::min)({all.lower[k], s.a[k] - s.radius, s.b[k] - s.radius});
+                all.upper[k] = (std::max)({all.upper[k], s.a[k] + s.radius, s.b[k] + s.radius});
             }
         }
         if (is_mirrored()) {
-            all.upper[0] = std::max(all.upper[0], -all.lower[0]);
+            all.upper[0] = (std::max)(all.upper[0], -all.lower[0]);
             all.lower[0] = -all.upper[0];
         }
         return all;
@@ -84,8 +84,8 @@ private:
         const auto box = bounds();
         const auto size = box.upper - box.lower;
         // Of few digits, so that places of nodes are exact and an axis is met.
-        const double h =
-            double(static_cast<float>(std::min((std::max(size[0], size[1]) + 2 * level) / 256, level / 3)));
+        const double h = double(
+            static_cast<float>((std::min)(((std::max)(size[0], size[1]) + 2 * level) / 256, level / 3)));
         Point low{};
         std::array<std::size_t, 2> count{};
         double nodes = 1;
@@ -99,7 +99,7 @@ private:
             if (!(nodes <= double(most_lattice_nodes))) return Status::margin_too_small;
             count[k] = static_cast<std::size_t>(side) + 1;
         }
-        const double band = std::max(4 * level, 12 * h);
+        const double band = (std::max)(4 * level, 12 * h);
         lattice_ = DistanceLattice<2>(low, h, count, band - level);
         for (const auto& s : figure_) lattice_.stamp(s.a, s.b, s.radius + level, band - level);
         if (options_.holes) {
@@ -116,8 +116,8 @@ private:
         double most = std::numeric_limits<double>::lowest();
         for (const auto& s : figure_) {
             for (const auto& p : {s.a, s.b}) {
-                most = std::max(most, dot(direction, p) + s.radius);
-                if (is_mirrored()) most = std::max(most, dot(direction, CageLoop::mirrored(p)) + s.radius);
+                most = (std::max)(most, dot(direction, p) + s.radius);
+                if (is_mirrored()) most = (std::max)(most, dot(direction, CageLoop::mirrored(p)) + s.radius);
             }
         }
         return most;
@@ -196,10 +196,10 @@ private:
         for (const std::size_t k : order) { // what is rounded off or lent goes to the next larger ones
             const auto& loop = contours_[k];
             share += wanted * copies_of(loop) * weight(loop) / sum;
-            const double whole = std::max(std::round((share - given) / copies_of(loop)), least);
+            const double whole = (std::max)(std::round((share - given) / copies_of(loop)), least);
             given += copies_of(loop) * whole;
             shares[k] =
-                static_cast<std::size_t>(loop.half ? std::max(std::floor(whole / 2), 2.0) + 1 : whole);
+                static_cast<std::size_t>(loop.half ? (std::max)(std::floor(whole / 2), 2.0) + 1 : whole);
         }
         return shares;
     }
@@ -209,7 +209,7 @@ private:
         const auto box = bounds_of(std::span<const Point>(own));
         const bool alone = contours_.size() == 1;
         Obstacles obstacles(lattice_, level,
-                            box.widened(std::max(8 * level, (alone ? 1 : 0.75) * box.diagonal())));
+                            box.widened((std::max)(8 * level, (alone ? 1 : 0.75) * box.diagonal())));
         for (std::size_t other = 0; other < contours_.size(); ++other) {
             if (other != k) obstacles.add(contours_[other]);
         }
@@ -274,7 +274,7 @@ double exact_clearance(const Polygon<T>& cage, std::span<const DrawnSegment<doub
             const auto& [p, q] = edge.corner;
             if (crosses_ray(s.a, p, q)) inside = !inside;
             if (Obstacles::segments_near(s.a, s.b, p, q, least + s.radius))
-                least = std::min(least, segment_distance(s.a, s.b, p, q) - s.radius);
+                least = (std::min)(least, segment_distance(s.a, s.b, p, q) - s.radius);
         }
         all_inside = all_inside && inside;
     }
@@ -291,7 +291,7 @@ double least_angle(const Polygon<T>& cage) {
             const auto x = vec_cast<double>(cage[i]);
             const auto u = vec_cast<double>(cage[loop.begin + (k + 1) % n]) - x;
             const auto v = vec_cast<double>(cage[loop.begin + (k + n - 1) % n]) - x;
-            least = std::min(least, angle_between(u, v));
+            least = (std::min)(least, angle_between(u, v));
         }
     }
     return least * 180 / std::numbers::pi;
@@ -360,9 +360,9 @@ Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional
     box = bounds_of(std::span<const Vec<double, 2>>());
     for (const auto& s : figure) {
         for (std::size_t k = 0; k < 2; ++k) {
-            box.lower[k] = std::min(
+            box.lower[k] = (std::min)(
                 {box.lower[k], double(s.a[k]) - double(s.radius), double(s.b[k]) - double(s.radius)});
-            box.upper[k] = std::max(
+            box.upper[k] = (std::max)(
                 {box.upper[k], double(s.a[k]) + double(s.radius), double(s.b[k]) + double(s.radius)});
         }
     }
@@ -416,7 +416,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
         report.cage = check(made.cage);
         report.clearance = exact_clearance(made.cage, std::span<const DrawnSegment<double>>(exact));
         if (report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin) break;
-        level += std::max(margin - report.clearance * framed.frame.scale, 0.1 * margin);
+        level += (std::max)(margin - report.clearance * framed.frame.scale, 0.1 * margin);
     }
     if (!options.running.keep_going(1)) return Status::cancelled;
     report.vertices = made.cage.size();

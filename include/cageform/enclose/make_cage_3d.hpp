@@ -27,17 +27,17 @@ public:
         for (const auto& corner : figure) {
             for (const auto& p : corner) {
                 for (std::size_t k = 0; k < 3; ++k) {
-                    box_.lower[k] = std::min(box_.lower[k], p[k]);
-                    box_.upper[k] = std::max(box_.upper[k], p[k]);
+                    box_.lower[k] = (std::min)(box_.lower[k], p[k]);
+                    box_.upper[k] = (std::max)(box_.upper[k], p[k]);
                 }
             }
         }
         if (is_mirrored()) {
-            box_.upper[0] = std::max(box_.upper[0], -box_.lower[0]);
+            box_.upper[0] = (std::max)(box_.upper[0], -box_.lower[0]);
             box_.lower[0] = -box_.upper[0];
         }
         const auto size = box_.upper - box_.lower;
-        longest_ = std::max({size[0], size[1], size[2]});
+        longest_ = (std::max)({size[0], size[1], size[2]});
     }
 
     /// A shell in local coordinates that keeps `level` off the figure as far as the lattice can tell. `report` gets parts,
@@ -104,8 +104,8 @@ private:
         double most = std::numeric_limits<double>::lowest();
         for (const auto& corner : figure_) {
             for (const auto& p : corner) {
-                most = std::max(most, dot(direction, p));
-                if (is_mirrored()) most = std::max(most, dot(direction, Point{-p[0], p[1], p[2]}));
+                most = (std::max)(most, dot(direction, p));
+                if (is_mirrored()) most = (std::max)(most, dot(direction, Point{-p[0], p[1], p[2]}));
             }
         }
         return most;
@@ -113,7 +113,7 @@ private:
 
     /// A little more than two spacings to a margin, but at most 220 along the longest side.
     Status make_lattice(double level) {
-        const double wanted = std::max(level / 2.2, (longest_ + 2 * level) / 220);
+        const double wanted = (std::max)(level / 2.2, (longest_ + 2 * level) / 220);
         const double h = double(static_cast<float>(wanted)); // of few digits: places are exact
         if (h > 0.8 * level) return Status::margin_too_small;
         lattice_ = lattice_about(h, 5 * level + 4 * h, 5 * level);
@@ -159,7 +159,7 @@ private:
     void fill_tunnels(double level, Shell& shell) {
         for (double radius = 2 * level; radius < longest_ && euler_number(shell) < 2 * shell_count(shell);
              radius *= 2) {
-            const double h = std::max(lattice_.spacing(), (longest_ + 4 * radius) / 120);
+            const double h = (std::max)(lattice_.spacing(), (longest_ + 4 * radius) / 120);
             auto coarse = lattice_about(h, radius + 4 * h, radius + 3 * h);
             SpaceDistance(coarse, figure_).fill(level, radius + 3 * h);
             if (is_mirrored()) coarse.mirror();
@@ -171,7 +171,7 @@ private:
             }
             for (std::size_t node = 0; node < lattice_.size(); ++node)
                 lattice_[node] =
-                    std::min(lattice_[node], static_cast<float>(coarse.value(lattice_.place(node))));
+                    (std::min)(lattice_[node], static_cast<float>(coarse.value(lattice_.place(node))));
             if (is_mirrored()) lattice_.mirror();
             shell = contour();
         }
@@ -188,8 +188,8 @@ private:
 inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3 && least > 0; ++k) {
-        least = std::min(least, segment_to_facet(a[k], a[(k + 1) % 3], b));
-        least = std::min(least, segment_to_facet(b[k], b[(k + 1) % 3], a));
+        least = (std::min)(least, segment_to_facet(a[k], a[(k + 1) % 3], b));
+        least = (std::min)(least, segment_to_facet(b[k], b[(k + 1) % 3], a));
     }
     return least;
 }
@@ -209,11 +209,11 @@ double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> 
     for (const auto& corner : figure) {
         const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
         double radius = 0;
-        for (const auto& p : corner) radius = std::max(radius, length(p - middle));
+        for (const auto& p : corner) radius = (std::max)(radius, length(p - middle));
         const auto box = box_of(corner).widened(least);
         (void)hash.any(box, [&](std::uint32_t f) {
             if (distance_to_facet(middle, facets[f].corner) - radius < least)
-                least = std::min(least, facet_distance(corner, facets[f].corner));
+                least = (std::min)(least, facet_distance(corner, facets[f].corner));
             return false;
         });
     }
@@ -257,7 +257,7 @@ double least_angle(const TriangleMesh<T>& cage) {
         for (std::size_t k = 0; k < 3; ++k) {
             const auto u = facet.corner[(k + 1) % 3] - facet.corner[k],
                        v = facet.corner[(k + 2) % 3] - facet.corner[k];
-            least = std::min(least, std::atan2(length(cross(u, v)), dot(u, v)));
+            least = (std::min)(least, std::atan2(length(cross(u, v)), dot(u, v)));
         }
     }
     return least * 180 / std::numbers::pi;
@@ -342,8 +342,8 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
     for (const auto& corner : figure) {
         const auto b = box_of(corner);
         for (std::size_t k = 0; k < 3; ++k) {
-            box.lower[k] = std::min(box.lower[k], b.lower[k]);
-            box.upper[k] = std::max(box.upper[k], b.upper[k]);
+            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
+            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
         }
     }
     if (!(box.diagonal() > least_figure_diagonal<3>())) return Status::figure_has_no_size;
@@ -374,7 +374,7 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
         });
         if (!all_inside) report.clearance = -report.clearance;
         if (report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin) break;
-        level += std::max((report.margin - report.clearance) * frame.scale, 0.1 * level);
+        level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
     if (!options.running.keep_going(1)) return Status::cancelled;
     const auto shells = shells_of(made.cage);

@@ -126,7 +126,7 @@ private:
         const double area = std::fabs(cross(q - p, x - p)) +
                             std::fabs(cross(p - a, x - a)) * (x == q ? 1 : 0) +
                             std::fabs(cross(q - d, x - d)) * (x == p ? 1 : 0);
-        queue_.push({area / 2 * (1 + 12 * std::max(sharp - angle, 0.0) / sharp), b, version_[b], x});
+        queue_.push({area / 2 * (1 + 12 * (std::max)(sharp - angle, 0.0) / sharp), b, version_[b], x});
     }
 
     /// Whether the new edges keep off all others, and what is gained holds no other loop.

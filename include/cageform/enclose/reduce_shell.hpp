@@ -36,7 +36,7 @@ struct Quadric {
     double at(const Point& x) const noexcept {
         const double square = a[0] * x[0] * x[0] + a[3] * x[1] * x[1] + a[5] * x[2] * x[2] +
                               2 * (a[1] * x[0] * x[1] + a[2] * x[0] * x[2] + a[4] * x[1] * x[2]);
-        return std::max(square + 2 * dot(b, x) + c, 0.0);
+        return (std::max)(square + 2 * dot(b, x) + c, 0.0);
     }
     /// Where it is least; nothing where that is a line or a plane, up to rounding.
     bool least(Point& x) const noexcept {
@@ -143,8 +143,12 @@ private:
         q += quadric_[v];
         Point x{};
         const double least = q.least(x) ? q.at(x) : 0;
-        queue_.push(
-            {least + stretch(u, v), std::min(u, v), std::max(u, v), version_[u] + version_[v], false, {}});
+        queue_.push({least + stretch(u, v),
+                     (std::min)(u, v),
+                     (std::max)(u, v),
+                     version_[u] + version_[v],
+                     false,
+                     {}});
     }
     /// Those refused get another chance, as others have changed.
     bool retry() {
@@ -222,7 +226,7 @@ private:
     Point constrained(std::uint32_t u, std::uint32_t v, Point p) const noexcept {
         if (!shell_.half) return p;
         const double least = 0.4 * obstacles_.lattice->spacing();
-        p[0] = shell_.on_rim[u] || shell_.on_rim[v] ? 0 : std::max(p[0], least);
+        p[0] = shell_.on_rim[u] || shell_.on_rim[v] ? 0 : (std::max)(p[0], least);
         return p;
     }
 
@@ -237,8 +241,8 @@ private:
     double shape_factor(std::span<const std::uint32_t> faces, const Collapse& c,
                         const Point& p) const noexcept {
         double worst = 1;
-        for (const auto f : faces) worst = std::min(worst, triangle_quality(moved(f, c, p)));
-        return 1 + 12 * std::max(0.5 - worst, 0.0) + 40 * std::max(0.15 - worst, 0.0);
+        for (const auto f : faces) worst = (std::min)(worst, triangle_quality(moved(f, c, p)));
+        return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
     bool may_lie(std::span<const std::uint32_t> faces, const Collapse& c, const Point& p) {
         const auto& lattice = *obstacles_.lattice;

@@ -25,8 +25,8 @@ public:
         for (const auto f : faces) {
             const auto& face = shell.faces[f];
             volume += shell.six_volumes(face);
-            const double q = triangle_quality(shell.corners(face)), poor = std::max(0.6 - q, 0.0);
-            shape += poor * poor * (1 + 8 * std::max(0.2 - q, 0.0));
+            const double q = triangle_quality(shell.corners(face)), poor = (std::max)(0.6 - q, 0.0);
+            shape += poor * poor * (1 + 8 * (std::max)(0.2 - q, 0.0));
             for (std::size_t k = 0; k < 3; ++k) shape += edge(shell, faces, f, face[k], face[(k + 1) % 3]);
         }
         return volume / six_volumes_ + regular_ * shape;
@@ -40,13 +40,13 @@ private:
         const double share =
             g != Shell::none && std::find(faces.begin(), faces.end(), g) != faces.end() ? 0.5 : 1;
         const auto e = shell.points[w] - shell.points[v];
-        const double is_short = std::max(0.4 - length(e) / length_, 0.0);
+        const double is_short = (std::max)(0.4 - length(e) / length_, 0.0);
         double sum = 8 * is_short * is_short;
         if (g != Shell::none) {
             const Point n = area_normal(shell.corners(shell.faces[f])),
                         m = area_normal(shell.corners(shell.faces[g]));
             const double sizes = length(n) * length(m);
-            const double fold = sizes > 0 ? std::max(-0.5 - dot(n, m) / sizes, 0.0) : 0;
+            const double fold = sizes > 0 ? (std::max)(-0.5 - dot(n, m) / sizes, 0.0) : 0;
             sum += 4 * fold * fold;
         }
         return share * sum;
@@ -144,7 +144,7 @@ private:
     }
     Point constrained(std::uint32_t v, Point p) const noexcept {
         if (!shell_.half) return p;
-        p[0] = shell_.on_rim[v] ? 0 : std::max(p[0], 0.4 * obstacles_.lattice->spacing());
+        p[0] = shell_.on_rim[v] ? 0 : (std::max)(p[0], 0.4 * obstacles_.lattice->spacing());
         return p;
     }
 

@@ -129,7 +129,7 @@ inline double triangle_quality(const Corners<3>& corner) noexcept {
     double longest2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const auto e = corner[(k + 1) % 3] - corner[k];
-        longest2 = std::max(longest2, dot(e, e));
+        longest2 = (std::max)(longest2, dot(e, e));
     }
     return longest2 > 0 ? length(area_normal(corner)) / longest2 * (2 / std::numbers::sqrt3) : 0;
 }
@@ -138,8 +138,8 @@ inline double triangle_quality(const Corners<3>& corner) noexcept {
 inline Bounds<double, 3> box_of(const Corners<3>& corner) noexcept {
     Bounds<double, 3> box{corner[0], corner[0]};
     for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = std::min({corner[0][k], corner[1][k], corner[2][k]});
-        box.upper[k] = std::max({corner[0][k], corner[1][k], corner[2][k]});
+        box.lower[k] = (std::min)({corner[0][k], corner[1][k], corner[2][k]});
+        box.upper[k] = (std::max)({corner[0][k], corner[1][k], corner[2][k]});
     }
     return box;
 }

@@ -26,7 +26,7 @@ public:
             for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
         }
         for (std::size_t node = 0; node < lattice_.size(); ++node)
-            lattice_[node] = static_cast<float>(std::min(double(lattice_[node]) - margin, farthest));
+            lattice_[node] = static_cast<float>((std::min)(double(lattice_[node]) - margin, farthest));
     }
 
 private:
@@ -102,10 +102,10 @@ inline bool is_clear(const DistanceLattice<3>& lattice, const Corners<3>& corner
     std::array<double, 3> side2{}; // opposite to each corner
     for (std::size_t k = 0; k < 3; ++k) {
         const auto to = corner[k] - middle, side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
-        reach2 = std::max(reach2, dot(to, to));
+        reach2 = (std::max)(reach2, dot(to, to));
         side2[k] = dot(side, side);
     }
-    const double free = std::max(f, 0.8 * lattice.spacing());
+    const double free = (std::max)(f, 0.8 * lattice.spacing());
     if (free * free >= reach2) return true;
     const auto k = std::size_t(std::max_element(side2.begin(), side2.end()) - side2.begin());
     const auto &a = corner[k], &b = corner[(k + 1) % 3], &c = corner[(k + 2) % 3];

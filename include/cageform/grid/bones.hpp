@@ -23,7 +23,7 @@ public:
         : lattice_(lattice) {
         for (const auto& [i, j, radius] : bones) {
             // Far beyond all lattices one radius is like another, as long as its square is finite.
-            bones_.push_back({i, j, vertices[i], vertices[j], std::min(radius / lattice.spacing, 1e100)});
+            bones_.push_back({i, j, vertices[i], vertices[j], (std::min)(radius / lattice.spacing, 1e100)});
         }
     }
 
@@ -106,7 +106,7 @@ public:
 
 private:
     struct Interval {
-        double low = std::numeric_limits<double>::max(), high = -low; ///< empty where low > high
+        double low = (std::numeric_limits<double>::max)(), high = -low; ///< empty where low > high
 
         bool is_empty() const noexcept { return low > high; }
         void extend(const Interval& other) noexcept {

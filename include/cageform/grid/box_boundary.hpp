@@ -61,7 +61,7 @@ public:
     }
 
     double free_distance(const Vec<double, 3>& p, std::size_t axis, bool up,
-                         double limit = std::numeric_limits<double>::max()) const noexcept {
+                         double limit = (std::numeric_limits<double>::max)()) const noexcept {
         return std::fmin(limit, up ? upper_[axis] - p[axis] : p[axis] - lower_[axis]);
     }
 

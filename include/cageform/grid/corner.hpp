@@ -42,7 +42,7 @@ public:
         sine_ = std::sin(angle_);
         exponent_ = std::numbers::pi / angle_;
         // As many as the nodes around can tell apart; r⁴ and beyond differences do well enough.
-        count_ = std::min(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
+        count_ = (std::min)(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
     }
 
     std::size_t count() const noexcept { return count_; } ///< of the s_k; function 0 is w
@@ -50,7 +50,7 @@ public:
     /// would depend on which of the two edges is the first.
     std::size_t least_count() const noexcept { return angle_ < 1.5 * std::numbers::pi ? 1 : 2; }
     /// Leaves out all s_k beyond the first `count`.
-    void keep(std::size_t count) noexcept { count_ = std::min(count_, count); }
+    void keep(std::size_t count) noexcept { count_ = (std::min)(count_, count); }
     bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }
     double radius() const noexcept { return radius_; }
     const Vec<double, 2>& vertex() const noexcept { return vertex_; }
@@ -88,7 +88,7 @@ public:
         const double re = size * std::cos(exponent_ * theta), im = size * std::sin(exponent_ * theta);
         const std::size_t m = least_count();
         double power_re = re, power_im = im, closest = im;
-        for (std::size_t k = 1; k <= std::max(count_, m); ++k) {
+        for (std::size_t k = 1; k <= (std::max)(count_, m); ++k) {
             if (k <= count_) f[k] = power_im;
             if (k == m) closest = power_im;
             const double next = power_re * re - power_im * im;

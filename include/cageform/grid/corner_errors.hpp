@@ -58,12 +58,12 @@ public:
                               double slope_of_w) noexcept {
         const bool smooth = corner.is_smooth();
         return {handles, smooth ? 0 : missed_of_w * slope_of_w, missed_share(corner.exponent()),
-                std::min(corner.exponent(), 1.0)};
+                (std::min)(corner.exponent(), 1.0)};
     }
 
     /// Of a corner in the plane that is treated, or needs not be, with little room.
     static Estimate treated(const std::array<std::size_t, data_handles>& handles, double room) noexcept {
-        return {handles, 0, 0.5 * std::min(1.0, std::pow(room, -treated_order)), treated_order};
+        return {handles, 0, 0.5 * (std::min)(1.0, std::pow(room, -treated_order)), treated_order};
     }
 
     /// Adds a corner or edge with the nodes about it. May throw std::bad_alloc.
@@ -93,9 +93,9 @@ public:
                         value[estimate.handles[k] - first] -= nodes_[i].share[k];
                 }
                 for (std::size_t lane = 0; lane < count; ++lane)
-                    deviation = std::max(deviation, std::fabs(value[lane]));
+                    deviation = (std::max)(deviation, std::fabs(value[lane]));
             }
-            const double error = std::min(1.0, estimate.constant + estimate.factor * deviation);
+            const double error = (std::min)(1.0, estimate.constant + estimate.factor * deviation);
             report.push_back({{estimate.handles[0], estimate.handles[D - 2]},
                               error,
                               sufficient(estimate, error, resolution)});
@@ -108,7 +108,7 @@ private:
                                   const std::array<std::size_t, 2>& resolution) noexcept {
         if (error <= CornerError::notable) return 0;
         const double finer =
-            std::pow(error / CornerError::notable, 1 / estimate.order) / std::min(1.0, estimate.room);
+            std::pow(error / CornerError::notable, 1 / estimate.order) / (std::min)(1.0, estimate.room);
         const double enough = std::ceil(finer * double(resolution[0]));
         return enough <= double(resolution[1]) ? std::size_t(enough) : 0;
     }

@@ -118,7 +118,7 @@ public:
         for (const Treated& t : corners_) {
             for (std::size_t k = t.first + 1; k <= t.first + t.corner.count(); ++k) {
                 for (std::size_t lane = 0; lane < width; ++lane)
-                    largest = std::max(largest, std::fabs(a[k][lane] - b[k][lane]));
+                    largest = (std::max)(largest, std::fabs(a[k][lane] - b[k][lane]));
             }
         }
         return largest;
@@ -151,7 +151,7 @@ public:
     };
     Correction correction(const Vec<double, 2>& p, const CutStencil<2>& stencil) const {
         Correction result;
-        double nearest = std::numeric_limits<double>::max();
+        double nearest = (std::numeric_limits<double>::max)();
         for (std::size_t n = 0; n < discs_.size(); ++n) {
             const auto d = p - discs_[n].centre;
             const double square = dot(d, d);
@@ -281,8 +281,8 @@ private:
         double radius = most_radius;
         const auto keep_off = [&](std::size_t j, std::size_t k, double margin) {
             const auto &p = vertices_[i], &a = vertices_[j], &b = vertices_[k];
-            radius = std::min(radius, j == i || k == i ? detail::length(a - b)
-                                                       : detail::distance_to_segment(p, a, b) - margin);
+            radius = (std::min)(radius, j == i || k == i ? detail::length(a - b)
+                                                         : detail::distance_to_segment(p, a, b) - margin);
         };
         boundary_of(cage).for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });
         const auto& cells = interior_cells(cage);
@@ -307,7 +307,7 @@ private:
         for (std::size_t i = 0; i < places.size(); ++i) {
             const double r = t.corner.distance(places[i]);
             if (r < radius) add_defect(t, t.functions.nodes[i], places[i], problem);
-            if (!(r > 0.3 * radius && r < std::max(0.8 * radius, std::min(radius, 8.0)))) continue;
+            if (!(r > 0.3 * radius && r < (std::max)(0.8 * radius, (std::min)(radius, 8.0)))) continue;
             fitted.push_back(t.functions.numbers.data() + i * t.columns);
             t.around.push_back({t.functions.nodes[i], t.corner.along(places[i]), fitted.back()[0]});
         }
@@ -319,7 +319,7 @@ private:
         coefficients_ += std::uint32_t(t.corner.count() + 1);
         for (std::size_t n = 0; n < t.defects.numbers.size(); ++n) {
             double& largest = t.largest_defect[n % t.columns];
-            largest = std::max(largest, std::fabs(t.defects.numbers[n]));
+            largest = (std::max)(largest, std::fabs(t.defects.numbers[n]));
         }
         discs_.push_back({t.corner.vertex(), t.corner.reach() * t.corner.reach()});
         corners_.push_back(std::move(t));
@@ -336,7 +336,7 @@ private:
             const auto slope = slopes(t, t.handles[k]);
             along[k] = slope[0];
             w[k] = slope[1] - slope[0] * t.corner.cosine();
-            slope_of_w = std::max(slope_of_w, std::fabs(w[k]));
+            slope_of_w = (std::max)(slope_of_w, std::fabs(w[k]));
         }
         const double room = t.corner.radius();
         const bool resolved = treated || t.corner.is_smooth();
@@ -361,8 +361,8 @@ private:
                                      F&& f) {
         NodeRuns<2>::Index low, high;
         for (std::size_t k = 0; k < 2; ++k) {
-            low[k] = std::int32_t(std::max(std::ceil(centre[k] - reach), 0.0));
-            high[k] = std::int32_t(std::min(std::floor(centre[k] + reach), double(nodes.size()[k]) - 1));
+            low[k] = std::int32_t((std::max)(std::ceil(centre[k] - reach), 0.0));
+            high[k] = std::int32_t((std::min)(std::floor(centre[k] + reach), double(nodes.size()[k]) - 1));
         }
         for (auto index = low; index[1] <= high[1]; ++index[1]) {
             for (index[0] = low[0]; index[0] <= high[0]; ++index[0]) {

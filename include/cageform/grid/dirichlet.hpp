@@ -65,7 +65,7 @@ private:
     void join(const grid::NodeRuns<D>& nodes, std::size_t row, std::size_t other_row) noexcept {
         const Run *a = nodes.row_runs(row), *b = nodes.row_runs(other_row);
         while (a != nodes.row_runs_end(row) && b != nodes.row_runs_end(other_row)) {
-            if (std::max(a->begin, b->begin) < std::min(a->end, b->end)) {
+            if ((std::max)(a->begin, b->begin) < (std::min)(a->end, b->end)) {
                 const auto [low, high] =
                     std::minmax({part(std::size_t(a - first_)), part(std::size_t(b - first_))});
                 parents_[high] = low;
@@ -108,7 +108,7 @@ struct UnknownCells {
             const bool up = (direction & 1) != 0;
             const bool at_rim = up ? index[axis] + 1 == counts[axis] : index[axis] == 0;
             if (at_rim && rim == Rim::given) {
-                without_rim = std::min(without_rim, cell);
+                without_rim = (std::min)(without_rim, cell);
                 return;
             }
             const std::size_t step = grid.stride(axis), there = at_rim ? cell
@@ -129,7 +129,7 @@ struct UnknownCells {
         }
         for (std::size_t run = 0; run < parts.runs(); ++run) {
             if (reached[parts.part(run)]) continue;
-            report.culprit = std::min(report.culprit, cells[parts[run].first]);
+            report.culprit = (std::min)(report.culprit, cells[parts[run].first]);
             report.unreached_cells += std::size_t(parts[run].end - parts[run].begin);
         }
     }
@@ -152,7 +152,7 @@ struct FieldRange {
 
     template <Scalar T, std::size_t D>
     FieldRange(std::span<const T> field, const UnknownCells<D>& unknown) {
-        double low = std::numeric_limits<double>::max(), high = -low;
+        double low = (std::numeric_limits<double>::max)(), high = -low;
         for (std::size_t c = 0; c < unknown.cuts.size(); ++c) {
             if (unknown.cuts[c].weight == 0) continue;
             low = std::fmin(low, double(field[unknown.given[c]]));
@@ -191,7 +191,7 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
         const std::size_t first = group * multigrid.width;
         for (std::uint32_t node = 0; node < count; ++node) {
             const auto value = block.value(node);
-            for (std::size_t k = 0; k < std::min(multigrid.width, fields - first); ++k)
+            for (std::size_t k = 0; k < (std::min)(multigrid.width, fields - first); ++k)
                 solved[(first + k) * count + node] =
                     static_cast<T>(ranges[first + k].middle + ranges[first + k].half * value[k]);
         }
@@ -249,7 +249,7 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds,
             if (kinds[i % size] == Cell::given && !std::isfinite(values[i]))
                 return fail(Status::value_not_finite, i);
         }
-        constexpr auto most = std::size_t(std::numeric_limits<std::int32_t>::max());
+        constexpr auto most = std::size_t((std::numeric_limits<std::int32_t>::max)());
         if (size > most || cells.cells[0] > most) return Status::out_of_memory;
         const detail::UnknownCells<D> unknown(cells, kinds, options.rim);
         report.cells = unknown.cells.size();

@@ -58,7 +58,7 @@ struct EdgeSector {
     double slope_of_w() const noexcept {
         double largest = 0;
         for (const double coefficient : coefficients_of_w())
-            largest = std::max(largest, std::fabs(coefficient));
+            largest = (std::max)(largest, std::fabs(coefficient));
         return largest;
     }
     /// The share of each handle in the data, continued to a place.
@@ -75,8 +75,8 @@ struct EdgeSector {
     /// f(place) for places along the edge, three cells apart; 16 at most.
     template <class F>
     void for_each_place_along(F&& f) const {
-        const double step = std::max(3.0, length / 16);
-        for (double z = 0.5 * std::min(step, length); z < length; z += step) f(origin + z * direction);
+        const double step = (std::max)(3.0, length / 16);
+        for (double z = 0.5 * (std::min)(step, length); z < length; z += step) f(origin + z * direction);
     }
     /// Whether a place lies between the faces, a cell and a half from the edge at most, and beside
     /// one of the places along it.

@@ -141,8 +141,8 @@ private:
                                    [&](const grid::Crossing<D>& a, const grid::Crossing<D>& b) {
                                        for (; row < a.line; ++row) nodes_.end_row();
                                        auto [x, end] = nodes_between(a, b);
-                                       x = std::max(x, 0);
-                                       end = std::min(end, nodes_.size()[0]);
+                                       x = (std::max)(x, 0);
+                                       end = (std::min)(end, nodes_.size()[0]);
                                        next = std::lower_bound(next, left_out.end(), Place{a.line, x});
                                        for (; next != left_out.end() && *next < Place{a.line, end}; ++next) {
                                            nodes_.add_run(x, next->x);
@@ -181,7 +181,7 @@ private:
     void cut_links_to_other_nodes() {
         Buffer<Cut> more;
         nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
-            Cut cut{{node, std::uint8_t(direction), std::numeric_limits<double>::max()}, {}};
+            Cut cut{{node, std::uint8_t(direction), (std::numeric_limits<double>::max)()}, {}};
             const auto known = std::lower_bound(cuts_.begin(), cuts_.end(), cut, before);
             if (known != cuts_.end() && same_link(*known, cut)) return;
             Index there = index;

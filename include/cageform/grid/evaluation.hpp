@@ -106,7 +106,7 @@ struct SolverReport {
         bool reachable = true;
         for (const CornerError& corner : corners) {
             if (corner.error > CornerError::notable) {
-                resolution = std::max(resolution, corner.resolution);
+                resolution = (std::max)(resolution, corner.resolution);
                 reachable = reachable && corner.resolution != 0;
             }
             if (corner.error > worst.error) worst = corner;
@@ -121,12 +121,12 @@ struct SolverReport {
         cells += part.cells;
         solves += part.solves;
         unconverged += part.unconverged;
-        bytes = std::max(bytes, part.bytes);
+        bytes = (std::max)(bytes, part.bytes);
         seconds += part.seconds;
-        cycles = std::max(cycles, part.cycles);
-        convergence_factor = std::max(convergence_factor, part.convergence_factor);
-        error_estimate = std::max(error_estimate, part.error_estimate);
-        error_bound = std::max(error_bound, part.error_bound);
+        cycles = (std::max)(cycles, part.cycles);
+        convergence_factor = (std::max)(convergence_factor, part.convergence_factor);
+        error_estimate = (std::max)(error_estimate, part.error_estimate);
+        error_bound = (std::max)(error_bound, part.error_bound);
         add_corners(part.corners);
         add_grid_errors(part.grid_errors);
         if (part.finest_size > 0 && !(finest_size > 0 && finest_size <= part.finest_size)) {
@@ -135,7 +135,7 @@ struct SolverReport {
             finest_reason = part.finest_reason;
         }
         sweeps += part.sweeps;
-        largest_mean_change = std::max(largest_mean_change, part.largest_mean_change);
+        largest_mean_change = (std::max)(largest_mean_change, part.largest_mean_change);
         crowded_cells += part.crowded_cells;
     }
 
@@ -146,7 +146,7 @@ private:
             grid_errors.insert(grid_errors.end(), more.begin(), more.end());
             return;
         }
-        for (std::size_t n = 0; n < more.size(); ++n) grid_errors[n] = std::max(grid_errors[n], more[n]);
+        for (std::size_t n = 0; n < more.size(); ++n) grid_errors[n] = (std::max)(grid_errors[n], more[n]);
     }
     /// The list of other functions of the same cage, whose corners are the same, or of another cage.
     void add_corners(const std::vector<CornerError>& more) {

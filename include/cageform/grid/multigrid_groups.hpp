@@ -37,11 +37,11 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
         report.error_estimate = largest(error.estimate);
         report.error_bound = largest(error.bound);
         if (report.cycles > 1 && before > goal.tolerance)
-            report.convergence_factor = std::max(report.convergence_factor, report.error_estimate / before);
+            report.convergence_factor = (std::max)(report.convergence_factor, report.error_estimate / before);
         const double change = between();
         // Before the first cycle nothing is known of what a residual means.
         if (report.cycles > 0 && block.is_refined() &&
-            std::max(report.error_estimate, change) <= goal.tolerance)
+            (std::max)(report.error_estimate, change) <= goal.tolerance)
             return Status::ok;
         if (report.cycles == goal.max_cycles) {
             report.unconverged = goal.functions;
@@ -73,7 +73,7 @@ struct MultigridGroups {
     std::size_t helpers() const noexcept { return multigrid.helpers(); }
 
     Status solve(std::size_t group, Block& block, GroupWork& work) const {
-        const std::size_t first = group * width, count = std::min(width, goal.functions - first);
+        const std::size_t first = group * width, count = (std::min)(width, goal.functions - first);
         for (auto& row : block.source) row.fill(0.0);
         fill(first, count, block.source);
         const CycleGoal here{count, goal.tolerance, goal.max_cycles};

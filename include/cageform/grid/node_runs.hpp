@@ -144,7 +144,7 @@ private:
             for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
                 while (beside != end && beside->end <= index[0]) ++beside;
                 if (beside != end && beside->begin <= index[0]) {
-                    index[0] = std::min(beside->end, run->end) - 1; // as far as both runs go
+                    index[0] = (std::min)(beside->end, run->end) - 1; // as far as both runs go
                 } else {
                     f(index, run->first + std::uint32_t(index[0] - run->begin), direction);
                 }

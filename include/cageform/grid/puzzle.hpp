@@ -67,7 +67,7 @@ namespace detail {
 
 inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport& report) {
     // The ordering counts links both ways and room for what it adds in 32 bits.
-    if (4 * (graph.nodes + graph.links.size()) > std::size_t(std::numeric_limits<std::int32_t>::max()))
+    if (4 * (graph.nodes + graph.links.size()) > std::size_t((std::numeric_limits<std::int32_t>::max)()))
         return Status::out_of_memory;
     for (std::size_t n = 0; n < graph.links.size(); ++n) {
         const GraphLink& link = graph.links[n];
@@ -259,7 +259,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
         constexpr std::size_t most = 16; // fields at a time: the factors are read once for all
         for (std::size_t begin = 0; begin < values.size(); begin += most * size) {
             if (!running.keep_going(double(begin) / double(values.size()))) return Status::cancelled;
-            const std::size_t fields = std::min(most, (values.size() - begin) / size);
+            const std::size_t fields = (std::min)(most, (values.size() - begin) / size);
             std::vector<double> block(nodes.size() * fields);
             equations.for_each_given_link([&](std::size_t row, std::uint32_t from, double k) {
                 for (std::size_t f = 0; f < fields; ++f)

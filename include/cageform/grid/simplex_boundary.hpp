@@ -92,7 +92,7 @@ public:
     /// O(parts).
     BoundaryValue<D> nearest(const Index& node) const noexcept {
         const auto p = node_position<D>(node);
-        double least = std::numeric_limits<double>::max();
+        double least = (std::numeric_limits<double>::max)();
         BoundaryValue<D> value;
         for (const Facet& facet : facets_) {
             const auto weights = detail::nearest_on_facet(p, facet.corner);

@@ -52,7 +52,7 @@ public:
     /// `part` of the group at hand is done; false when to stop.
     bool keep_going(double part) {
         if (this_thread() == caller_ && progress_ && !stopped_) {
-            told_ = std::max(told_, (double(done_) + part) / double(groups_));
+            told_ = (std::max)(told_, (double(done_) + part) / double(groups_));
             if (!progress_(told_)) stopped_ = true;
         }
         return !stopped_;

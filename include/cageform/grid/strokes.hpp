@@ -218,7 +218,7 @@ private:
                 const std::vector<T>& front, const std::vector<T>& back) {
         const auto make_room = [](auto& list, std::size_t more) {
             const std::size_t needed = list.size() + more;
-            if (needed > list.capacity()) list.reserve(std::max(needed, 2 * list.capacity()));
+            if (needed > list.capacity()) list.reserve((std::max)(needed, 2 * list.capacity()));
         };
         make_room(drawing_.points, points.size());
         make_room(drawing_.cells.facets, cells.facets.size());
@@ -248,7 +248,7 @@ private:
         lattice.spacing = longest / double(resolution_);
         for (std::size_t k = 0; k < D; ++k) {
             const double cells = std::ceil(extent[k] / lattice.spacing - grid::on_boundary_distance);
-            lattice.cells[k] = std::max(std::size_t(cells), std::size_t{1});
+            lattice.cells[k] = (std::max)(std::size_t(cells), std::size_t{1});
             lattice.origin[k] = lower[k] + 0.5 * lattice.spacing;
         }
         return lattice;
@@ -352,7 +352,7 @@ private:
             const std::size_t first = group * multigrid.width;
             for (std::uint32_t node = 0; node < count; ++node) {
                 const auto values = block.value(node);
-                for (std::size_t k = 0; k < std::min(multigrid.width, channels_ - first); ++k) {
+                for (std::size_t k = 0; k < (std::min)(multigrid.width, channels_ - first); ++k) {
                     const auto [middle, half] = ranges[first + k];
                     solved[(first + k) * count + node] =
                         static_cast<T>(middle + half * std::clamp(values[k], -1.0, 1.0));
@@ -374,7 +374,7 @@ private:
     std::vector<Range> channel_ranges() const {
         std::vector<Range> ranges;
         for (std::size_t channel = 0; channel < channels_; ++channel) {
-            double low = std::numeric_limits<double>::max(), high = -low;
+            double low = (std::numeric_limits<double>::max)(), high = -low;
             for (const auto* side : {&front_, &back_}) {
                 for (std::size_t i = channel; i < side->size(); i += channels_) {
                     low = std::fmin(low, double((*side)[i]));

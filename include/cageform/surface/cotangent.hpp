@@ -63,14 +63,14 @@ double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
     }
     int exponent = 0;
     std::frexp(largest, &exponent);
-    return std::ldexp(1.0, std::min(exponent, 1023));
+    return std::ldexp(1.0, (std::min)(exponent, 1023));
 }
 
 /// The corners of a face lie on one line: their cotangents would be infinite.
 inline bool has_no_area(const Corners<3>& corner) noexcept {
     constexpr double relative = 1e-12; // to the longest side
     const auto& [a, b, c] = corner;
-    return is_flat(corner, relative * std::max({length(b - a), length(c - b), length(a - c)}));
+    return is_flat(corner, relative * (std::max)({length(b - a), length(c - b), length(a - c)}));
 }
 
 /// Adds the faults of faces and edges of finite vertices, and the vertices that no face has.

@@ -194,12 +194,12 @@ private:
         constexpr double rounding = 1e-9; // two as near to this share
         NearestBones nearest;
         const auto is_near = [&](double distance) {
-            return distance <= nearest.distance + rounding * std::max(nearest.distance, 1e-6);
+            return distance <= nearest.distance + rounding * (std::max)(nearest.distance, 1e-6);
         };
         for (std::uint32_t b = 0; b < bones_.size(); ++b) {
             const double distance = length(foot(b, p) - p);
             if (!is_near(distance)) continue;
-            nearest.distance = std::min(nearest.distance, distance);
+            nearest.distance = (std::min)(nearest.distance, distance);
             nearest.bones.push_back(b);
         }
         std::erase_if(nearest.bones, [&](std::uint32_t b) { return !is_near(length(foot(b, p) - p)); });

@@ -79,7 +79,7 @@ struct TimeRoots {
         }
     }
     double distance(double t) const noexcept {
-        return std::min(std::hypot(re[0] - t, im), std::hypot(re[1] - t, im));
+        return (std::min)(std::hypot(re[0] - t, im), std::hypot(re[1] - t, im));
     }
 };
 

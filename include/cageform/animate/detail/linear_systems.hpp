@@ -48,8 +48,8 @@ public:
     void solve(std::span<double> b) noexcept {
         BandedMatrix& a = *this;
         for (std::size_t k = 0; k < size_; ++k) {
-            const std::size_t last_row = std::min(size_, k + band_ + 1),
-                              end = std::min(size_, k + 2 * band_ + 1);
+            const std::size_t last_row = (std::min)(size_, k + band_ + 1),
+                              end = (std::min)(size_, k + 2 * band_ + 1);
             std::size_t pivot = k;
             for (std::size_t i = k + 1; i < last_row; ++i) {
                 if (std::fabs(a(i, k)) > std::fabs(a(pivot, k))) pivot = i;
@@ -66,7 +66,7 @@ public:
             }
         }
         for (std::size_t k = size_; k-- > 0;) {
-            const std::size_t end = std::min(size_, k + 2 * band_ + 1);
+            const std::size_t end = (std::min)(size_, k + 2 * band_ + 1);
             for (std::size_t j = k + 1; j < end; ++j) b[k] -= a(k, j) * b[j];
             b[k] /= a(k, k);
         }

@@ -26,7 +26,7 @@ public:
         if (!independent()) return Status::too_many_conditions;
         std::size_t most = 0; // conditions of a knot
         for (std::size_t knot = 0; knot <= pieces_.size(); ++knot)
-            most = std::max(most, first_[knot + 1] - first_[knot]);
+            most = (std::max)(most, first_[knot + 1] - first_[knot]);
         BandedMatrix system(unknowns + conditions_.size(), most + coefficients_ - 1);
         std::vector<double> solution(unknowns + conditions_.size());
         fill_normal_equations(system, solution);
@@ -143,12 +143,12 @@ private:
     /// Of vectors that are 0 beyond their end.
     static double dot_product(std::span<const double> a, std::span<const double> b) noexcept {
         double sum = 0;
-        for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) sum += a[i] * b[i];
+        for (std::size_t i = 0; i < (std::min)(a.size(), b.size()); ++i) sum += a[i] * b[i];
         return sum;
     }
     static void subtract_projection(std::span<double> from, std::span<const double> unit) noexcept {
         const double along = dot_product(from, unit);
-        for (std::size_t i = 0; i < std::min(from.size(), unit.size()); ++i) from[i] -= along * unit[i];
+        for (std::size_t i = 0; i < (std::min)(from.size(), unit.size()); ++i) from[i] -= along * unit[i];
     }
 
     void fill_normal_equations(BandedMatrix& system, std::span<double> right) const {

@@ -100,13 +100,13 @@ private:
     /// of its first digit.
     static bool is_large(std::string_view token) noexcept {
         constexpr std::int64_t most = std::int64_t{1} << 56; // longer than any text
-        const std::size_t e = std::min(token.find_first_of("eE"), token.size());
-        const std::size_t point = std::min(token.substr(0, e).find('.'), e);
-        const std::size_t first = std::min(token.find_first_of("123456789"), e);
+        const std::size_t e = (std::min)(token.find_first_of("eE"), token.size());
+        const std::size_t point = (std::min)(token.substr(0, e).find('.'), e);
+        const std::size_t first = (std::min)(token.find_first_of("123456789"), e);
         const std::int64_t power = std::int64_t(point) - std::int64_t(first);
         std::int64_t exponent = 0;
         for (const char c : token.substr(e)) {
-            if (is_digit(c)) exponent = std::min(10 * exponent + (c - '0'), most);
+            if (is_digit(c)) exponent = (std::min)(10 * exponent + (c - '0'), most);
         }
         return power + (token.find('-', e) != std::string_view::npos ? -exponent : exponent) > 0;
     }

@@ -82,7 +82,7 @@ inline bool is_infinite(double x) noexcept {
 /// Whether a number has a place in single precision, which is what engines and glTF store: larger
 /// ones become infinite.
 inline bool fits_float(double x) noexcept {
-    return is_finite(x) && std::fabs(x) <= double(std::numeric_limits<float>::max());
+    return is_finite(x) && std::fabs(x) <= double((std::numeric_limits<float>::max)());
 }
 
 /// Whether a part of an interval is a third as single precision has it.

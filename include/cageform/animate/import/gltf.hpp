@@ -86,9 +86,9 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     }
     // What the thirds of far away times lose by rounding is no fault.
     const double length = p[3][0] - p[0][0], third = length / 3;
-    const double rounding = 4 * epsilon<double> * std::max(std::fabs(p[0][0]), std::fabs(p[3][0]));
+    const double rounding = 4 * epsilon<double> * (std::max)(std::fabs(p[0][0]), std::fabs(p[3][0]));
     const double off =
-        std::max(std::fabs(p[1][0] - (p[0][0] + third)), std::fabs(p[2][0] - (p[3][0] - third)));
+        (std::max)(std::fabs(p[1][0] - (p[0][0] + third)), std::fabs(p[2][0] - (p[3][0] - third)));
     if (off > double(epsilon<float>) * length + rounding) return refused(Status::handle_not_allowed);
     result.begin = static_cast<float>(p[0][0]);
     result.end = static_cast<float>(p[3][0]);
@@ -102,7 +102,7 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
 inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noexcept {
     double size = 0;
     for (const auto* one : {&before, &curve}) {
-        for (const auto& p : one->points) size = std::max(size, std::fabs(p[1]));
+        for (const auto& p : one->points) size = (std::max)(size, std::fabs(p[1]));
     }
     return std::fabs(before.points[3][1] - curve.points[0][1]) <= double(epsilon<float>) * size;
 }

@@ -26,7 +26,7 @@ PointReader<T> read_points(const R& points) {
     return {std::size(points), [&points](std::size_t block, Lanes<T>* rows) {
                 for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
                     const std::size_t i = block * lane_count<T> + lane;
-                    const auto p = to_vec<T>(points[std::min(i, std::size(points) - 1)]);
+                    const auto p = to_vec<T>(points[(std::min)(i, std::size(points) - 1)]);
                     for (std::size_t k = 0; k < range_dimension<R>; ++k) rows[k][lane] = p[k];
                 }
             }};

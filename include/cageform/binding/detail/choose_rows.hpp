@@ -35,7 +35,7 @@ RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& mome
         const auto size = [&](std::size_t h) { return std::fabs(double(binding.weights(i, h))); };
         ranked.clear();
         for (std::size_t h = 0; h < handles; ++h) {
-            largest[h] = std::max(largest[h], size(h));
+            largest[h] = (std::max)(largest[h], size(h));
             if (size(h) > 0 && size(h) >= options.threshold) ranked.push_back(h);
         }
         if (options.largest != 0 && ranked.size() > options.largest) {
@@ -108,7 +108,7 @@ public:
         const double limit = tolerance * (1 - 1e-9);
         const std::size_t candidates = pursuit_.candidates(), asked_for = pursuit_.order().size();
         RowTrial scalar(WeightFormat::scalar);
-        for (std::size_t count = std::min(std::max(asked_for, D + 1), candidates);;) {
+        for (std::size_t count = (std::min)((std::max)(asked_for, D + 1), candidates);;) {
             while (pursuit_.order().size() < count) pursuit_.add(pursuit_.best());
             if (test(scalar, count, limit)) {
                 for (RowTrial& trial : trials) {
@@ -117,7 +117,7 @@ public:
             }
             const bool open = std::any_of(trials.begin(), trials.end(), [](auto& t) { return t.is_open(); });
             if (!open || count == candidates) break;
-            count = std::min(count + std::max<std::size_t>(count / 8, 1), candidates);
+            count = (std::min)(count + std::max<std::size_t>(count / 8, 1), candidates);
         }
         std::size_t too_few = asked_for > 0 ? asked_for - 1 : 0;
         too_few = bisect(scalar, too_few, limit);
@@ -189,7 +189,7 @@ private:
 
     /// Lessens the number of rows; returns the largest that is known not to do.
     std::size_t bisect(RowTrial& trial, std::size_t too_few, double limit) const {
-        too_few = std::max(too_few, trial.too_few);
+        too_few = (std::max)(too_few, trial.too_few);
         while (trial.count > too_few + 1) {
             const std::size_t middle = too_few + (trial.count - too_few) / 2;
             if (keeps(trial, middle, limit)) {

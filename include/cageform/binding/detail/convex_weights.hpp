@@ -60,7 +60,7 @@ public:
                          : std::size_t(std::count_if(support_.begin(), support_.end(), is_least));
             if (surplus == 0) return exact;
             bool dropped = false;
-            at_once = std::min(2 * at_once, (surplus + 1) / 2);
+            at_once = (std::min)(2 * at_once, (surplus + 1) / 2);
             while (!dropped) {
                 const auto least = without_least(at_once);
                 if (!least) break;
@@ -175,7 +175,7 @@ private:
             const Row error = sum(over, y);
             const double now = exact ? error.template lpNorm<Eigen::Infinity>() : std::fabs(error[0]);
             if (now < 1e-14 || !(now < 0.9 * missed)) {
-                missed = std::min(missed, now);
+                missed = (std::min)(missed, now);
                 break;
             }
             missed = now;
@@ -186,7 +186,7 @@ private:
         }
         double total = 0;
         for (const std::size_t i : over) {
-            found_[i] = std::max(0.0, given_[i] + columns_[i].dot(y));
+            found_[i] = (std::max)(0.0, given_[i] + columns_[i].dot(y));
             total += found_[i];
         }
         if (!(total > 0.5)) return false;
@@ -198,7 +198,8 @@ private:
     Row sum(std::span<const std::size_t> over, const Row& y) const {
         Row total = Row::Zero();
         total[0] = -1;
-        for (const std::size_t i : over) total += std::max(0.0, given_[i] + columns_[i].dot(y)) * columns_[i];
+        for (const std::size_t i : over)
+            total += (std::max)(0.0, given_[i] + columns_[i].dot(y)) * columns_[i];
         return total;
     }
     /// What the dual problem minimises: Σ w²/2 − y_0 + (y − centre)·E (y − centre)/2.
@@ -206,7 +207,7 @@ private:
                      const Row& y) const {
         double squares = 0;
         for (const std::size_t i : over) {
-            const double w = std::max(0.0, given_[i] + columns_[i].dot(y));
+            const double w = (std::max)(0.0, given_[i] + columns_[i].dot(y));
             squares += w * w;
         }
         const Row away = y - centre;

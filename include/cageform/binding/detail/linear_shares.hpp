@@ -32,8 +32,8 @@ public:
         for (std::size_t j = 0; j < places.size(); ++j) {
             // Nearer than this a place has all the share in double precision. What lies on the rim
             // has a little, for there may be no others.
-            const double distance = std::max(std::sqrt(dot(places[j], places[j])) / radius, 1e-8);
-            const double open = 1.05 - std::min(distance, 1.0);
+            const double distance = (std::max)(std::sqrt(dot(places[j], places[j])) / radius, 1e-8);
+            const double open = 1.05 - (std::min)(distance, 1.0);
             shares_[j] = open * open / (distance * distance);
             sum += shares_[j];
             mean = mean + shares_[j] * places[j];
@@ -47,10 +47,10 @@ public:
         }
         // Of the squares only half the digits are left in extents.
         const PrincipalAxes<D> axes = principal_axes(square);
-        const double least = std::max(rounding, 1e-6 * std::sqrt(std::max(axes.largest(), 0.0)));
+        const double least = (std::max)(rounding, 1e-6 * std::sqrt((std::max)(axes.largest(), 0.0)));
         Vec<double, D> slope{};
         for (std::size_t n = 0; n < D; ++n) {
-            const double extent = std::sqrt(std::max(axes.values[n], 0.0));
+            const double extent = std::sqrt((std::max)(axes.values[n], 0.0));
             if (!(extent > least)) continue;
             const auto& axis = axes.vectors[n];
             slope = slope - std::clamp(dot(mean, axis) / extent, -12.0, 12.0) / extent * axis;

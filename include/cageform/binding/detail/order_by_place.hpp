@@ -31,8 +31,8 @@ std::vector<std::uint32_t> order_by_place(const BlockView<const T>& points) {
         for (std::size_t n = begin; n < end; ++n) {
             for (std::size_t k = 0; k < D; ++k) {
                 const T x = coordinate(order[n], k);
-                low[k] = n == begin ? x : std::min(low[k], x);
-                high[k] = n == begin ? x : std::max(high[k], x);
+                low[k] = n == begin ? x : (std::min)(low[k], x);
+                high[k] = n == begin ? x : (std::max)(high[k], x);
             }
         }
         std::size_t axis = 0;

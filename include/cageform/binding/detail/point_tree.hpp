@@ -55,8 +55,8 @@ private:
         for (std::size_t k = 0; k < D; ++k) {
             double low = points[order_[begin]][k], high = low;
             for (std::size_t n = begin; n < end; ++n) {
-                low = std::min(low, points[order_[n]][k]);
-                high = std::max(high, points[order_[n]][k]);
+                low = (std::min)(low, points[order_[n]][k]);
+                high = (std::max)(high, points[order_[n]][k]);
             }
             if (high - low > longest) {
                 longest = high - low;

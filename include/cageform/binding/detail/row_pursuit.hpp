@@ -36,8 +36,8 @@ public:
         // the bytes and doubles the distances in poses of another kind, three times as much takes up
         // to two thirds more. Moves below a millionth of the cage are rounding.
         constexpr double share = 0.1, least = 1e-6;
-        noise_ = std::max(share * share * mean, least * least);
-        affine_ = std::max(mean, least * least);
+        noise_ = (std::max)(share * share * mean, least * least);
+        affine_ = (std::max)(mean, least * least);
     }
 
     std::size_t handles() const { return handles_; }
@@ -158,7 +158,7 @@ public:
         Row step;
         for (std::size_t lane = 0; lane < L; ++lane) {
             step[lane] = gradients_[handle][lane] / root;
-            lost_[lane] = std::max(lost_[lane] - step[lane] * step[lane], 0.0);
+            lost_[lane] = (std::max)(lost_[lane] - step[lane] * step[lane], 0.0);
         }
         Column affine = loss_.moments()[handle];
         for (std::size_t j = 0; j < count; ++j)
@@ -166,7 +166,7 @@ public:
         affine_steps_.push_back(1 / root * affine);
         for (std::size_t h = 0; h < handles; ++h) {
             next[h] /= root;
-            pivots_[h] = std::max(pivots_[h] - next[h] * next[h], loss_.least_pivot());
+            pivots_[h] = (std::max)(pivots_[h] - next[h] * next[h], loss_.least_pivot());
             for (std::size_t lane = 0; lane < L; ++lane) gradients_[h][lane] -= next[h] * step[lane];
         }
         steps_.push_back(step);

@@ -38,7 +38,7 @@ T store_weights(WeightFormat format, std::span<double> weights, std::byte* place
         return T(1);
     }
     double largest = 0;
-    for (const double w : weights) largest = std::max(largest, std::fabs(w));
+    for (const double w : weights) largest = (std::max)(largest, std::fabs(w));
     // Halves are kept well away from the subnormal ones, which not every processor takes as they
     // are.
     const double reach = format == WeightFormat::int16  ? 32767.0

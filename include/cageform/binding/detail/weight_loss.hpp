@@ -100,10 +100,10 @@ public:
     double largest(std::span<const double> change, double limit, std::size_t& suspect) const {
         double worst = 0;
         if (poses_ == 0) {
-            for (const Distance& distance : distances<L>(change)) worst = std::max(worst, distance.value);
+            for (const Distance& distance : distances<L>(change)) worst = (std::max)(worst, distance.value);
             return worst;
         }
-        for (std::size_t n = 0, first = std::min(suspect, poses_ - 1); n < poses_; ++n) {
+        for (std::size_t n = 0, first = (std::min)(suspect, poses_ - 1); n < poses_; ++n) {
             const std::size_t p = (first + n) % poses_;
             const auto squared = squared_in<L>(p, change);
             const double distance = size_ * std::sqrt(*std::max_element(squared.begin(), squared.end()));

@@ -183,8 +183,8 @@ private:
         for (std::uint32_t n = begin + 1; n < end; ++n) {
             for (const auto& x : parts_[n].corner) {
                 for (std::size_t k = 0; k < D; ++k) {
-                    node.bounds.lower[k] = std::min(node.bounds.lower[k], x[k]);
-                    node.bounds.upper[k] = std::max(node.bounds.upper[k], x[k]);
+                    node.bounds.lower[k] = (std::min)(node.bounds.lower[k], x[k]);
+                    node.bounds.upper[k] = (std::max)(node.bounds.upper[k], x[k]);
                 }
             }
         }
@@ -211,7 +211,7 @@ private:
     static double distance2(const Vec<double, D>& q, const Bounds<double, D>& bounds) noexcept {
         double sum = 0;
         for (std::size_t k = 0; k < D; ++k) {
-            const double x = std::max(std::max(bounds.lower[k] - q[k], q[k] - bounds.upper[k]), 0.0);
+            const double x = (std::max)((std::max)(bounds.lower[k] - q[k], q[k] - bounds.upper[k]), 0.0);
             sum += x * x;
         }
         return sum;

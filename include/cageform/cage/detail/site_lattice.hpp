@@ -31,12 +31,12 @@ public:
     SiteLattice() = default;
     explicit SiteLattice(const Bounds<double, D>& bounds) noexcept
         : lower_(bounds.lower) {
-        int largest = std::numeric_limits<int>::min();
+        int largest = (std::numeric_limits<int>::min)();
         for (std::size_t k = 0; k < D; ++k) {
             int exponent = 0;
             // Halved, so that no difference is infinite.
             std::frexp(bounds.upper[k] / 2 - bounds.lower[k] / 2, &exponent);
-            if (bounds.upper[k] > bounds.lower[k]) largest = std::max(largest, exponent + 1);
+            if (bounds.upper[k] > bounds.lower[k]) largest = (std::max)(largest, exponent + 1);
         }
         exponent_ = 60 - largest;
         for (std::size_t k = 0; k < D; ++k) origin_[k] = fixed(lower_[k]);
@@ -79,7 +79,7 @@ private:
         const auto raw = int((bits >> 52) & 0x7ff);
         const std::uint64_t fraction = bits & 0xfffffffffffffu;
         const std::uint64_t mantissa = raw == 0 ? fraction : fraction | (std::uint64_t(1) << 52);
-        const int shift = std::max(raw, 1) - 1075 + exponent_;
+        const int shift = (std::max)(raw, 1) - 1075 + exponent_;
         std::uint64_t value = 0;
         if (shift >= 0) {
             value = shift < 64 ? mantissa << shift : 0;
@@ -322,8 +322,8 @@ bool find_centre(const Square<double, D>& edges, Centre<D>& c) noexcept {
     double largest = 0;
     for (std::size_t k = 0; k < D; ++k) {
         c.at[k] = q.numerator[k] * scale;
-        largest = std::max(largest, std::fabs(c.at[k]));
-        c.error = std::max(c.error, q.numerator_size[k]);
+        largest = (std::max)(largest, std::fabs(c.at[k]));
+        c.error = (std::max)(c.error, q.numerator_size[k]);
     }
     c.error = (0x1p-49 * c.error + 2 * largest * error) * std::fabs(scale);
     return c.error <= 0x1p-42 * largest;

@@ -21,7 +21,7 @@ std::array<N, K> compensated_sums(std::size_t count, const Add& add) noexcept {
     for (std::size_t begin = 0; begin < count; begin += run) {
         std::array<N, K> part;
         for (std::size_t k = 0; k < K; ++k) part[k] = -excess[k];
-        for (std::size_t i = begin; i < std::min(begin + run, count); ++i) add(i, part);
+        for (std::size_t i = begin; i < (std::min)(begin + run, count); ++i) add(i, part);
         for (std::size_t k = 0; k < K; ++k) {
             const N next = sums[k] + part[k];
             excess[k] = (next - sums[k]) - part[k];

@@ -163,9 +163,9 @@ Status sample_gradients(const Solution<S>& solution, const Batch<typename S::Pro
     const std::size_t blocks = batch.points.blocks();
     if (!solution.functions.empty()) {
         return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
-            DifferencePlaces<S> places(solver, batch, std::min(together, end - begin));
+            DifferencePlaces<S> places(solver, batch, (std::min)(together, end - begin));
             for (std::size_t b = begin; b < end; b += together) {
-                const std::size_t count = std::min(together, end - b);
+                const std::size_t count = (std::min)(together, end - b);
                 for (std::size_t n = 0; n < count; ++n) places.set(b + n, n);
                 (void)sample_solution(solution, places.batch(count), report, {});
                 for (std::size_t n = 0; n < count; ++n) places.differentiate(n, b + n);

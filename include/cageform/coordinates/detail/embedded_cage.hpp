@@ -175,7 +175,7 @@ private:
             constexpr double of_unknown = 300, of_crossing = D == 2 ? 1500 : 800, of_corner = 130e3;
             const double finer = double(resolution) / double(counted_at);
             const double surface = D == 2 ? finer : finer * finer, unknowns = volume_ * surface * finer;
-            const double corners = D == 2 ? std::min(of_corner * double(vertices_), 256 * unknowns) : 0;
+            const double corners = D == 2 ? (std::min)(of_corner * double(vertices_), 256 * unknowns) : 0;
             return of_unknown * unknowns + of_crossing * crossings_ * surface + corners;
         }
 
@@ -186,8 +186,8 @@ private:
     };
     static Status refuse_memory(const GridMemory& memory, std::size_t resolution, std::size_t limit,
                                 SolverReport& report) noexcept {
-        constexpr auto most = double(std::numeric_limits<std::ptrdiff_t>::max());
-        report.bytes = std::size_t(std::min(memory.bytes(resolution), most));
+        constexpr auto most = double((std::numeric_limits<std::ptrdiff_t>::max)());
+        report.bytes = std::size_t((std::min)(memory.bytes(resolution), most));
         std::size_t fits = resolution;
         while (fits >= least_resolution && memory.bytes(fits) > double(limit)) fits -= 1 + fits / 64;
         report.sufficient_resolution = fits >= least_resolution ? fits : 0;

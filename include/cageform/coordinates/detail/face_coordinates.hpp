@@ -81,7 +81,7 @@ private:
             const auto a = triangle[k], b = triangle[(k + 1) % 3];
             const auto at = std::size_t(std::find(loop.begin(), loop.end(), a) - loop.begin());
             const bool is_edge = loop[(at + 1) % loop.size()] == b;
-            if (!is_edge) parts_.push_back({{std::min(a, b), std::max(a, b), no_vertex}, face});
+            if (!is_edge) parts_.push_back({{(std::min)(a, b), (std::max)(a, b), no_vertex}, face});
         }
     }
     /// The face of more than three corners that a place lies in; null on others, edges, vertices.

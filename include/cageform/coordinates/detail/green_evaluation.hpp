@@ -243,7 +243,7 @@ private:
     bool add_nearest(const Lane& to, const Vec<double, D>& q, double share) const noexcept {
         const std::size_t facets = topology_.facets.size();
         std::size_t nearest = facets;
-        double least = std::numeric_limits<double>::max(), farthest_beyond = 0;
+        double least = (std::numeric_limits<double>::max)(), farthest_beyond = 0;
         for (std::size_t f = 0; f < facets; ++f) {
             const auto corner = corners_of(f);
             const double distance = distance_to_facet(q, corner);
@@ -255,7 +255,7 @@ private:
                 nearest = f;
                 farthest_beyond = beyond;
             }
-            least = std::min(least, distance);
+            least = (std::min)(least, distance);
         }
         return nearest < facets && add_facet<gradients>(to, nearest, q, share);
     }
@@ -279,7 +279,7 @@ private:
 
     static double largest(const Vec<double, D>& v) noexcept {
         double size = 0;
-        for (std::size_t k = 0; k < D; ++k) size = std::max(size, std::fabs(v[k]));
+        for (std::size_t k = 0; k < D; ++k) size = (std::max)(size, std::fabs(v[k]));
         return size;
     }
 

@@ -26,7 +26,7 @@ struct GreenSum {
 /// What arguments of logarithms are kept above. The logarithm of a length goes with a length, so
 /// its limit is zero.
 template <class S>
-inline constexpr S least_square = std::numeric_limits<S>::min() * S(1e6);
+inline constexpr S least_square = (std::numeric_limits<S>::min)() * S(1e6);
 
 template <class S>
 void add(const Simd<S>& x, Lanes<S>& row) noexcept {

@@ -62,7 +62,7 @@ public:
             const auto coarse = value(coarse_, n, functions, first, count);
             double largest = 0;
             for (std::size_t k = 0; k < count; ++k)
-                largest = std::max(largest, std::fabs(difference[k] - coarse[k]));
+                largest = (std::max)(largest, std::fabs(difference[k] - coarse[k]));
             errors.push_back(float(largest));
         }
         return errors;

@@ -116,7 +116,7 @@ private:
         using S = ScalarOf<ValueOf<N>>;
         const double near_distance = scale_ * tolerance_;
         if constexpr (has_gradient<N>) {
-            return {std::max(near_distance, sizeof(T) == 8 ? 1e-5 : 0.0), 2, 2e-3};
+            return {(std::max)(near_distance, sizeof(T) == 8 ? 1e-5 : 0.0), 2, 2e-3};
         } else {
             return {S(near_distance), D == 2 ? S(64) : S(16), sizeof(T) == 8 ? S(5e-4) : S(1e-3)};
         }
@@ -225,7 +225,7 @@ private:
     N weigh_about(const Vec<Wide, D>& p, Wide unit, Rows<N>& memory) const {
         // Of the limits only the last is of use here. In these units a place beside a face is 1 or
         // more from it.
-        const MeanValueLimits<Wide> limits{0, std::numeric_limits<float>::max(), Wide(0.1)};
+        const MeanValueLimits<Wide> limits{0, (std::numeric_limits<float>::max)(), Wide(0.1)};
         return weigh(typename Form::template Frame<Wide>(topology_, seen_from(p, 1 / unit)), limits,
                      Vec<Wide, D>{}, memory)
             .sum;

@@ -94,7 +94,7 @@ WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& l
     const X zero(S(0)), one(S(1)), on_vertex(limits.near_distance * limits.near_distance),
         far2(limits.far_distance * limits.far_distance);
     // The nearest to a vertex, and to an edge: there |c| is small and d is not positive.
-    X special = zero, least_rr(std::numeric_limits<S>::max()), least_clearance = least_rr;
+    X special = zero, least_rr((std::numeric_limits<S>::max)()), least_clearance = least_rr;
     for (const auto& loop : cage.loops) {
         const Spoke<N> first(cage.corners[loop.begin].position, p);
         special = select(far2 < first.rr, one, special);

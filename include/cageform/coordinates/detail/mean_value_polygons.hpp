@@ -33,7 +33,7 @@ struct PolygonTopology : MeanValueTopology<3> {
                                 plane.u,
                                 plane.v,
                                 MeanValueTopology<2>(flat_face(mesh, f, plane))});
-            most_corners = std::max(most_corners, loop.size());
+            most_corners = (std::max)(most_corners, loop.size());
             for (; next < polygons.back().triangles.first; ++next) triangles.push_back(next);
             next = polygons.back().triangles.second;
         }
@@ -99,7 +99,7 @@ struct PolygonRows : WeightRows<N> {
 /// The plane's weights at a place on the polygon's edges: linear along the nearest.
 template <class N, class S>
 N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRows<N>& rows) noexcept {
-    S least = std::numeric_limits<S>::max(), part = 0;
+    S least = (std::numeric_limits<S>::max)(), part = 0;
     std::size_t nearest = 0;
     const std::size_t count = plane.corners.size();
     const auto edge_of = [&](std::size_t i) {
@@ -172,7 +172,7 @@ void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polyg
     const S size = extent[0] + extent[1];
     const MeanValueLimits<S> in_plane{
         (std::max)(limits.near_distance, 16 * std::numeric_limits<S>::epsilon() * size),
-        std::sqrt(std::numeric_limits<S>::max()) * S(0.5), S(0)};
+        std::sqrt((std::numeric_limits<S>::max)()) * S(0.5), S(0)};
     const Vec<X, 2> at{value_of(x[0]), value_of(x[1])};
     auto [total, near_edge] = weigh(polygon.plane, in_plane, at, rows.in_plane);
     if constexpr (std::is_floating_point_v<X>) {

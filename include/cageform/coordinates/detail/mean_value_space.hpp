@@ -101,7 +101,7 @@ X inner(const Vec<S, 3>& a, const Vec<X, 3>& b) noexcept {
 
 /// What divisors are kept above, so that quotients stay finite.
 template <class S>
-inline constexpr S least_divisor = std::numeric_limits<S>::min() * S(1e6);
+inline constexpr S least_divisor = (std::numeric_limits<S>::min)() * S(1e6);
 
 /// Whether both ends of an edge lie far to one side of a place's foot on its line, r² the squared
 /// distance to the line: the series of arctangents in r/begin and r/end then gain two digits a
@@ -183,7 +183,7 @@ void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& ed
         constexpr std::size_t most = 32;
         Lanes<S> quotient[most], offset[most], distance[most];
         for (std::size_t first = 0; first < edges.size(); first += most) {
-            const std::size_t count = std::min(most, edges.size() - first);
+            const std::size_t count = (std::min)(most, edges.size() - first);
             for (std::size_t e = 0; e < count; ++e) {
                 const SeenEdge<N, S> seen(edges[first + e], p);
                 const AngleParts<S> parts(seen.sine(), seen.cosine());

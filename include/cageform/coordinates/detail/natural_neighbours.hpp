@@ -128,7 +128,7 @@ public:
 
     /// The place of the hull nearest to a finite place, and its neighbours.
     Vec<double, D> find_on_hull(const Vec<double, D>& p, Scratch& scratch) const {
-        typename HullTree<D>::Nearest nearest{0, {}, std::numeric_limits<double>::max()};
+        typename HullTree<D>::Nearest nearest{0, {}, (std::numeric_limits<double>::max)()};
         hull_.find(lattice_.seen(p), nearest);
         scratch.found.clear();
         scratch.missed = {};
@@ -231,7 +231,7 @@ private:
                 return sum;
             };
             double largest = 0;
-            for (const auto& n : found) largest = std::max(largest, std::fabs(factor(n)));
+            for (const auto& n : found) largest = (std::max)(largest, std::fabs(factor(n)));
             if (!(largest < 1e-6)) return; // more than rounding is not for this to mend
             for (auto& n : found) n.weight += n.weight * factor(n);
             if (largest < 1e-12) return;
@@ -334,7 +334,7 @@ private:
                          v = dot(cross(a - c, miss), n) / dot(n, n);
             const std::array<double, D> next{weight[0] + u, weight[1] + v, weight[2] - (u + v)};
             const auto rest = q - place_on_facet(next, corner);
-            if (!(std::min({next[0], next[1], next[2]}) >= 0 && dot(rest, rest) < dot(miss, miss))) return;
+            if (!((std::min)({next[0], next[1], next[2]}) >= 0 && dot(rest, rest) < dot(miss, miss))) return;
             weight = next;
             miss = rest;
         }

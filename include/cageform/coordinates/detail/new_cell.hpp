@@ -89,7 +89,7 @@ private:
             Vec<double, D> at = c.at;
             double largest = 0;
             for (std::size_t k = 0; k < D; ++k) {
-                largest = std::max(largest, std::fabs(first[k]) + std::fabs(at[k]));
+                largest = (std::max)(largest, std::fabs(first[k]) + std::fabs(at[k]));
                 at[k] += first[k];
             }
             note_centre(n, at, c.error + 0x1p-52 * largest);

@@ -90,7 +90,7 @@ Status sample_solution(const Solution<S>& solution, const Batch<typename S::Prob
     if (!solution.functions.empty()) {
         return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
             for (std::size_t b = begin; b < end; b += together) {
-                auto samples = solver.samples(batch, b * lanes, std::min(b + together, end) * lanes);
+                auto samples = solver.samples(batch, b * lanes, (std::min)(b + together, end) * lanes);
                 for (std::size_t group = 0; group < solution.functions.size(); ++group)
                     solver.sample(samples, group, solution.functions[group], batch.rows);
                 solver.finish(samples, batch.rows);
@@ -102,7 +102,7 @@ Status sample_solution(const Solution<S>& solution, const Batch<typename S::Prob
     in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n)
             samples[n] =
-                solver.samples(batch, n * together * lanes, std::min((n + 1) * together, blocks) * lanes);
+                solver.samples(batch, n * together * lanes, (std::min)((n + 1) * together, blocks) * lanes);
     });
     const auto sample_group = [&](std::size_t group, const auto& block) {
         for (auto& piece : samples) solver.sample(piece, group, block, batch.rows);

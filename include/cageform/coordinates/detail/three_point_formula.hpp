@@ -110,7 +110,7 @@ CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFram
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), square(cage.square);
     const std::size_t count = cage.corners.size();
-    X least(std::numeric_limits<S>::max());
+    X least((std::numeric_limits<S>::max)());
     const auto invert_area = [&](const auto& corner, const Vec<X, 2>& u) -> N {
         const X ex(corner.edge[0]), ey(corner.edge[1]);
         const N area = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});

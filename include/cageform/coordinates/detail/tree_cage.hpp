@@ -77,21 +77,21 @@ public:
     static auto sizing(double accuracy) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
-            return grid::SizingOptions{.across = std::max(3.0, 1.5 * finer),
-                                       .per_facet = std::max(1.0, 0.75 * finer),
+            return grid::SizingOptions{.across = (std::max)(3.0, 1.5 * finer),
+                                       .per_facet = (std::max)(1.0, 0.75 * finer),
                                        .singular_levels = 0.8 * std::log2(1 / accuracy) - 1.4,
                                        .layers = unsigned(std::lround(0.5 + 1.3 * finer)),
                                        // Half as large for a tenth, as sizes are powers of two.
                                        .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
         } else {
-            const double finer = std::sqrt(2e-3 / accuracy), levels = std::max(0.0, 1 + std::log2(finer));
+            const double finer = std::sqrt(2e-3 / accuracy), levels = (std::max)(0.0, 1 + std::log2(finer));
             return grid::RefinementOptions{.across = 4.8 * finer,
                                            .per_facet = 0.89 * finer,
                                            .edge_levels = levels,
                                            .reflex_levels = levels,
                                            .at_vertex = 7 * accuracy, // errors there are of first order
                                            .per_radius = 10 * finer,
-                                           .largest = std::min(0.08, 0.0253 / finer)};
+                                           .largest = (std::min)(0.08, 0.0253 / finer)};
         }
     }
 
@@ -114,7 +114,7 @@ public:
         } else {
             whole = grid::refine(tree_, options, std::size_t(most), finest_);
         }
-        leaves = whole ? double(tree_.cells().leaves()) : std::max(leaves, most + 1);
+        leaves = whole ? double(tree_.cells().leaves()) : (std::max)(leaves, most + 1);
         if (whole) nodes_ = grid::nodes_of(tree_);
         return whole;
     }
@@ -123,7 +123,7 @@ public:
     void report_finest(SolverReport& report) const noexcept {
         std::int32_t smallest = tree_.cells().size();
         tree_.cells().for_each_leaf([&](const Cell& leaf) {
-            if (tree_.state(leaf.number) != grid::CellState::out) smallest = std::min(smallest, leaf.size);
+            if (tree_.state(leaf.number) != grid::CellState::out) smallest = (std::min)(smallest, leaf.size);
         });
         const auto place = boundary_.in_cage(finest_.place);
         report.finest_size = boundary_.unit() * smallest;

@@ -105,7 +105,7 @@ private:
         if (nodes.rows() == 0) return;
         const std::size_t slabs = std::size_t(nodes.size()[D - 1]), rows = slab_rows(nodes);
         const std::size_t grain = slabs * worth_a_thread / (nodes.count() + 1) + 4;
-        in_parallel(running_, slabs, std::min(grain, slabs),
+        in_parallel(running_, slabs, (std::min)(grain, slabs),
                     [&](std::size_t begin, std::size_t end) { body(begin * rows, end * rows); });
     }
 
@@ -239,7 +239,7 @@ private:
             add_restricted(weights, row_of_ap(node, index, around), to);
         };
         fine_.nodes.for_each_of_rows(fine_slab * (low > 0 ? low - 1 : 0),
-                                     std::min(fine_slab * high, fine_.nodes.rows()), add);
+                                     (std::min)(fine_slab * high, fine_.nodes.rows()), add);
     }
     /// Irregular coarse nodes are those with irregular interpolation within two fine nodes, or an
     /// irregular equation within one.

@@ -88,7 +88,7 @@ private:
     /// What an estimate is more than the error that the gain tells of. A seventh is missing at
     /// worst in 1000 random domains (tests/grid/multigrid.cpp).
     static constexpr float margin = 2;
-    static constexpr float smallest = std::numeric_limits<float>::min(); ///< divides zeros
+    static constexpr float smallest = (std::numeric_limits<float>::min)(); ///< divides zeros
 
     static NodeValues widened(const Vector& v) noexcept {
         NodeRow row;

@@ -166,7 +166,7 @@ private:
         }
         front.pivots.resize(own);
         for (Eigen::Index begin = 0; begin < own; begin += panel) {
-            const Eigen::Index end = std::min(begin + panel, own), rest = size - end;
+            const Eigen::Index end = (std::min)(begin + panel, own), rest = size - end;
             for (Eigen::Index c = begin; c < end; ++c) {
                 const Eigen::Index below = size - c - 1, done = c - begin;
                 auto column = matrix.col(c).tail(below);

@@ -158,10 +158,10 @@ public:
 private:
     /// Of the idle threads an owner's fair part, `wanted` at most; who has them gives them back.
     std::size_t reserve(std::size_t wanted) noexcept {
-        const int owners = std::max(owners_.load(), 1), fair = (helping_.load() + owners - 1) / owners;
-        const int most = std::min(fair, int(wanted));
+        const int owners = (std::max)(owners_.load(), 1), fair = (helping_.load() + owners - 1) / owners;
+        const int most = (std::min)(fair, int(wanted));
         for (int idle = idle_.load(); idle > 0 && most > 0;) {
-            const int taken = std::min(idle, most);
+            const int taken = (std::min)(idle, most);
             if (idle_.compare_exchange_weak(idle, idle - taken)) return std::size_t(taken);
         }
         return 0;

@@ -75,7 +75,7 @@ inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>
     const auto &a = edge.corner[0], &b = edge.corner[1];
     const std::size_t across = 1 - ray.axis;
     const double from = a[across], to = b[across], at = ray.from[across];
-    if (at < std::min(from, to) || at > std::max(from, to)) return std::nullopt;
+    if (at < (std::min)(from, to) || at > (std::max)(from, to)) return std::nullopt;
     double s = 0;
     if (from != to) {
         s = (at - from) / (to - from);
@@ -181,13 +181,13 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
     const double from = edge.corner[0][across], to = edge.corner[1][across];
     const auto box = edge.bounds();
     const double low = box.lower[across], high = box.upper[across];
-    const double last = std::min(high, double(lattice.cells[across]) - 1);
+    const double last = (std::min)(high, double(lattice.cells[across]) - 1);
     const auto add = [&](double line, bool turns, double s) {
         const std::array<double, 2> weights{1 - s, s};
         add_crossing(edge, weights, axis, {std::uint32_t(line), turns, edge.coordinate(weights, axis), {}},
                      out);
     };
-    for (double line = std::max(std::ceil(low), 0.0); line <= last; ++line) {
+    for (double line = (std::max)(std::ceil(low), 0.0); line <= last; ++line) {
         if (from != to) {
             add(line, edge.turns && line < high, (line - from) / (to - from));
             continue;
@@ -301,8 +301,8 @@ void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
         if (right - left > 2 * slack) {
             const double y0 = height(std::clamp(x - slack, left, right));
             const double y1 = height(std::clamp(x + 1 + slack, left, right));
-            low = std::min(y0, y1);
-            high = std::max(y0, y1);
+            low = (std::min)(y0, y1);
+            high = (std::max)(y0, y1);
         }
         for (double y = std::floor(low - slack); y <= std::floor(high + slack); ++y)
             f(std::array<std::int32_t, 2>{std::int32_t(x), std::int32_t(y)});

@@ -269,7 +269,7 @@ struct Tiles {
         constexpr std::size_t in_flight = std::size_t{1} << 19, least_height = 8; // bytes, rows
         const std::size_t row_bytes = level.count * sizeof(NodeRow) / (level.rows.size() - 1) + 1;
         height =
-            std::clamp(in_flight / (stages * row_bytes + 1), std::min(least_height, slab_rows), slab_rows);
+            std::clamp(in_flight / (stages * row_bytes + 1), (std::min)(least_height, slab_rows), slab_rows);
         count = slab_rows / height;
     }
     Rows rows(std::size_t tile, std::size_t stage, std::size_t slab) const noexcept {
@@ -296,14 +296,14 @@ Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) no
     Residual largest;
     if (pass.restrict_residual) set_zero(level.fields.coarser->b, share);
     const std::size_t most =
-        level.fields.level.count < worth_sharing ? 1 : std::min(stages.count, PartProgress::most_parts);
+        level.fields.level.count < worth_sharing ? 1 : (std::min)(stages.count, PartProgress::most_parts);
     PartProgress progress;
     share.split(most, [&](std::size_t part, std::size_t parts) {
         const std::size_t first = stages.first_of(part, parts), end = stages.first_of(part + 1, parts);
         for (std::size_t tile = 0; tile < tiles.count; ++tile) {
             const std::size_t done = tile * (slabs + stages.count); // steps of the tiles before
             for (std::size_t step = first; step + 1 < slabs + end; ++step) {
-                if (part > 0) progress.wait_for(part - 1, done + std::min(step + 1, slabs + first - 1));
+                if (part > 0) progress.wait_for(part - 1, done + (std::min)(step + 1, slabs + first - 1));
                 for (std::size_t stage = first; stage < end; ++stage) {
                     const std::size_t slab = step - stage; // wraps round before the first slab
                     if (slab < slabs) stages.work(stage, tiles.rows(tile, stage, slab), largest);

@@ -108,7 +108,7 @@ public:
 
 private:
     static constexpr std::size_t rows = power(3, D - 1);
-    static constexpr std::int32_t before_all = std::numeric_limits<std::int32_t>::min();
+    static constexpr std::int32_t before_all = (std::numeric_limits<std::int32_t>::min)();
 
     const grid::NodeRuns<D>& nodes_;
     Index row_{};

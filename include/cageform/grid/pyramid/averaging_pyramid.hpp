@@ -57,7 +57,8 @@ public:
     AveragingPyramid(const CellBox<D>& box, std::vector<CellTag> tags, const AveragingOptions& options = {})
         : options_(options) {
         CAGEFORM_ASSERT(tags.size() == box.size(), "one tag per cell");
-        CAGEFORM_ASSERT(box.size() <= std::numeric_limits<std::uint32_t>::max(), "cells have 32-bit numbers");
+        CAGEFORM_ASSERT(box.size() <= (std::numeric_limits<std::uint32_t>::max)(),
+                        "cells have 32-bit numbers");
         levels_.push_back(Level(box, std::move(tags), options.stencil));
         for (;;) {
             const auto& cells = levels_.back().box.cells;

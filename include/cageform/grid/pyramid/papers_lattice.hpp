@@ -29,7 +29,7 @@ Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) 
     lattice.spacing = longest / static_cast<T>(resolution - 2 * papers_margin);
     for (std::size_t k = 0; k < D; ++k) {
         const auto needed = static_cast<std::size_t>(std::ceil(extent[k] / lattice.spacing - T(1e-3)));
-        lattice.cells[k] = std::min(resolution, needed + 2 * papers_margin);
+        lattice.cells[k] = (std::min)(resolution, needed + 2 * papers_margin);
         const T side = static_cast<T>(lattice.cells[k]) * lattice.spacing;
         lattice.origin[k] = T(0.5) * (bounds.lower[k] + bounds.upper[k] - side);
     }

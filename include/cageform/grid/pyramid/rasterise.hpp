@@ -317,7 +317,8 @@ namespace grid {
 template <class C>
 GridDomain<typename C::scalar, C::dimension>
 rasterise(const C& cage, const Lattice<typename C::scalar, C::dimension>& lattice) {
-    CAGEFORM_ASSERT(lattice.size() <= std::numeric_limits<std::uint32_t>::max(), "cells have 32-bit numbers");
+    CAGEFORM_ASSERT(lattice.size() <= (std::numeric_limits<std::uint32_t>::max)(),
+                    "cells have 32-bit numbers");
     GridDomain<typename C::scalar, C::dimension> domain;
     domain.lattice = lattice;
     domain.tags.assign(lattice.size(), CellTag::untyped);

@@ -49,7 +49,7 @@ public:
         : boundary_(boundary)
         , options_(options)
         , cage_size_(size_of_cage(boundary))
-        , largest_(std::max(options.largest * cage_size_, 1.0))
+        , largest_((std::max)(options.largest * cage_size_, 1.0))
         , faced_(2 * boundary.size()) {
         for (std::uint32_t n = 0; n < boundary.size(); ++n) {
             faced_[std::size_t{2} * n] = faced_[std::size_t{2} * n + 1] = n;
@@ -81,7 +81,7 @@ public:
     ///   thin  out: added, places where the domain is as thin as asks for such cells
     Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Place& middle,
                      std::vector<ThinPlace>& thin) {
-        const double most = options_.across * std::min(2.0 * cell.size, largest_);
+        const double most = options_.across * (std::min)(2.0 * cell.size, largest_);
         Demand least{largest_, SizeReason::largest};
         for (const std::uint32_t n : facets) {
             if (n >= boundary_.size()) break; // a bone
@@ -91,7 +91,8 @@ public:
             const auto place = facet.place(nearest_on_facet(middle, facet.corner));
             for (const bool front : {true, false}) {
                 if (!front && facet.turns) continue;
-                const double t = thickness(n, front, place, most), size = std::max(t / options_.across, 1.0);
+                const double t = thickness(n, front, place, most),
+                             size = (std::max)(t / options_.across, 1.0);
                 if (size < least.size) least = {size, SizeReason::thickness};
                 if (t < most && size >= cell.size) thin.push_back({place, inwards(n, front), size, t});
             }
@@ -134,7 +135,7 @@ public:
         const double all = dot(along, along);
         const double part = all > 0 ? std::clamp(dot(middle - feature.begin, along) / all, 0.0, 1.0) : 0;
         const double distance = length(middle - (feature.begin + part * along));
-        return std::max(feature.size, distance / (all > 0 ? edge_gradation : vertex_gradation));
+        return (std::max)(feature.size, distance / (all > 0 ? edge_gradation : vertex_gradation));
     }
 
 private:
@@ -168,7 +169,7 @@ private:
         constexpr double none = std::numeric_limits<double>::infinity();
         const auto direction = inwards(from_facet, front);
         if (!(dot(direction, direction) > 0)) return none;
-        double nearest = std::min(most, std::ldexp(2.0, int(boundary_.depth())));
+        double nearest = (std::min)(most, std::ldexp(2.0, int(boundary_.depth())));
         std::uint32_t met = from_facet;
         const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<3>& facet = boundary_[n];
@@ -215,15 +216,15 @@ private:
         patches.push_back({area, altitudes_[piece.facet], thickness(piece.facet, piece.front, middle)});
     }
     double size_of(std::uint32_t n, bool front, const Place& place) {
-        return std::max(1.0, std::min({largest_, altitudes_[n] / options_.per_facet,
-                                       thickness(n, front, place) / options_.across}));
+        return (std::max)(1.0, (std::min)({largest_, altitudes_[n] / options_.per_facet,
+                                           thickness(n, front, place) / options_.across}));
     }
     /// What a facet asks for near a place of its rim.
     double size_near(std::uint32_t n, const Place& place) {
         const auto& c = boundary_[n].corner;
         const auto within = 0.95 * place + (0.05 / 3) * (c[0] + c[1] + c[2]);
         const double size = size_of(n, true, within);
-        return boundary_[n].turns ? size : std::min(size, size_of(n, false, within));
+        return boundary_[n].turns ? size : (std::min)(size, size_of(n, false, within));
     }
 
     struct Ridge { ///< of a facet: what is left of it without one corner
@@ -238,7 +239,7 @@ private:
             for (std::uint32_t apex = 0; apex < 3; ++apex) {
                 const std::uint32_t a = boundary_[n].vertex[(apex + 1) % 3];
                 const std::uint32_t b = boundary_[n].vertex[(apex + 2) % 3];
-                ridges.push_back({{std::min(a, b), std::max(a, b)}, n, apex});
+                ridges.push_back({{(std::min)(a, b), (std::max)(a, b)}, n, apex});
             }
         }
         std::sort(ridges.begin(), ridges.end(), [](const Ridge& a, const Ridge& b) {
@@ -274,8 +275,8 @@ private:
         for (std::size_t n = 0; n < pieces; ++n) {
             const auto at = [&](double part) { return a + ((double(n) + part) / double(pieces)) * (b - a); };
             double size = largest_;
-            for (const Ridge& ridge : about) size = std::min(size, size_near(ridge.facet, at(0.5)));
-            size = std::max(size * std::exp2(-options_.edge_levels), 1.0);
+            for (const Ridge& ridge : about) size = (std::min)(size, size_near(ridge.facet, at(0.5)));
+            size = (std::max)(size * std::exp2(-options_.edge_levels), 1.0);
             features.push_back({at(0), at(1), size, SizeReason::singular_edge});
         }
     }
@@ -295,11 +296,11 @@ private:
             if (end - begin <= 3 && boundary_[facet].turns) continue; // functions are linear there
             const auto place = boundary_[facet].corner[begin->second % 3];
             double size = largest_;
-            for (auto at = begin; at != end; ++at) size = std::min(size, size_near(at->second / 3, place));
+            for (auto at = begin; at != end; ++at) size = (std::min)(size, size_near(at->second / 3, place));
             const bool is_end = std::binary_search(ends.begin(), ends.end(), begin->first);
             const double here =
-                std::max(1.0, std::min(is_end ? size * std::exp2(-options_.reflex_levels) : size,
-                                       options_.at_vertex * cage_size_));
+                (std::max)(1.0, (std::min)(is_end ? size * std::exp2(-options_.reflex_levels) : size,
+                                           options_.at_vertex * cage_size_));
             if (here < size) features.push_back({place, place, here, SizeReason::singular_vertex});
         }
     }

@@ -31,7 +31,7 @@ public:
     void add(const Vec<double, 2>& offset) noexcept {
         Moments& m = moments_[count_];
         constexpr double nearest = 0.03; // what is nearer counts no more
-        const double square = std::max(dot(offset, offset), nearest * nearest);
+        const double square = (std::max)(dot(offset, offset), nearest * nearest);
         prior_[count_++] = 1 / (square * square);
         m[0] = 1;
         double re = 1, im = 0;
@@ -92,7 +92,7 @@ private:
         }
         sum[0] -= 1;
         double largest = 0;
-        for (std::size_t k = 0; k < moments; ++k) largest = std::max(largest, std::fabs(sum[k]));
+        for (std::size_t k = 0; k < moments; ++k) largest = (std::max)(largest, std::fabs(sum[k]));
         return largest <= 1e-9;
     }
     /// Least squares under constraints, by the multipliers of these: weights = prior Mᵀ λ,

@@ -139,18 +139,18 @@ public:
         constexpr int steps = 16;
         RefinementPlan best{1, std::numeric_limits<double>::infinity()};
         for (int step = 0; step < steps; ++step) {
-            const double scale = std::exp2(double(step) / steps), unit = std::max(scale, 1.0);
+            const double scale = std::exp2(double(step) / steps), unit = (std::max)(scale, 1.0);
             const auto rounded = [&](double size) {
-                return unit * std::exp2(std::max(std::floor(std::log2(size / unit)), 0.0));
+                return unit * std::exp2((std::max)(std::floor(std::log2(size / unit)), 0.0));
             };
             const double largest = options.largest * cage_size_;
             double leaves = volume_ / std::pow(rounded(largest), 3);
             for (const auto& patch : patches_) {
-                const double size = rounded(std::min(
+                const double size = rounded((std::min)(
                     {largest, patch.altitude / options.per_facet, patch.thickness / options.across}));
                 // Cells reach beyond narrow facets.
                 leaves +=
-                    of_surface * patch.area / (size * size) * (1 + size / std::max(patch.altitude, 1e-3));
+                    of_surface * patch.area / (size * size) * (1 + size / (std::max)(patch.altitude, 1e-3));
             }
             if (leaves < best.leaves) best = {scale, leaves};
         }

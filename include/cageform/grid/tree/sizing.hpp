@@ -75,7 +75,7 @@ private:
 
     void add(const Vec<double, 2>& place, double size, SizeReason reason) {
         out_.count += 1;
-        if (out_.list.size() < most_) out_.list.push_back({place, std::max(size, 1.0), reason});
+        if (out_.list.size() < most_) out_.list.push_back({place, (std::max)(size, 1.0), reason});
     }
     static double length_of(const Corners<2>& edge) noexcept { return length(edge[1] - edge[0]); }
     Side side_of(std::uint32_t n, bool front) const noexcept {
@@ -120,10 +120,10 @@ private:
     void sample_piece(const Corners<2>& piece, Side side) {
         const auto middle = 0.5 * (piece[0] + piece[1]);
         const double t = thickness(side, middle), across = t / options_.across;
-        const double size = std::max(std::min({across, side.by_length, largest_}), 1.0);
-        const auto reason = across < std::min(side.by_length, largest_) ? SizeReason::thickness
-                            : side.by_length < largest_                 ? SizeReason::facet
-                                                                        : SizeReason::largest;
+        const double size = (std::max)((std::min)({across, side.by_length, largest_}), 1.0);
+        const auto reason = across < (std::min)(side.by_length, largest_) ? SizeReason::thickness
+                            : side.by_length < largest_                   ? SizeReason::facet
+                                                                          : SizeReason::largest;
         add(middle + (0.25 * size) * side.inwards, size,
             reason); // where cells meet on a facet, the inner one
         const double piece_length = length_of(piece);
@@ -174,7 +174,7 @@ private:
             angle = std::acos(std::clamp(dot(u, v) / size, -1.0, 1.0));
             const bool convex = dot(boundary_.normal(about[0].edge), v) < 0;
             if (!a.turns && !b.turns) {
-                angle = std::max(angle, 2 * pi - angle);
+                angle = (std::max)(angle, 2 * pi - angle);
             } else if (a.turns && b.turns && !convex) {
                 angle = 2 * pi - angle;
             } else if (a.turns != b.turns) {
@@ -196,17 +196,17 @@ private:
                 if (!front && boundary_[end.edge].turns) continue;
                 Side side = side_of(end.edge, front);
                 const auto inside = place + 0.05 * across(end);
-                size = std::min({size, side.by_length, thickness(side, inside) / options_.across});
+                size = (std::min)({size, side.by_length, thickness(side, inside) / options_.across});
             }
         }
         for (double level = levels; level >= 0; level -= 1) {
-            add_about(place, std::max(std::ldexp(size, -int(level)), 1.0));
+            add_about(place, (std::max)(std::ldexp(size, -int(level)), 1.0));
             if (options_.layers == 0) break;
         }
     }
     /// Layers of cells about a vertex; at least those that meet there.
     void add_about(const Vec<double, 2>& place, double size) {
-        const auto steps = std::max(2 * int(options_.layers), 1);
+        const auto steps = (std::max)(2 * int(options_.layers), 1);
         const double reach = options_.layers > 0 ? 0.9 * options_.layers * size : 0.25 * size;
         const auto part = [&](int n) { return reach * (2.0 * n / steps - 1); };
         for (int i = 0; i <= steps; ++i) {

@@ -57,8 +57,8 @@ private:
                 continue;
             }
             const double a = low * inverse[k], b = high * inverse[k];
-            begin = std::max(begin, std::min(a, b));
-            end = std::min(end, std::max(a, b));
+            begin = (std::max)(begin, (std::min)(a, b));
+            end = (std::min)(end, (std::max)(a, b));
         }
         return begin <= end;
     }
@@ -68,8 +68,8 @@ private:
         for (std::uint32_t n = begin + 1; n < end; ++n) {
             const auto b = facets[order_[n]].bounds();
             for (std::size_t k = 0; k < D; ++k) {
-                box.lower[k] = std::min(box.lower[k], b.lower[k]);
-                box.upper[k] = std::max(box.upper[k], b.upper[k]);
+                box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
+                box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
             }
         }
         nodes_.push_back({box, begin, end, 0});
@@ -103,7 +103,7 @@ private:
 inline bool passes(const PlacedFacet<2>& edge, const Vec<double, 2>& middle, double half) noexcept {
     const auto a = edge.corner[0] - middle, b = edge.corner[1] - middle, along = b - a;
     for (std::size_t k = 0; k < 2; ++k) {
-        if (std::min(a[k], b[k]) > half || std::max(a[k], b[k]) < -half) return false;
+        if ((std::min)(a[k], b[k]) > half || (std::max)(a[k], b[k]) < -half) return false;
     }
     return std::fabs(cross(a, along)) <= half * (std::fabs(along[0]) + std::fabs(along[1]));
 }
@@ -111,7 +111,7 @@ inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, dou
     std::array<Vec<double, 3>, 3> c;
     for (std::size_t n = 0; n < 3; ++n) c[n] = face.corner[n] - middle;
     for (std::size_t k = 0; k < 3; ++k) {
-        if (std::min({c[0][k], c[1][k], c[2][k]}) > half || std::max({c[0][k], c[1][k], c[2][k]}) < -half)
+        if ((std::min)({c[0][k], c[1][k], c[2][k]}) > half || (std::max)({c[0][k], c[1][k], c[2][k]}) < -half)
             return false;
     }
     const auto n = cross(c[1] - c[0], c[2] - c[0]);
@@ -123,7 +123,7 @@ inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, dou
             const auto& opposite = c[(e + 2) % 3];
             const double other = along[u] * opposite[v] - along[v] * opposite[u];
             const double reach = half * (std::fabs(along[u]) + std::fabs(along[v]));
-            if (std::min(side, other) > reach || std::max(side, other) < -reach) return false;
+            if ((std::min)(side, other) > reach || (std::max)(side, other) < -reach) return false;
         }
     }
     return true;
@@ -136,7 +136,7 @@ inline std::optional<double> crossing(const PlacedFacet<2>& edge, std::size_t ax
     const std::size_t across = 1 - axis;
     const double at = std::ldexp(double(line[across]), -fraction);
     const double from = edge.corner[0][across], to = edge.corner[1][across];
-    if (!(at >= std::min(from, to) && at < std::max(from, to))) return std::nullopt;
+    if (!(at >= (std::min)(from, to) && at < (std::max)(from, to))) return std::nullopt;
     const double s = (at - from) / (to - from);
     return edge.coordinate({1 - s, s}, axis);
 }
@@ -353,7 +353,7 @@ private:
             if (!facet.turns) continue;
             for (const std::uint32_t v : facet.vertex) {
                 const auto a = find(facet.vertex[0]), b = find(v);
-                shell[std::max(a, b)] = std::min(a, b);
+                shell[(std::max)(a, b)] = (std::min)(a, b);
             }
         }
         std::vector<double> votes(shell.size()); // NOLINT(misc-const-correctness): votes are added

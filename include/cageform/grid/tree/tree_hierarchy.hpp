@@ -40,7 +40,7 @@ public:
             const Cell& parent = cells.parent(family);
             std::uint8_t level = 0;
             for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n)
-                level = std::max(level, merges_at_[cells.first_child(parent.number) + n]);
+                level = (std::max)(level, merges_at_[cells.first_child(parent.number) + n]);
             merges_at_[parent.number] = std::uint8_t(level + 1);
         }
         for (std::uint32_t node = 0; node < nodes.count(); ++node) {

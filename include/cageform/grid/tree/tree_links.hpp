@@ -249,7 +249,7 @@ private:
             }
             shares = next;
         }
-        for (const double share : shares) out_.least_share = std::min(out_.least_share, share);
+        for (const double share : shares) out_.least_share = (std::min)(out_.least_share, share);
         return shares;
     }
 

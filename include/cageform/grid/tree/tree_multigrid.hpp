@@ -126,7 +126,7 @@ public:
         detail::NodeRow row;
         largest.store(row);
         double change = 0;
-        for (std::size_t k = 0; k < functions; ++k) change = std::max(change, double(row[k]));
+        for (std::size_t k = 0; k < functions; ++k) change = (std::max)(change, double(row[k]));
         return change;
     }
 

@@ -39,7 +39,7 @@ public:
     bool encloses(const Vec<double, 3>& p) const {
         if (nodes_.empty()) return false;
         bool inside = false;
-        const Vec<double, 3> end{p[0], p[1], std::max(p[2], nodes_[0].box.upper[2])};
+        const Vec<double, 3> end{p[0], p[1], (std::max)(p[2], nodes_[0].box.upper[2])};
         any_near(p, end, [&](std::uint32_t f) {
             const auto [a, b, c] = Facet<3>(faces_[f], vertices_).corner;
             const int side = side_of(a, b, p);
@@ -64,8 +64,8 @@ private:
         for (std::uint32_t n = begin + 1; n < end; ++n) {
             const auto& more = boxes_[order_[n]];
             for (std::size_t k = 0; k < 3; ++k) {
-                box.lower[k] = std::min(box.lower[k], more.lower[k]);
-                box.upper[k] = std::max(box.upper[k], more.upper[k]);
+                box.lower[k] = (std::min)(box.lower[k], more.lower[k]);
+                box.upper[k] = (std::max)(box.upper[k], more.upper[k]);
             }
         }
         const auto number = std::uint32_t(nodes_.size());
@@ -138,8 +138,8 @@ private:
             : from(p) {
             constexpr double least = 1e-290; // its inverse is finite
             for (std::size_t k = 0; k < 3; ++k) {
-                lower[k] = std::min(p[k], q[k]);
-                upper[k] = std::max(p[k], q[k]);
+                lower[k] = (std::min)(p[k], q[k]);
+                upper[k] = (std::max)(p[k], q[k]);
                 inverse[k] = upper[k] - lower[k] > least ? 1 / (q[k] - p[k]) : 0;
             }
         }
@@ -152,8 +152,8 @@ private:
                 if (inverse[k] == 0) continue;
                 const double s = (box.lower[k] - from[k]) * inverse[k],
                              t = (box.upper[k] - from[k]) * inverse[k];
-                first = std::max(first, std::min(s, t) - slack);
-                last = std::min(last, std::max(s, t) + slack);
+                first = (std::max)(first, (std::min)(s, t) - slack);
+                last = (std::min)(last, (std::max)(s, t) + slack);
             }
             return first <= last;
         }
