@@ -18,7 +18,7 @@ case $preset in
       packages="$packages lib32stdc++-12-dev libc6-dev-i386" # a test for 32-bit x86
     ;;
   *)
-    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev"
+    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev g++-mingw-w64-x86-64-win32"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
     [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial libcgal-dev
       libmpfr-dev"
