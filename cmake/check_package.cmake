@@ -1,4 +1,4 @@
-# cmake -DBUILD=… -DSOURCE=… -DCOMPILER=… -DGENERATOR=… -P check_package.cmake
+# cmake -DBUILD=… -DSOURCE=… -DCOMPILER=… -DGENERATOR=… -DMAKE_PROGRAM=… -DEIGEN_INCLUDE=… -P check_package.cmake
 # Installs the project into a folder of its own, then configures, builds and runs clients of it: one that binds, one that only
 # plays back, on a machine without Eigen, and libraries that export what they link. Run by an old CMake, it shows that one works.
 set(work ${BUILD}/package)
@@ -13,12 +13,59 @@ function(run)
   endif()
 endfunction()
 
+# Installed alone, and beside packages of Eigen by the version rules of its releases, around the headers that are there.
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-foreach(client IN ITEMS "client" "client_runtime;-DRUNTIME_ONLY=ON;-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON")
-  list(POP_FRONT client name)
-  run(${with_compiler} -S ${SOURCE} -B ${work}/${name} -DCMAKE_PREFIX_PATH=${prefix} ${client})
-  run(${CMAKE_COMMAND} --build ${work}/${name})
-  run(${work}/${name}/${name})
+include(CMakePackageConfigHelpers)
+foreach(version IN ITEMS 3.3.9 5.0.1 6.0.0)
+  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/eigen_${version})
+  set(eigen ${work}/eigen_${version}/share/eigen3/cmake)
+  file(WRITE ${eigen}/Eigen3Config.cmake "add_library(Eigen3::Eigen INTERFACE IMPORTED)
+set_target_properties(Eigen3::Eigen PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${EIGEN_INCLUDE})
+")
+  write_basic_package_version_file(${eigen}/Eigen3ConfigVersion.cmake VERSION ${version} COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
+endforeach()
+
+# The clients: of the package with the Eigen that is there, with Eigen 5 and without one, and of the sources.
+set(sources -DCAGEFORM_SOURCE=${SOURCE}/../..)
+set(eigen_5 -DCMAKE_PREFIX_PATH=${work}/eigen_5.0.1)
+foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${prefix}" "client_eigen_5;client;${eigen_5}" "client_sources;client;${sources};${eigen_5}"
+                        "client_runtime;client_runtime;-DCMAKE_PREFIX_PATH=${prefix};-DRUNTIME_ONLY=ON;-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON")
+  list(POP_FRONT client folder name)
+  set(client_build ${work}/${folder})
+  run(${with_compiler} -S ${SOURCE} -B ${client_build} ${client})
+  run(${CMAKE_COMMAND} --build ${client_build} --target ${name})
+  run(${client_build}/${name})
+  if(client MATCHES "eigen_5")
+    file(STRINGS ${client_build}/CMakeCache.txt found REGEX "^Eigen3_DIR:")
+    if(NOT found MATCHES "eigen_5\\.0\\.1")
+      message(FATAL_ERROR "${folder}: not the Eigen that comes first, but ${found}")
+    endif()
+  endif()
+endforeach()
+
+# A project that has the sources in it installs none of them unless it asks for that.
+run(${CMAKE_COMMAND} --build ${work}/client_sources --target client_runtime)
+run(${CMAKE_COMMAND} --install ${work}/client_sources --prefix ${work}/sources_installed)
+file(GLOB_RECURSE installed RELATIVE ${work}/sources_installed ${work}/sources_installed/*)
+if(NOT installed STREQUAL "bin/client_runtime")
+  message(FATAL_ERROR "installed beside the client: ${installed}")
+endif()
+
+# An Eigen that is too old or not known yet is refused by its version; of the sources the rest is there.
+foreach(version IN ITEMS 3.3.9 6.0.0)
+  set(refused ${configure} -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF -DCMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH=OFF
+              -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM})
+  execute_process(COMMAND ${refused} -S ${SOURCE} -B ${work}/refused_${version} -DCMAKE_PREFIX_PATH=${work}/eigen_${version}
+                  RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE errors)
+  execute_process(COMMAND ${refused} -S ${SOURCE} -B ${work}/sources_refused_${version} ${sources} -DRUNTIME_ONLY=ON
+                          -DCMAKE_PREFIX_PATH=${work}/eigen_${version}
+                  RESULT_VARIABLE sources_failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  foreach(text IN ITEMS "${errors}" "${output}")
+    string(REGEX REPLACE "[ \n]+" " " text "${text}") # CMake breaks lines
+    if(NOT failed OR sources_failed OR NOT text MATCHES "no Eigen of a version from 3.4 to below 6, only ${version} ")
+      message(FATAL_ERROR "Eigen ${version}: ${failed}, ${sources_failed}\n${text}")
+    endif()
+  endforeach()
 endforeach()
 
 # A component that there is not is refused with the reason.
