@@ -16,9 +16,14 @@ case $preset in
     packages="$packages clang-19 libclang-rt-19-dev"
     [ "$preset" != native ] || [ "$(dpkg --print-architecture 2>/dev/null)" != amd64 ] ||
       packages="$packages lib32stdc++-12-dev libc6-dev-i386" # a test for 32-bit x86
+    if [ "$preset" = native ]; then # a test for WebAssembly
+      packages="$packages lld-19 wasi-libc libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 libclang-rt-19-dev-wasm32"
+      command -v node >/dev/null 2>&1 || packages="$packages nodejs"
+    fi
     ;;
   *)
-    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev g++-mingw-w64-x86-64-win32"
+    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev
+      g++-mingw-w64-x86-64-win32 g++-arm-linux-gnueabihf qemu-user"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
     [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial libcgal-dev
       libmpfr-dev"

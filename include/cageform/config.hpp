@@ -9,16 +9,29 @@
 //   CAGEFORM_DETERMINISTIC           if defined, clones and clips come out the same to the bit
 //                                    whatever the compiler, its level of optimisation and the
 //                                    registers: every product and every sum is rounded by itself,
-//                                    and sums are taken in one order. GNU and clang, x86-64 and
-//                                    64-bit ARM, not with -ffast-math. Clones from caches take as
+//                                    and sums are taken in one order. GNU and clang; x86-64, ARM and
+//                                    WebAssembly; not with -ffast-math, nor with registers on 32-bit
+//                                    ARM, whose NEON takes denormal numbers for zero: there compile
+//                                    for VFP (-mfpu=vfpv4-d16), or set CAGEFORM_REGISTER_BYTES to 0,
+//                                    nor with WebAssembly's relaxed SIMD. Clones from caches take as
 //                                    long, from memory up to a third longer, clips up to twice as
 //                                    long. Left out: what is bound, normals, and angles and
 //                                    rotations of a RigidMotion, which take sines from the standard
 //                                    library.
 //
-// All change code, and so do -fno-exceptions and -ffast-math. All are part of the inline namespace
-// CAGEFORM_ABI (of an assert of one's own, only that it is one): two files compiled with different
-// settings have different names for everything instead of one name for two things.
+// All change code, and so do -fno-exceptions, -ffast-math and the fused multiply-add of the processor
+// (-mfma). All are part of the inline namespace CAGEFORM_ABI (of an assert of one's own, only that it
+// is one): two files compiled with different settings have different names for everything instead of
+// one name for two things. No macro tells -ffp-contract: it must be the same in all files.
+//
+// One program for processors from SSE2 to AVX-512: put what calls cageform every frame into a file of
+// its own, compile it once for each level (as it is, with -mavx2 -mfma, with -mavx512f -mavx512dq -mfma)
+// and choose at the start by __builtin_cpu_supports. Functions between these files and the rest must
+// take and return nothing of this namespace and no class with inline functions, but pointers and sizes:
+// numbers of poses and points, and the bytes of a packed binding or figure, which are the same on all
+// levels. Inline functions of others, of the standard library too, have one name on all levels, and a
+// linker keeps the one that it meets first: link the lowest level first, and optimise. Bits differ
+// between the levels unless CAGEFORM_DETERMINISTIC is defined. tests/levels is such a program.
 //
 // There is no macro for allocation. Nothing called every frame allocates: clones, samples of clips,
 // normals. What owns memory (Binding, PackedBinding, PiecewiseCubic, CageClip and their cursors)
@@ -71,15 +84,30 @@
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "CAGEFORM_DETERMINISTIC and -ffast-math contradict each other"
 #endif
+#if defined(__arm__) && defined(__ARM_NEON) && CAGEFORM_REGISTER_BYTES != 0
+#error "CAGEFORM_DETERMINISTIC on 32-bit ARM: for VFP (-mfpu=vfpv4-d16), or CAGEFORM_REGISTER_BYTES of 0"
+#endif
+#if defined(__wasm_relaxed_simd__)
+#error "CAGEFORM_DETERMINISTIC and WebAssembly's relaxed SIMD contradict each other"
+#endif
 #if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0
 #error                                                                                                       \
     "CAGEFORM_DETERMINISTIC needs arithmetic in the precision of its operands (on i386: -msse2 -mfpmath=sse)"
 #endif
 #endif
 
-#define CAGEFORM_DETAIL_JOIN_EXPANDED(major, minor, assert_tag, exceptions_tag, math_tag, bytes)             \
-    v##major##_##minor##_##assert_tag##exceptions_tag##math_tag##bytes
+#if defined(__FMA__) || defined(__FMA4__) || defined(__aarch64__) || defined(__ARM_FEATURE_FMA) ||           \
+    defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF)
+#define CAGEFORM_DETAIL_FUSED
+#define CAGEFORM_DETAIL_FUSED_TAG _fma
+#else
+#define CAGEFORM_DETAIL_FUSED_TAG
+#endif
+
+#define CAGEFORM_DETAIL_JOIN_EXPANDED(major, minor, assert_tag, exceptions_tag, math_tag, bytes, fused_tag)  \
+    v##major##_##minor##_##assert_tag##exceptions_tag##math_tag##bytes##fused_tag
 #define CAGEFORM_DETAIL_JOIN(...) CAGEFORM_DETAIL_JOIN_EXPANDED(__VA_ARGS__)
 #define CAGEFORM_ABI                                                                                         \
     CAGEFORM_DETAIL_JOIN(CAGEFORM_VERSION_MAJOR, CAGEFORM_VERSION_MINOR, CAGEFORM_DETAIL_ASSERT_TAG,         \
-                         CAGEFORM_DETAIL_EXCEPTIONS_TAG, CAGEFORM_DETAIL_MATH_TAG, CAGEFORM_REGISTER_BYTES)
+                         CAGEFORM_DETAIL_EXCEPTIONS_TAG, CAGEFORM_DETAIL_MATH_TAG, CAGEFORM_REGISTER_BYTES,  \
+                         CAGEFORM_DETAIL_FUSED_TAG)

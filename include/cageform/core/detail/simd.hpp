@@ -73,9 +73,21 @@ CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
     __asm__("" : "+v"(r));
 #elif defined(__GNUC__) && defined(__aarch64__)
     __asm__("" : "+w"(r));
-#elif defined(CAGEFORM_DETERMINISTIC)
-#error "CAGEFORM_DETERMINISTIC knows GNU and clang on x86 and 64-bit ARM"
-#endif
+#elif defined(__GNUC__) && defined(__arm__) && defined(CAGEFORM_DETAIL_FUSED)
+    if constexpr (!std::is_arithmetic_v<R>) { // a register that is made of scalars
+        for (std::size_t lane = 0; lane < sizeof(r) / sizeof(r[0]); ++lane) {
+            auto x = r[lane];
+            conceal(x);
+            r[lane] = x;
+        }
+    } else if constexpr (sizeof(r) == 4) {
+        __asm__("" : "+t"(r));
+    } else {
+        __asm__("" : "+w"(r));
+    }
+#elif defined(CAGEFORM_DETERMINISTIC) && !(defined(__GNUC__) && (defined(__arm__) || defined(__wasm__)))
+#error "CAGEFORM_DETERMINISTIC knows GNU and clang on x86 with SSE2, on ARM and on WebAssembly"
+#endif // the others have no instruction that merges
 }
 
 /// a · b of numbers or registers; under CAGEFORM_DETERMINISTIC rounded before it meets a sum.
@@ -95,7 +107,7 @@ template <class R>
 CAGEFORM_DETAIL_INLINE inline R multiply_add(R a, R b, R c) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
     return product(a, b) + c;
-#elif defined(__clang__) && (defined(__FMA__) || defined(__aarch64__))
+#elif defined(__clang__) && defined(CAGEFORM_DETAIL_FUSED)
     return __builtin_elementwise_fma(a, b, c); // clang does not merge across functions by itself
 #else
     return a * b + c;
