@@ -25,7 +25,8 @@ set(third_party_grid/detail/elimination.hpp Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
 set(light_folders core clone ${waist} animate/piecewise_cubic.hpp animate/quantised_cubic.hpp animate/curve_bank.hpp
-                  animate/extrapolation.hpp animate/track.hpp animate/rigid_motion.hpp animate/clip.hpp)
+                  animate/extrapolation.hpp animate/track.hpp animate/rigid_motion.hpp animate/clip.hpp
+                  animate/clip_blob.hpp)
 set(exempt_from_light core/threads.hpp core/running.hpp)
 
 cmake_policy(VERSION 3.25)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/animate/clip.hpp>
+#include <cageform/animate/clip_blob.hpp>
 #include <cageform/animate/quantised_cubic.hpp>
 #include <cageform/animate/track.hpp>
 #include <cageform/clone/clone.hpp>

@@ -6,9 +6,62 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+/// A clip that lies elsewhere: in a `CageClip`, or in packed memory (animate/clip_blob.hpp), which
+/// is played by the same code. Owns nothing.
+template <Scalar T, std::size_t D>
+struct CageClipView {
+    static_assert(D == 2 || D == 3);
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+    using Cursor = CurveCursor<T>;
+
+    CurveBankView<T> bank; ///< #vertices · D, the coordinates of a vertex side by side
+    T first_time = 0, last_time = 0;
+    Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
+    /// 3 · #curves: of each its slope at the first time, at the last, and its rise between them;
+    /// none where no extrapolation takes them.
+    std::span<const T> ends;
+    RigidMotionView<T, D> motion;
+    bool moves = false; ///< by the motion
+
+    std::size_t vertex_count() const noexcept { return bank.size() / D; }
+    T begin() const noexcept { return first_time; }
+    T end() const noexcept { return last_time; }
+
+    /// What a cursor takes: Lanes<T>, of 64 bytes each.
+    std::size_t cursor_rows() const noexcept { return bank.cursor_rows() + block_count<T>(bank.size()); }
+    /// Where a player of the clip is; one for every place that plays it. May throw std::bad_alloc.
+    Cursor make_cursor() const { return bank.started(Cursor(cursor_rows())); }
+    /// The same in memory of the caller, `cursor_rows` at least; allocates nothing.
+    Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
+        CAGEFORM_ASSERT(memory.size() >= cursor_rows(), "memory for a cursor");
+        return bank.started(Cursor(memory));
+    }
+
+    /// The cage's vertices at a time, into `pose` (#vertices): what `clone` takes.
+    void sample(T time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
+        CAGEFORM_ASSERT(pose.size() >= vertex_count(), "a place for every vertex");
+        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "a cursor of this clip");
+        if (bank.size() == 0) return;
+        const auto folded = fold_time(time, first_time, last_time, before, after);
+        const std::span<T> values(cursor.memory()[bank.cursor_rows()].v, bank.size());
+        bank.sample(folded.time, cursor, values);
+        if (folded.turns != 0 || folded.beyond != 0) {
+            const T* const slopes = ends.data() + (folded.beyond < 0 ? 0 : bank.size());
+            const T* const rises = ends.data() + 2 * bank.size();
+            for (std::size_t n = 0; n < bank.size(); ++n)
+                values[n] = folded.extend(values[n], slopes[n], rises[n]);
+        }
+        for (std::size_t i = 0; i < vertex_count(); ++i) {
+            for (std::size_t k = 0; k < D; ++k) pose[i][k] = values[i * D + k];
+        }
+        if (moves) motion.apply(time, pose.first(vertex_count()));
+    }
+};
+
 /// The motion of a cage: a curve for every coordinate of every vertex, and perhaps a rigid motion
 /// on top. Made once, of key frames by `compile_clip` (animate/compile_clip.hpp); `sample`
-/// allocates nothing.
+/// allocates nothing. `pack_clip` (animate/pack_clip.hpp) makes of it what is shipped.
 template <Scalar T, std::size_t D>
 class CageClip {
     static_assert(D == 2 || D == 3);
@@ -16,6 +69,8 @@ class CageClip {
 public:
     using scalar = T;
     static constexpr std::size_t dimension = D;
+    /// Where a player of the clip is; one for every place that plays it.
+    using Cursor = CurveCursor<T>;
 
     CageClip() = default;
 
@@ -34,18 +89,11 @@ public:
             begin_ = curve.begin() < begin_ ? curve.begin() : begin_;
             end_ = curve.end() > end_ ? curve.end() : end_;
         }
-        // What extrapolation takes: values and slopes at the ends.
-        Cursor cursor = make_cursor();
-        first_.resize(curves.size());
-        last_.resize(curves.size());
-        first_slope_.resize(curves.size());
-        last_slope_.resize(curves.size());
-        bank_.sample(end_, cursor.bank_, last_);
-        bank_.sample(begin_, cursor.bank_, first_, first_slope_);
-        for (std::size_t k = 0; k < curves.size(); ++k) {
-            const auto& last = curves[k].pieces().back();
-            last_slope_[k] = curves[k].end() == end_ ? last.derivative(end_) : T(0);
-        }
+        for (const auto& curve : curves)
+            ends_.push_back(curve.begin() == begin_ ? curve.derivative(begin_) : T(0));
+        for (const auto& curve : curves)
+            ends_.push_back(curve.end() == end_ ? curve.pieces().back().derivative(end_) : T(0));
+        for (const auto& curve : curves) ends_.push_back(curve.end_value() - curve.pieces().front().c0);
     }
 
     void set_rigid_motion(RigidMotion<T, D> motion) {
@@ -53,48 +101,26 @@ public:
         moves_ = true;
     }
 
+    CageClipView<T, D> view() const noexcept {
+        return {bank_.view(), begin_, end_, before_, after_, ends_, motion_.view(), moves_};
+    }
+
     std::size_t vertex_count() const noexcept { return bank_.size() / D; }
     T begin() const noexcept { return begin_; }
     T end() const noexcept { return end_; }
-    std::size_t bytes() const noexcept { return bank_.bytes(); }
-
-    /// Where a player of the clip is; one for every place that plays it.
-    class Cursor {
-    public:
-        Cursor() = default;
-
-    private:
-        friend class CageClip;
-        typename CurveBank<T>::Cursor bank_;
-        std::vector<T> values_;
-    };
-    Cursor make_cursor() const {
-        Cursor cursor;
-        cursor.bank_ = bank_.make_cursor();
-        cursor.values_.resize(bank_.size());
-        return cursor;
-    }
+    std::size_t bytes() const noexcept { return bank_.bytes(); } ///< of memory
+    Cursor make_cursor() const { return view().make_cursor(); }
 
     /// The cage's vertices at a time, into `pose` (#vertices): what `clone` takes.
     void sample(T time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
-        CAGEFORM_ASSERT(pose.size() >= vertex_count(), "a place for every vertex");
-        const auto folded = fold_time(time, begin_, end_, before_, after_);
-        bank_.sample(folded.time, cursor.bank_, cursor.values_);
-        for (std::size_t i = 0; i < vertex_count(); ++i) {
-            for (std::size_t k = 0; k < D; ++k) {
-                const std::size_t n = i * D + k;
-                const T slope = folded.beyond < 0 ? first_slope_[n] : last_slope_[n];
-                pose[i][k] = folded.extend(cursor.values_[n], slope, last_[n] - first_[n]);
-            }
-        }
-        if (moves_) motion_.apply(time, pose.first(vertex_count()));
+        view().sample(time, cursor, pose);
     }
 
 private:
     CurveBank<T> bank_;
     T begin_ = 0, end_ = 0;
     Extrapolation before_ = Extrapolation::constant, after_ = Extrapolation::constant;
-    std::vector<T> first_, last_, first_slope_, last_slope_; ///< of every curve at the clip's ends
+    std::vector<T> ends_;
     RigidMotion<T, D> motion_;
     bool moves_ = false;
 };

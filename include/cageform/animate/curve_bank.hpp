@@ -3,6 +3,7 @@
 
 #include <cageform/animate/piecewise_cubic.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -10,88 +11,92 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Many curves at one time, as the coordinates of a cage's vertices. They need no common knots.
-///
-/// A cursor holds the current piece of every curve in rows of a cache line. The beginnings of all
-/// pieces in the order of time tell which curves enter another piece between two times, forwards
-/// and backwards.
-///
-///   cost    of play, a few operations and five loads a value, whole vector registers at a time,
-///           and a few nanoseconds for each curve that enters another piece; of a jump, a search
-///           among the pieces of each curve
-///   memory  five scalars, two indices and a time a piece; a cursor, five scalars a curve
+/// A curve of a bank. Its knots are where its pieces begin, and where the last one ends.
 template <Scalar T>
-class CurveBank {
+struct BankCurve {
+    std::uint32_t first_knot = 0;  ///< #pieces + 1, up to the first one of the next curve
+    std::uint32_t first_piece = 0; ///< among the pieces of its format
+    std::uint32_t quantised = 0;   ///< 1: its pieces are in 16 bits a coefficient
+    std::uint32_t reserved = 0;
+    T end_value = 0;     ///< held from the last knot on
+    T low = 0, step = 0; ///< of 16 bits: coefficient n stands for low + n · step
+};
+
+/// A curve enters a piece at a knot.
+struct BankEntry {
+    std::uint32_t knot, curve;
+
+    friend bool operator==(const BankEntry&, const BankEntry&) = default;
+};
+
+template <Scalar T>
+struct CurveBankView;
+
+/// The pieces of all curves at the time last asked for. One for every place that plays a bank or a
+/// clip; made once, used every frame.
+template <Scalar T>
+class CurveCursor {
 public:
+    CurveCursor() = default;
+    /// In memory of the caller, which stays as long as the cursor; copies share it.
+    explicit CurveCursor(std::span<Lanes<T>> memory) noexcept
+        : given_(memory) {}
+    /// In memory of its own.
+    explicit CurveCursor(std::size_t rows)
+        : own_(rows) {}
+
+    std::span<Lanes<T>> memory() noexcept { return own_.empty() ? given_ : std::span<Lanes<T>>(own_); }
+
+private:
+    friend struct CurveBankView<T>;
+    std::vector<Lanes<T>> own_;
+    std::span<Lanes<T>> given_;
+    std::size_t entered_ = 0; ///< entries up to the time
+};
+
+/// A bank that lies elsewhere: in a `CurveBank`, or in a packed clip.
+template <Scalar T>
+struct CurveBankView {
     using scalar = T;
+    using Cursor = CurveCursor<T>;
 
-    CurveBank() = default;
-    explicit CurveBank(std::span<const PiecewiseCubic<T>> curves) {
-        for (const auto& curve : curves) {
-            CAGEFORM_ASSERT(!curve.empty(), "curves with pieces");
-            const auto of = std::uint32_t(first_.size());
-            first_.push_back(std::uint32_t(pieces_.size()));
-            const auto constant = [](T value) { return CubicPiece<T>{T(0), value, T(0), T(0), T(0)}; };
-            pieces_.push_back(constant(curve.pieces().front().c0));
-            for (const auto& piece : curve.pieces()) {
-                entries_.push_back({piece.begin, std::uint32_t(pieces_.size()), of});
-                pieces_.push_back(piece);
-            }
-            // At the end itself still in the last piece, for its slope, unless the value jumps.
-            const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
-            ends_.push_back(jumps ? curve.end()
-                                  : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
-            entries_.push_back({ends_.back(), std::uint32_t(pieces_.size()), of});
-            pieces_.push_back(constant(curve.end_value()));
-        }
-        // A time and a piece occur together once, so that the order is the same with every library.
-        if (entries_.empty()) return;
-        std::qsort(entries_.data(), entries_.size(), sizeof(Entry), [](const void* a, const void* b) {
-            const auto &first = *static_cast<const Entry*>(a), &second = *static_cast<const Entry*>(b);
-            if (first.time != second.time) return first.time < second.time ? -1 : 1;
-            return first.piece < second.piece ? -1 : 1;
-        });
-    }
+    std::span<const BankCurve<T>> curves;
+    std::span<const T> knots;                            ///< of all curves, one after the other
+    std::span<const std::array<T, 4>> pieces;            ///< c0 … c3 of CubicPiece
+    std::span<const std::array<std::uint16_t, 4>> steps; ///< Bernstein coefficients, of quantised curves
+    std::span<const BankEntry> entries;                  ///< #knots: by time, then by knot
 
-    std::size_t size() const noexcept { return first_.size(); } ///< curves
+    std::size_t size() const noexcept { return curves.size(); } ///< curves
     std::size_t bytes() const noexcept {
-        return pieces_.size() * sizeof(CubicPiece<T>) + entries_.size() * sizeof(Entry) +
-               first_.size() * (sizeof(std::uint32_t) + sizeof(T));
+        return curves.size_bytes() + knots.size_bytes() + pieces.size_bytes() + steps.size_bytes() +
+               entries.size_bytes();
+    }
+    std::size_t piece_count(std::size_t curve) const noexcept {
+        const std::size_t end = curve + 1 < size() ? curves[curve + 1].first_knot : knots.size();
+        return end - curves[curve].first_knot - 1;
+    }
+    /// A piece of a curve; before the first one (0) and after the last (#pieces + 1) a constant.
+    CubicPiece<T> piece(std::size_t curve, std::size_t place) const noexcept {
+        const BankCurve<T>& c = curves[curve];
+        if (place > piece_count(curve)) return constant(c.end_value);
+        const std::size_t n = place > 0 ? place - 1 : 0;
+        const auto piece = c.quantised != 0 ? decoded(c, n) : stored(c, n);
+        return place > 0 ? piece : constant(piece.c0);
     }
 
-    /// The pieces of all curves at the time last asked for. One for every place that plays a bank;
-    /// made once, used every frame.
-    class Cursor {
-    public:
-        Cursor() = default;
-
-    private:
-        friend class CurveBank;
-        struct Block {
-            Lanes<T> begin, c0, c1, c2, c3;
-
-            CubicPiece<T> piece(std::size_t lane) const noexcept {
-                return {begin[lane], c0[lane], c1[lane], c2[lane], c3[lane]};
-            }
-            void set(std::size_t lane, const CubicPiece<T>& p) noexcept {
-                begin[lane] = p.begin;
-                c0[lane] = p.c0;
-                c1[lane] = p.c1;
-                c2[lane] = p.c2;
-                c3[lane] = p.c3;
-            }
-        };
-        std::vector<Block> blocks_;
-        std::size_t entered_ = 0; ///< entries up to the time
-    };
-    Cursor make_cursor() const {
-        Cursor cursor;
-        cursor.blocks_.resize(block_count<T>(size()));
-        for (auto& block : cursor.blocks_) {
+    /// What a cursor takes: Lanes<T>.
+    std::size_t cursor_rows() const noexcept { return rows * block_count<T>(size()); }
+    Cursor make_cursor() const { return started(Cursor(cursor_rows())); }
+    /// In memory of the caller, `cursor_rows` at least; allocates nothing.
+    Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept { return started(Cursor(memory)); }
+    /// Sets a cursor of such memory to the time before all curves.
+    Cursor started(Cursor cursor) const noexcept {
+        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
+        for (std::size_t b = 0; b < block_count<T>(size()); ++b) {
             for (std::size_t lane = 0; lane < lane_count<T>; ++lane) // zero beyond the last curve
-                block.set(lane, {T(0), T(0), T(0), T(0), T(0)});
+                set(block(cursor, b), lane, constant(T(0)));
         }
-        for (std::size_t k = 0; k < size(); ++k) load(cursor, k, first_[k]);
+        for (std::size_t k = 0; k < size(); ++k) load(cursor, k, 0);
         return cursor;
     }
 
@@ -101,28 +106,37 @@ public:
     void sample(T x, Cursor& cursor, std::span<T> out, std::span<T> slopes = {}) const noexcept {
         CAGEFORM_ASSERT(out.size() >= size() && (slopes.empty() || slopes.size() >= size()),
                         "a place for every curve");
-        CAGEFORM_ASSERT(cursor.blocks_.size() == block_count<T>(size()), "a cursor of this bank");
+        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "a cursor of this bank");
         move_to(x, cursor);
         constexpr std::size_t lanes = lane_count<T>;
-        for (std::size_t b = 0; b < cursor.blocks_.size(); ++b) {
-            const auto& block = cursor.blocks_[b];
+        for (std::size_t b = 0; b < block_count<T>(size()); ++b) {
+            const Lanes<T>* const at = block(cursor, b);
             const std::size_t first = b * lanes, count = size() - first < lanes ? size() - first : lanes;
             Lanes<T> value;
-            for (std::size_t lane = 0; lane < lanes; ++lane) value[lane] = block.piece(lane)(x);
+            for (std::size_t lane = 0; lane < lanes; ++lane) value[lane] = get(at, lane)(x);
             store(value, count, out.data() + first);
             if (slopes.empty()) continue;
-            for (std::size_t lane = 0; lane < lanes; ++lane) value[lane] = block.piece(lane).derivative(x);
+            for (std::size_t lane = 0; lane < lanes; ++lane) value[lane] = get(at, lane).derivative(x);
             store(value, count, slopes.data() + first);
         }
     }
 
 private:
-    /// A curve enters a piece. Before its first and after its last there is a constant one.
-    struct Entry {
-        T time;
-        std::uint32_t piece, curve;
-    };
+    static constexpr std::size_t rows = 5; ///< of a block of a cursor: begin, c0 … c3
 
+    static Lanes<T>* block(Cursor& cursor, std::size_t b) noexcept {
+        return cursor.memory().data() + b * rows;
+    }
+    static CubicPiece<T> get(const Lanes<T>* block, std::size_t lane) noexcept {
+        return {block[0][lane], block[1][lane], block[2][lane], block[3][lane], block[4][lane]};
+    }
+    static void set(Lanes<T>* block, std::size_t lane, const CubicPiece<T>& p) noexcept {
+        block[0][lane] = p.begin;
+        block[1][lane] = p.c0;
+        block[2][lane] = p.c1;
+        block[3][lane] = p.c2;
+        block[4][lane] = p.c3;
+    }
     static void store(const Lanes<T>& value, std::size_t count, T* out) noexcept {
         if (count == lane_count<T>) {
             for (std::size_t lane = 0; lane < lane_count<T>; ++lane) out[lane] = value[lane];
@@ -130,14 +144,28 @@ private:
             for (std::size_t lane = 0; lane < count; ++lane) out[lane] = value[lane];
         }
     }
-    void load(Cursor& cursor, std::size_t curve, std::size_t piece) const noexcept {
-        cursor.blocks_[curve / lane_count<T>].set(curve % lane_count<T>, pieces_[piece]);
+    static CubicPiece<T> constant(T value) noexcept { return {T(0), value, T(0), T(0), T(0)}; }
+    CubicPiece<T> stored(const BankCurve<T>& c, std::size_t n) const noexcept {
+        const auto& p = pieces[c.first_piece + n];
+        return {knots[c.first_knot + n], p[0], p[1], p[2], p[3]};
+    }
+    /// From 16 bits: the differences of whole numbers are exact.
+    CubicPiece<T> decoded(const BankCurve<T>& c, std::size_t n) const noexcept {
+        const auto& b = steps[c.first_piece + n];
+        const T begin = knots[c.first_knot + n], h = knots[c.first_knot + n + 1] - begin;
+        const int b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+        const T d1 = c.step * T(3 * (b1 - b0)), d2 = c.step * T(3 * (b2 - 2 * b1 + b0)),
+                d3 = c.step * T(b3 - 3 * (b2 - b1) - b0);
+        return {begin, detail::multiply_add(c.step, T(b0), c.low), d1 / h, d2 / h / h, d3 / h / h / h};
+    }
+    void load(Cursor& cursor, std::size_t curve, std::size_t place) const noexcept {
+        set(block(cursor, curve / lane_count<T>), curve % lane_count<T>, piece(curve, place));
     }
 
     void move_to(T x, Cursor& cursor) const noexcept {
         std::size_t& e = cursor.entered_;
-        const auto time = [&](std::size_t i) { return entries_[i].time; };
-        const std::size_t count = entries_.size(), most = 4 * size();
+        const auto time = [&](std::size_t i) { return knots[entries[i].knot]; };
+        const std::size_t count = entries.size(), most = 4 * size();
         // Of a far jump a search a curve, in place of more than four entries a curve.
         const bool far_forward = e + most < count && time(e + most) <= x;
         if (far_forward || (e > most && time(e - most - 1) > x)) {
@@ -145,22 +173,89 @@ private:
             for (std::size_t k = 0; k < size(); ++k) load(cursor, k, locate(k, x));
             return;
         }
-        for (; e < count && time(e) <= x; ++e) load(cursor, entries_[e].curve, entries_[e].piece);
-        for (; e > 0 && time(e - 1) > x; --e) load(cursor, entries_[e - 1].curve, entries_[e - 1].piece - 1);
+        const auto place = [&](const BankEntry& entry) {
+            return entry.knot - curves[entry.curve].first_knot;
+        };
+        for (; e < count && time(e) <= x; ++e) load(cursor, entries[e].curve, place(entries[e]) + 1);
+        for (; e > 0 && time(e - 1) > x; --e) load(cursor, entries[e - 1].curve, place(entries[e - 1]));
     }
-    /// The piece of a curve at a time, which may be one of the two constants.
+    /// The place of a curve's piece at a time, which may be one of the two constants.
     std::size_t locate(std::size_t curve, T x) const noexcept {
-        const std::size_t before = first_[curve], first = before + 1;
-        const std::size_t after = (curve + 1 < size() ? first_[curve + 1] : pieces_.size()) - 1;
-        const auto begin = [&](std::size_t i) { return pieces_[first + i].begin; };
-        if (x >= ends_[curve]) return after;
-        return x < begin(0) ? before : first + detail::last_up_to(x, after - first, begin);
+        const T* const of_curve = knots.data() + curves[curve].first_knot;
+        const std::size_t pieces_of_curve = piece_count(curve);
+        if (x >= of_curve[pieces_of_curve]) return pieces_of_curve + 1;
+        if (x < of_curve[0]) return 0;
+        return detail::last_up_to(x, pieces_of_curve, [of_curve](std::size_t i) { return of_curve[i]; }) + 1;
+    }
+};
+
+/// Many curves at one time, as the coordinates of a cage's vertices. They need no common knots.
+///
+/// A cursor holds the current piece of every curve in rows of a cache line. The knots of all curves
+/// in the order of time tell which curves enter another piece between two times, forwards and
+/// backwards.
+///
+///   cost    of play, a few operations and five loads a value, whole vector registers at a time,
+///           and a few nanoseconds for each curve that enters another piece; of a jump, a search
+///           among the pieces of each curve
+///   memory  five scalars and two indices a piece; a cursor, five scalars a curve
+template <Scalar T>
+class CurveBank {
+public:
+    using scalar = T;
+    using Cursor = CurveCursor<T>;
+
+    CurveBank() = default;
+    explicit CurveBank(std::span<const PiecewiseCubic<T>> curves) {
+        std::vector<Entry> entries;
+        for (const auto& curve : curves) {
+            CAGEFORM_ASSERT(!curve.empty(), "curves with pieces");
+            const auto add_knot = [&, of = std::uint32_t(curves_.size())](T time) {
+                entries.push_back({time, {std::uint32_t(knots_.size()), of}});
+                knots_.push_back(time);
+            };
+            BankCurve<T> made;
+            made.first_knot = std::uint32_t(knots_.size());
+            made.first_piece = std::uint32_t(pieces_.size());
+            made.end_value = curve.end_value();
+            for (const auto& piece : curve.pieces()) {
+                add_knot(piece.begin);
+                pieces_.push_back({piece.c0, piece.c1, piece.c2, piece.c3});
+            }
+            // At the end itself still in the last piece, for its slope, unless the value jumps.
+            const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
+            add_knot(jumps ? curve.end() : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
+            curves_.push_back(made);
+        }
+        if (entries.empty()) return;
+        // A time and a knot occur together once, so that the order is the same with every library.
+        std::qsort(entries.data(), entries.size(), sizeof(Entry), [](const void* a, const void* b) {
+            const auto &first = *static_cast<const Entry*>(a), &second = *static_cast<const Entry*>(b);
+            if (first.time != second.time) return first.time < second.time ? -1 : 1;
+            return first.entry.knot < second.entry.knot ? -1 : 1;
+        });
+        for (const Entry& entry : entries) entries_.push_back(entry.entry);
     }
 
-    std::vector<CubicPiece<T>> pieces_; ///< of all curves, each between two constants
-    std::vector<std::uint32_t> first_;  ///< of every curve
-    std::vector<T> ends_;               ///< of every curve: from where its value is held
-    std::vector<Entry> entries_;        ///< by time
+    CurveBankView<T> view() const noexcept { return {curves_, knots_, pieces_, {}, entries_}; }
+
+    std::size_t size() const noexcept { return curves_.size(); }  ///< curves
+    std::size_t bytes() const noexcept { return view().bytes(); } ///< of memory
+    Cursor make_cursor() const { return view().make_cursor(); }
+    void sample(T x, Cursor& cursor, std::span<T> out, std::span<T> slopes = {}) const noexcept {
+        view().sample(x, cursor, out, slopes);
+    }
+
+private:
+    struct Entry {
+        T time;
+        BankEntry entry;
+    };
+
+    std::vector<BankCurve<T>> curves_;
+    std::vector<T> knots_;
+    std::vector<std::array<T, 4>> pieces_;
+    std::vector<BankEntry> entries_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -44,6 +44,56 @@ std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
 
 } // namespace detail
 
+/// A piecewise cubic that lies elsewhere: in a `PiecewiseCubic`, or in a packed clip.
+template <Scalar T>
+struct PiecewiseCubicView {
+    using scalar = T;
+
+    std::span<const CubicPiece<T>> pieces;
+    const T* begins = nullptr; ///< of the pieces, side by side to be searched
+    T end = 0, end_value = 0;
+
+    bool empty() const noexcept { return pieces.empty(); }
+    T begin() const noexcept { return pieces.front().begin; }
+
+    /// The piece at a time, for a curve that is not empty: the last that begins not later. O(log
+    /// #pieces).
+    std::size_t locate(T x) const noexcept {
+        return detail::last_up_to(x, pieces.size(), [begin = begins](std::size_t i) { return begin[i]; });
+    }
+    /// The same where it is likely to be `hint` or the next piece, as in forward play: O(1) then.
+    std::size_t locate(T x, std::size_t hint) const noexcept {
+        if (hint < pieces.size() && pieces[hint].begin <= x) {
+            if (hint + 1 == pieces.size() || x < pieces[hint + 1].begin) return hint;
+            if (hint + 2 == pieces.size() || x < pieces[hint + 2].begin) return hint + 1;
+        }
+        return locate(x);
+    }
+
+    T operator()(T x) const noexcept {
+        if (x >= end) return end_value;
+        const T inside = held(x);
+        return pieces[locate(inside)](inside);
+    }
+    /// `cursor`: what the last call left there, 0 at first.
+    T operator()(T x, std::size_t& cursor) const noexcept {
+        if (x >= end) {
+            cursor = pieces.size() - 1;
+            return end_value;
+        }
+        const T inside = held(x);
+        cursor = locate(inside, cursor);
+        return pieces[cursor](inside);
+    }
+    /// By time; 0 where the value is held. At the end, that of the last piece.
+    T derivative(T x) const noexcept {
+        return x >= pieces.front().begin && x <= end ? pieces[locate(x)].derivative(x) : T(0);
+    }
+
+private:
+    T held(T x) const noexcept { return x < begins[0] ? begins[0] : x; }
+};
+
 /// Cubic pieces one after the other, in the units of their keys. Six scalars a piece. Outside of
 /// them the nearest value is held; `Track` (animate/track.hpp) extrapolates.
 template <Scalar T>
@@ -72,46 +122,19 @@ public:
         }
     }
 
+    PiecewiseCubicView<T> view() const noexcept { return {pieces_, begins_.data(), end_, end_value_}; }
+
     bool empty() const noexcept { return pieces_.empty(); }
     std::span<const CubicPiece<T>> pieces() const noexcept { return pieces_; }
     T begin() const noexcept { return pieces_.front().begin; }
     T end() const noexcept { return end_; }
     T end_value() const noexcept { return end_value_; } ///< from there on
 
-    /// The piece at a time, for a curve that is not empty: the last that begins not later. O(log
-    /// #pieces).
-    std::size_t locate(T x) const noexcept {
-        return detail::last_up_to(x, pieces_.size(),
-                                  [begin = begins_.data()](std::size_t i) { return begin[i]; });
-    }
-    /// The same where it is likely to be `hint` or the next piece, as in forward play: O(1) then.
-    std::size_t locate(T x, std::size_t hint) const noexcept {
-        if (hint < pieces_.size() && pieces_[hint].begin <= x) {
-            if (hint + 1 == pieces_.size() || x < pieces_[hint + 1].begin) return hint;
-            if (hint + 2 == pieces_.size() || x < pieces_[hint + 2].begin) return hint + 1;
-        }
-        return locate(x);
-    }
-
-    T operator()(T x) const noexcept {
-        if (x >= end_) return end_value_;
-        const T inside = held(x);
-        return pieces_[locate(inside)](inside);
-    }
-    /// `cursor`: what the last call left there, 0 at first.
-    T operator()(T x, std::size_t& cursor) const noexcept {
-        if (x >= end_) {
-            cursor = pieces_.size() - 1;
-            return end_value_;
-        }
-        const T inside = held(x);
-        cursor = locate(inside, cursor);
-        return pieces_[cursor](inside);
-    }
-    /// By time; 0 where the value is held. At the end, that of the last piece.
-    T derivative(T x) const noexcept {
-        return x >= pieces_.front().begin && x <= end_ ? pieces_[locate(x)].derivative(x) : T(0);
-    }
+    std::size_t locate(T x) const noexcept { return view().locate(x); }
+    std::size_t locate(T x, std::size_t hint) const noexcept { return view().locate(x, hint); }
+    T operator()(T x) const noexcept { return view()(x); }
+    T operator()(T x, std::size_t& cursor) const noexcept { return view()(x, cursor); }
+    T derivative(T x) const noexcept { return view().derivative(x); }
     /// Values at many times; fastest where they ascend.
     void sample(std::span<const T> times, std::span<T> out) const noexcept {
         CAGEFORM_ASSERT(out.size() >= times.size(), "a place for every time");
@@ -120,8 +143,6 @@ public:
     }
 
 private:
-    T held(T x) const noexcept { return x < begins_.front() ? begins_.front() : x; }
-
     std::vector<CubicPiece<T>> pieces_;
     std::vector<T> begins_; ///< of the pieces, side by side to be searched
     T end_ = 0, end_value_ = 0;

@@ -3,6 +3,7 @@
 
 #include <cageform/animate/piecewise_cubic.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -50,6 +51,12 @@ public:
     std::size_t size() const noexcept { return pieces_.size(); }
     T error_bound() const noexcept { return step_ / 2; } ///< apart from roundings of T
     std::size_t bytes() const noexcept { return pieces_.size() * sizeof(Piece) + 4 * sizeof(T); }
+    /// Of a piece; coefficient n stands for low + n · step.
+    const std::array<std::uint16_t, 4>& coefficients(std::size_t piece) const noexcept {
+        return pieces_[piece].b;
+    }
+    T low() const noexcept { return low_; }
+    T step() const noexcept { return step_; }
 
     /// Of a curve that is not empty.
     T operator()(T x) const noexcept {
@@ -70,7 +77,7 @@ public:
 private:
     struct Piece {
         T begin;
-        std::uint16_t b[4];
+        std::array<std::uint16_t, 4> b;
     };
     std::vector<Piece> pieces_;
     T end_ = 0, end_value_ = 0, low_ = 0, step_ = 0;

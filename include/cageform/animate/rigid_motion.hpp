@@ -41,16 +41,13 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
     return q;
 }
 
-/// Turns and moves a cage as a whole, on top of what its vertices do: interpolating the vertices
-/// between two turned poses would shrink the cage in between. Tracks without pieces do nothing.
+/// A rigid motion that lies elsewhere: in a `RigidMotion`, or in a packed clip.
 template <Scalar T, std::size_t D>
-struct RigidMotion {
-    Vec<T, D> pivot{};                    ///< the point about which the cage turns
-    Track<T> angle;                       ///< in the plane: radians, counter-clockwise with y up
-    std::vector<Quaternion<T>> rotations; ///< in space, at keys
-    /// In space, the place among the keys: 2.25 is a quarter of the arc from key 2 to key 3.
-    Track<T> phase;
-    std::array<Track<T>, D> translation{}; ///< after the turn
+struct RigidMotionView {
+    Vec<T, D> pivot{};
+    TrackView<T> turn; ///< in the plane the angle, in space the place among the rotations
+    std::span<const Quaternion<T>> rotations;
+    std::array<TrackView<T>, D> translation{};
 
     /// Moves the points of a pose.
     void apply(T time, std::span<Vec<T, D>> pose) const noexcept {
@@ -69,13 +66,13 @@ private:
     /// The rows of the rotation's matrix.
     Vec<Vec<T, D>, D> rotation(T time) const noexcept {
         if constexpr (D == 2) {
-            if (!angle.curve.empty()) {
-                const T a = angle(time), c = std::cos(a), s = std::sin(a);
+            if (!turn.curve.empty()) {
+                const T a = turn(time), c = std::cos(a), s = std::sin(a);
                 return {{{{c, -s}}, {{s, c}}}};
             }
         } else if (!rotations.empty()) {
             const std::size_t last = rotations.size() - 1;
-            const T place = phase.curve.empty() ? T(0) : phase(time);
+            const T place = turn.curve.empty() ? T(0) : turn(time);
             const T inside = place > T(0) ? (place < T(last) ? place : T(last)) : T(0);
             const std::size_t before = std::size_t(inside);
             const std::size_t from = before < last ? before : (last > 0 ? last - 1 : 0);
@@ -89,6 +86,26 @@ private:
         for (std::size_t k = 0; k < D; ++k) unit[k][k] = T(1);
         return unit;
     }
+};
+
+/// Turns and moves a cage as a whole, on top of what its vertices do: interpolating the vertices
+/// between two turned poses would shrink the cage in between. Tracks without pieces do nothing.
+template <Scalar T, std::size_t D>
+struct RigidMotion {
+    Vec<T, D> pivot{};                    ///< the point about which the cage turns
+    Track<T> angle;                       ///< in the plane: radians, counter-clockwise with y up
+    std::vector<Quaternion<T>> rotations; ///< in space, at keys
+    /// In space, the place among the keys: 2.25 is a quarter of the arc from key 2 to key 3.
+    Track<T> phase;
+    std::array<Track<T>, D> translation{}; ///< after the turn
+
+    RigidMotionView<T, D> view() const noexcept {
+        RigidMotionView<T, D> view{pivot, (D == 2 ? angle : phase).view(), rotations, {}};
+        for (std::size_t k = 0; k < D; ++k) view.translation[k] = translation[k].view();
+        return view;
+    }
+    /// Moves the points of a pose.
+    void apply(T time, std::span<Vec<T, D>> pose) const noexcept { view().apply(time, pose); }
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

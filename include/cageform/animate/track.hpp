@@ -6,6 +6,28 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+/// A track that lies elsewhere: in a `Track`, or in a packed clip.
+template <Scalar T>
+struct TrackView {
+    PiecewiseCubicView<T> curve;
+    Extrapolation before = Extrapolation::constant;
+    Extrapolation after = Extrapolation::constant;
+
+    /// Of a track with pieces; `cursor` as that of the curve.
+    T operator()(T x, std::size_t& cursor) const noexcept {
+        const auto folded = fold_time(x, curve.begin(), curve.end, before, after);
+        const T value = curve(folded.time, cursor);
+        if (folded.turns == 0 && folded.beyond == 0) return value;
+        const auto &first = curve.pieces.front(), &last = curve.pieces.back();
+        const T slope = folded.beyond < 0 ? first.derivative(curve.begin()) : last.derivative(curve.end);
+        return folded.extend(value, slope, curve.end_value - first.c0);
+    }
+    T operator()(T x) const noexcept {
+        std::size_t cursor = 0;
+        return (*this)(x, cursor);
+    }
+};
+
 /// A curve with its extrapolation. Made by `compile_track` (animate/compile_track.hpp).
 template <Scalar T>
 struct Track {
@@ -13,19 +35,11 @@ struct Track {
     Extrapolation before = Extrapolation::constant;
     Extrapolation after = Extrapolation::constant;
 
+    TrackView<T> view() const noexcept { return {curve.view(), before, after}; }
+
     /// Of a track with pieces; `cursor` as that of the curve.
-    T operator()(T x, std::size_t& cursor) const noexcept {
-        const auto folded = fold_time(x, curve.begin(), curve.end(), before, after);
-        const T value = curve(folded.time, cursor);
-        if (folded.turns == 0 && folded.beyond == 0) return value;
-        const auto &first = curve.pieces().front(), &last = curve.pieces().back();
-        const T slope = folded.beyond < 0 ? first.derivative(curve.begin()) : last.derivative(curve.end());
-        return folded.extend(value, slope, curve.end_value() - first.c0);
-    }
-    T operator()(T x) const noexcept {
-        std::size_t cursor = 0;
-        return (*this)(x, cursor);
-    }
+    T operator()(T x, std::size_t& cursor) const noexcept { return view()(x, cursor); }
+    T operator()(T x) const noexcept { return view()(x); }
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

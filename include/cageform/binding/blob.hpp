@@ -24,11 +24,7 @@
 #pragma once
 
 #include <cageform/binding/packed_binding.hpp>
-#include <cageform/core/status.hpp>
-
-#include <cstring>
-#include <span>
-#include <vector>
+#include <cageform/core/packed_memory.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -52,51 +48,6 @@ struct BlobHeader {
     std::uint64_t padding = 0;
 };
 static_assert(sizeof(BlobHeader) == 192);
-
-/// 64 bits that differ, surely where one word of eight bytes differs and most likely otherwise. No
-/// defence against forgery. `seed` chains several pieces. About 20 GB/s.
-inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t seed = 0) noexcept {
-    // Eight sums beside each other, each step of which can be undone, so that no difference is lost
-    // on the way.
-    constexpr std::uint64_t prime = 0x9E3779B97F4A7C15u;
-    std::uint64_t sums[8];
-    for (std::size_t j = 0; j < 8; ++j) sums[j] = seed + (j + 1) * prime;
-    const auto add = [&](std::size_t j, std::uint64_t word) {
-        sums[j] = (sums[j] ^ word) * prime;
-        sums[j] ^= sums[j] >> 32;
-    };
-    std::size_t i = 0;
-    for (; i + 64 <= bytes.size(); i += 64) {
-        std::uint64_t words[8];
-        std::memcpy(words, bytes.data() + i, 64);
-        for (std::size_t j = 0; j < 8; ++j) add(j, words[j]);
-    }
-    for (std::size_t j = 0; i < bytes.size(); i += 8, ++j) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, bytes.data() + i, bytes.size() - i < 8 ? bytes.size() - i : 8);
-        add(j, word);
-    }
-    std::uint64_t hash = bytes.size() * prime;
-    for (const std::uint64_t sum : sums) {
-        hash = (hash ^ sum) * prime;
-        hash ^= hash >> 29;
-    }
-    return hash;
-}
-
-/// The same of anything that lies in a row: the vertices of a cage, the faces of a figure.
-template <class X>
-    requires std::is_trivially_copyable_v<X> std::uint64_t hash_memory(std::span<const X> values,
-                                                                       std::uint64_t seed = 0)
-noexcept {
-    return hash_memory(std::as_bytes(values), seed);
-}
-
-/// How closely a blob is looked at before it is used.
-enum class BlobCheck : std::uint8_t {
-    all,       ///< the checksum too: reads every byte once
-    structure, ///< everything that could make a clone read or write where it may not
-};
 
 struct BlobExpectation {
     std::uint64_t cage_hash = 0;   ///< refuses blobs of other cages; 0: any
@@ -174,13 +125,6 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noe
     return Status::ok;
 }
 
-/// As a machine of the other byte order has it.
-constexpr std::uint64_t byte_swapped(std::uint64_t x) noexcept {
-    std::uint64_t turned = 0;
-    for (int byte = 0; byte < 8; ++byte, x >>= 8) turned = (turned << 8) | (x & 0xFFu);
-    return turned;
-}
-
 /// Counts that 32 bits hold keep the products of `for_each_blob_part` below 2^64; rows of dense
 /// blobs are checked by division.
 template <Scalar T, std::size_t D>
@@ -243,23 +187,12 @@ OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectatio
         result.status = status;
         return result;
     };
+    const Status begins = detail::check_prefix(data, detail::prefix_of(BlobHeader{}), sizeof(BlobHeader),
+                                               expected.check, Status::not_a_blob);
+    if (begins != Status::ok) return refused(begins);
     BlobHeader header;
-    if (data.size() < 16 || reinterpret_cast<std::uintptr_t>(data.data()) % 64 != 0)
-        return refused(Status::not_a_blob);
-    std::memcpy(&header, data.data(), data.size() < sizeof(header) ? data.size() : sizeof(header));
-    if (header.magic == detail::byte_swapped(BlobHeader::magic_number))
-        return refused(Status::blob_version_differs);
-    if (header.magic != BlobHeader::magic_number) return refused(Status::not_a_blob);
-    if (header.version == 0 || header.version > BlobHeader::current_version ||
-        header.endian != BlobHeader::endian_tag)
-        return refused(Status::blob_version_differs);
+    std::memcpy(&header, data.data(), sizeof(header));
     if (header.version == 1) header.handle_kinds = header.handle_faces = header.vectors = 0;
-    if (data.size() < sizeof(header) || header.bytes > data.size()) return refused(Status::blob_truncated);
-    if (header.bytes < sizeof(header) || header.bytes % 64 != 0) return refused(Status::blob_malformed);
-    constexpr std::size_t checked_from = 32;
-    if (expected.check == BlobCheck::all &&
-        hash_memory(data.subspan(checked_from, std::size_t(header.bytes) - checked_from)) != header.checksum)
-        return refused(Status::blob_corrupt);
     if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
     const Status status = detail::check_blob<T, D>(data.data(), header);
     if (status != Status::ok) return refused(status);
@@ -292,25 +225,19 @@ public:
                                              if (wanted) end += (bytes + 63) / 64 * 64;
                                          });
         header.bytes = end;
-        memory_.resize(std::size_t(end / 64));
-        std::memset(data(), 0, std::size_t(end));
-        std::memcpy(data(), &header, sizeof(header));
+        memory_.resize(end);
+        std::memcpy(memory_.data(), &header, sizeof(header));
     }
     template <class X>
     X* writable(const X* part_of_view) noexcept {
         return const_cast<X*>(part_of_view); // into memory_, which is not const
     }
-    void seal() noexcept {
-        BlobHeader header;
-        std::memcpy(&header, data(), sizeof(header));
-        header.checksum = hash_memory(bytes().subspan(32));
-        std::memcpy(data(), &header, sizeof(header));
-    }
+    void seal() noexcept { memory_.seal(); }
 
     /// What to write to a file; aligned to 64 bytes.
-    std::span<const std::byte> bytes() const noexcept { return std::as_bytes(std::span(memory_)); }
+    std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
     PackedBindingView<T, D> view() const noexcept {
-        if (memory_.empty()) return {};
+        if (bytes().empty()) return {};
         BlobHeader header;
         std::memcpy(&header, bytes().data(), sizeof(header));
         return detail::view_blob<T, D>(bytes().data(), header);
@@ -318,9 +245,7 @@ public:
     HandleView<T, D> handle_view() const noexcept { return view().handle_view(); }
 
 private:
-    std::byte* data() noexcept { return std::as_writable_bytes(std::span(memory_)).data(); }
-
-    std::vector<Lanes<double>> memory_; // of 64 bytes each
+    detail::PackedMemory memory_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -246,27 +246,6 @@ Status open_tables(OpenedFigure<T, D>& opened) noexcept {
     return Status::ok;
 }
 
-/// What `open_figure` says of the header.
-template <Scalar T, std::size_t D>
-Status check_figure_header(std::span<const std::byte> data, const FigureHeader& header,
-                           BlobCheck check) noexcept {
-    if (header.magic == byte_swapped(FigureHeader::magic_number)) return Status::blob_version_differs;
-    if (header.magic != FigureHeader::magic_number) return Status::not_a_figure;
-    if (header.version != FigureHeader::current_version || header.endian != FigureHeader::endian_tag)
-        return Status::blob_version_differs;
-    if (data.size() < sizeof(header) || header.bytes > data.size()) return Status::blob_truncated;
-    if (header.bytes < sizeof(header) || header.bytes % 64 != 0) return Status::blob_malformed;
-    constexpr std::size_t checked_from = 32;
-    if (check == BlobCheck::all &&
-        hash_memory(data.subspan(checked_from, std::size_t(header.bytes) - checked_from)) != header.checksum)
-        return Status::blob_corrupt;
-    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return Status::blob_kind_differs;
-    if (header.parts > FigureHeader::most_parts ||
-        header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))
-        return Status::blob_malformed;
-    return Status::ok;
-}
-
 } // namespace detail
 
 /// Makes use of a figure where it lies, in a mapped file for instance; `data` must stay as it is
@@ -292,12 +271,15 @@ noexcept {
         result.culprit = opened.culprit;
         return result;
     };
-    FigureHeader header;
-    if (data.size() < 16 || reinterpret_cast<std::uintptr_t>(data.data()) % 64 != 0)
-        return refused(Status::not_a_figure);
-    std::memcpy(&header, data.data(), data.size() < sizeof(header) ? data.size() : sizeof(header));
-    Status status = detail::check_figure_header<T, D>(data, header, expected.check);
+    Status status = detail::check_prefix(data, detail::prefix_of(FigureHeader{}), sizeof(FigureHeader),
+                                         expected.check, Status::not_a_figure);
     if (status != Status::ok) return refused(status);
+    FigureHeader header;
+    std::memcpy(&header, data.data(), sizeof(header));
+    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
+    if (header.parts > FigureHeader::most_parts ||
+        header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))
+        return refused(Status::blob_malformed);
     opened.figure.data = data.data();
     opened.figure.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
     if (!detail::is_sound(opened.figure.table, header.bytes)) return refused(Status::blob_malformed);
@@ -328,9 +310,8 @@ public:
         std::size_t end = whole(table);
         for (const auto& part : parts) end += whole(part.bytes.size());
         header.bytes = end;
-        memory_.resize(end / 64);
-        std::byte* const data = std::as_writable_bytes(std::span(memory_)).data();
-        std::memset(data, 0, end);
+        memory_.resize(end);
+        std::byte* const data = memory_.data();
         end = whole(table);
         for (std::size_t n = 0; n < parts.size(); ++n) {
             const FigurePart line{parts[n].tag, 0, end, parts[n].bytes.size()};
@@ -339,15 +320,14 @@ public:
             end += whole(parts[n].bytes.size());
         }
         std::memcpy(data, &header, sizeof(header));
-        header.checksum = hash_memory(bytes().subspan(32));
-        std::memcpy(data, &header, sizeof(header));
+        memory_.seal();
     }
 
     /// What to write to a file, and what `open_figure` takes: aligned to 64 bytes.
-    std::span<const std::byte> bytes() const noexcept { return std::as_bytes(std::span(memory_)); }
+    std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
 
 private:
-    std::vector<Lanes<double>> memory_; // of 64 bytes each
+    detail::PackedMemory memory_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI
