@@ -1,6 +1,6 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each folder of include/cageform may include. Includes only ever point left in
-#   core -> cage -> grid -> surface -> coordinates -> binding -> clone        core -> animate
+#   core -> cage -> grid -> surface -> coordinates -> binding -> clone        core -> animate -> binding/figure.hpp
 #                   grid -> enclose
 set(allowed_core core config fwd)
 set(allowed_adapt core)
@@ -13,10 +13,11 @@ set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp binding/figure.hpp clone)
 set(allowed_animate core config animate)
 # The waist: what a game ships may not pull in how it was made.
-set(waist binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp binding/figure.hpp)
+set(waist binding/binding.hpp binding/packed_binding.hpp binding/blob.hpp binding/figure_parts.hpp binding/figure.hpp)
 foreach(header IN LISTS waist)
   set(allowed_${header} core ${waist})
 endforeach()
+list(APPEND allowed_binding/figure.hpp animate/clip_blob.hpp) # a figure is shipped with its clips
 # Third-party headers, by folder.
 set(third_party_adapt Eigen/ glm/)
 set(third_party_binding Eigen/)

@@ -114,13 +114,20 @@ struct FigurePackOptions {
     /// since a point that is off by d beside others that are not turns a surface whose features are
     /// a tenth of the figure by ten times d; none where the points have none.
     double tangent_tolerance = 0;
+    /// Clips that move the figure, as `pack_clip` packs them, each of a name of its own and of as
+    /// many vertices as there are handles, or handles that are points.
+    std::span<const FigureClipData> clips{};
+    /// Levels of less detail, 9 at most: packed figures of the same handles, without levels of their
+    /// own (PackedFigure::bytes).
+    std::span<const std::span<const std::byte>> levels{};
     /// What else is to be in the figure, under tags of its own.
     std::span<const FigurePartData> parts{};
 };
 
 struct FigurePackReport {
     Status status = Status::ok;
-    FigureTag culprit; ///< the part that the status is about; 0: the figure as a whole
+    FigureTag culprit;            ///< the part that the status is about; 0: the figure as a whole
+    std::size_t culprit_clip = 0; ///< with FigureTags::clips: the one of them
     PackReport points;
     std::array<PackReport, 2> vectors; ///< of tangents and bitangents
     std::size_t bytes = 0;             ///< of the figure
@@ -276,7 +283,7 @@ namespace detail {
 
 template <Scalar T, std::size_t D>
 Status check_tags(std::span<const FigurePartData> parts, FigureTag& culprit) noexcept {
-    constexpr std::size_t own = 5;
+    constexpr std::size_t own = 6 + FigureTags::most_levels;
     if (parts.size() > FigureHeader::most_parts - own) return Status::too_many_parts;
     for (std::size_t n = 0; n < parts.size(); ++n) {
         bool taken = FigureTags::has(parts[n].tag) || parts[n].tag == FigureTag{};
@@ -300,12 +307,66 @@ Status check_tables(const FigureBinding<T, D>& figure, FigureTag& culprit) noexc
     return Status::ok;
 }
 
+/// Whether the clips and levels of a figure are of its cage.
+template <Scalar T, std::size_t D>
+Status check_motion(const HandleView<T, D>& handles, const FigurePackOptions& options,
+                    FigurePackReport& report) noexcept {
+    report.culprit = FigureTags::clips;
+    for (std::size_t n = 0; n < options.clips.size(); ++n) {
+        report.culprit_clip = n;
+        const Status status = check_clip_of(open_clip<T, D>(options.clips[n].bytes), handles);
+        if (status != Status::ok) return status;
+        for (const FigureClipData& other : options.clips.first(n)) {
+            if (other.name == options.clips[n].name) return Status::name_taken;
+        }
+    }
+    report.culprit_clip = 0;
+    report.culprit = {};
+    if (options.levels.size() > FigureTags::most_levels) return Status::too_many_parts;
+    for (std::size_t n = 0; n < options.levels.size(); ++n) {
+        report.culprit = FigureTags::level(n + 1);
+        const auto level = open_figure_within<T, D>(options.levels[n], {}, false);
+        if (level.status != Status::ok) return level.status;
+        if (!same_handles(level.figure.handle_view(), handles)) return Status::blob_of_another_cage;
+    }
+    report.culprit = {};
+    return Status::ok;
+}
+
+/// The part of a figure that its clips are.
+inline std::vector<Lanes<double>> packed_clips(std::span<const FigureClipData> clips) {
+    const auto whole = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
+    const std::uint64_t count = clips.size();
+    std::size_t name = sizeof(count) + clips.size() * sizeof(FigureClip), end = name;
+    for (const FigureClipData& clip : clips) end += clip.name.size();
+    end = whole(end);
+    std::vector<FigureClip> lines;
+    for (const FigureClipData& clip : clips) {
+        lines.push_back({end, clip.bytes.size(), static_cast<std::uint32_t>(name),
+                         static_cast<std::uint32_t>(clip.name.size())});
+        name += clip.name.size();
+        end += whole(clip.bytes.size());
+    }
+    std::vector<Lanes<double>> memory(end / 64);
+    std::byte* const data = std::as_writable_bytes(std::span(memory)).data();
+    if (end > 0) std::memset(data, 0, end);
+    std::memcpy(data, &count, sizeof(count));
+    std::memcpy(data + sizeof(count), lines.data(), lines.size() * sizeof(FigureClip));
+    for (std::size_t n = 0; n < clips.size(); ++n) {
+        if (!clips[n].name.empty())
+            std::memcpy(data + lines[n].name, clips[n].name.data(), lines[n].name_bytes);
+        std::memcpy(data + lines[n].offset, clips[n].bytes.data(), clips[n].bytes.size());
+    }
+    return memory;
+}
+
 template <Scalar T, std::size_t D>
 Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,
                   FigurePackResult<T, D>& result) {
     FigurePackReport& report = result.report;
     Status status = check_tags<T, D>(options.parts, report.culprit);
     if (status == Status::ok) status = check_tables(figure, report.culprit);
+    if (status == Status::ok) status = check_motion(figure.points.handle_view(), options, report);
     if (status != Status::ok) return status;
     std::vector<FigurePartData> parts;
     PackOptions how = options.weights;
@@ -343,6 +404,13 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
         parts.push_back({FigureTags::handedness, std::as_bytes(std::span(figure.handedness))});
     const auto labels = figure.label_bytes();
     if (!labels.empty()) parts.push_back({FigureTags::labels, labels});
+    std::vector<Lanes<double>> clips;
+    if (!options.clips.empty()) {
+        clips = packed_clips(options.clips);
+        parts.push_back({FigureTags::clips, std::as_bytes(std::span(clips))});
+    }
+    for (std::size_t n = 0; n < options.levels.size(); ++n)
+        parts.push_back({FigureTags::level(n + 1), options.levels[n]});
     parts.insert(parts.end(), options.parts.begin(), options.parts.end());
     report.culprit = {};
     result.figure = PackedFigure<T, D>(parts);
@@ -353,10 +421,11 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
 } // namespace detail
 
 /// Packs a figure for `open_figure`: its bindings as `pack` does, the tangents in the order of the
-/// points, its labels, and parts of the user's.
+/// points, its labels, clips and levels, and parts of the user's.
 ///
 ///   returns  the packed figure and its report; fails as `pack`, with the part in
-///            FigurePackReport::culprit; tag_taken, too_many_parts; bindings_differ,
+///            FigurePackReport::culprit; tag_taken, name_taken, too_many_parts; of a clip or level, as
+///            `open_clip` and `open_figure`, and blob_of_another_cage; bindings_differ,
 ///            vectors_do_not_match, labels_do_not_match, where the parts of the figure were replaced
 ///            by others that are of different points or handles
 ///   cost     that of `pack` for each binding, and a copy of all parts

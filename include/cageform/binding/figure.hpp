@@ -14,15 +14,17 @@
 //              the figure's own, not just any that make its normals
 //     LABL     (#handles + 1) × uint32, ascending: where the label of a handle begins in the
 //              characters that follow, and where the last one ends; only where there are labels
+//     CLPS     uint64 #clips, #clips × FigureClip, the characters of all names, and packed clips
+//              (animate/clip_blob.hpp) that begin at multiples of 64; only where there are clips
+//     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
 //     …        the user's, under tags of their own
 //
-// The blobs are of the same points in the same order, and of the same handles.
+// The blobs are of the same points in the same order, and of the same handles. Version 1 has no
+// clips and levels, and is what figures without them still are: a part CLPS of it is the user's.
 #pragma once
 
-#include <cageform/binding/blob.hpp>
-
-#include <array>
-#include <string_view>
+#include <cageform/animate/clip_blob.hpp>
+#include <cageform/binding/figure_parts.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -35,61 +37,6 @@ template <class Range>
 inline constexpr bool is_wanted = !std::is_same_v<std::remove_cvref_t<Range>, NoVectors>;
 
 } // namespace detail
-
-/// What a part of a figure is found by: four characters.
-struct FigureTag {
-    std::uint32_t number = 0;
-
-    FigureTag() = default;
-    constexpr FigureTag(const char (&text)[5]) noexcept { // NOLINT(google-explicit-constructor): "TRIS"
-        for (std::size_t n = 4; n-- > 0;) number = number << 8 | static_cast<unsigned char>(text[n]);
-    }
-    std::array<char, 5> text() const noexcept {
-        std::array<char, 5> text{};
-        for (std::size_t n = 0; n < 4; ++n) text[n] = static_cast<char>(number >> (8 * n) & 0xFFu);
-        return text;
-    }
-    friend constexpr bool operator==(const FigureTag&, const FigureTag&) = default;
-};
-
-/// The tags of the library's own parts.
-struct FigureTags {
-    static constexpr FigureTag points = "PNTS", tangents = "TAN1", bitangents = "TAN2", handedness = "HAND",
-                               labels = "LABL";
-
-    static constexpr bool has(FigureTag tag) noexcept {
-        return tag == points || tag == tangents || tag == bitangents || tag == handedness || tag == labels;
-    }
-};
-
-/// The first 64 bytes of a packed figure.
-struct FigureHeader {
-    static constexpr std::uint64_t magic_number = 0x6572756769666763u; // "cgfigure" in little endian
-    static constexpr std::uint32_t current_version = 1, endian_tag = BlobHeader::endian_tag, most_parts = 256;
-
-    std::uint64_t magic = magic_number;
-    std::uint32_t version = current_version;
-    std::uint32_t endian = endian_tag;
-    std::uint64_t bytes = 0;    ///< of the whole figure, a multiple of 64
-    std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
-    std::uint32_t scalar_bytes = 0, dimension = 0, parts = 0, reserved[5] = {};
-};
-static_assert(sizeof(FigureHeader) == 64);
-
-/// A line of the table.
-struct FigurePart {
-    FigureTag tag;
-    std::uint32_t reserved = 0;
-    std::uint64_t offset = 0; ///< from the beginning of the figure, a multiple of 64
-    std::uint64_t bytes = 0;  ///< without what fills the last 64
-};
-static_assert(sizeof(FigurePart) == 24);
-
-/// A part to be packed.
-struct FigurePartData {
-    FigureTag tag;
-    std::span<const std::byte> bytes;
-};
 
 /// The labels of handles; owns nothing.
 struct HandleLabels {
@@ -116,6 +63,7 @@ struct PackedFigureView {
     HandleLabels labels;
     std::span<const FigurePart> table; ///< of a packed figure
     const std::byte* data = nullptr;   ///< where that begins
+    std::span<const FigureClip> clips; ///< of a packed figure
 
     std::size_t handle_count() const noexcept { return points.handle_count(); }
     std::size_t point_count() const noexcept { return points.point_count(); }
@@ -133,6 +81,35 @@ struct PackedFigureView {
         std::size_t handle = 0;
         while (handle < handle_count() && labels[handle] != label) ++handle;
         return handle;
+    }
+
+    /// The clips of a packed figure: poses of the vertices of its cage, which are the handles, or
+    /// those handles that are points where there are vectors (clone/pose_handles.hpp).
+    std::size_t clip_count() const noexcept { return clips.size(); }
+    std::string_view clip_name(std::size_t clip) const noexcept {
+        const auto bytes = part(FigureTags::clips).subspan(clips[clip].name, clips[clip].name_bytes);
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+    /// As `open_clip` gives it.
+    CageClipView<T, D> clip(std::size_t clip) const noexcept {
+        const std::byte* const begin = part(FigureTags::clips).data() + clips[clip].offset;
+        ClipHeader header;
+        std::memcpy(&header, begin, sizeof(header));
+        return detail::view_clip<T, D>(begin, header);
+    }
+    /// The first clip of that name; #clips where there is none.
+    std::size_t find_clip(std::string_view name) const noexcept {
+        std::size_t clip = 0;
+        while (clip < clip_count() && clip_name(clip) != name) ++clip;
+        return clip;
+    }
+
+    /// How many levels of less detail a packed figure has; `open_level` opens them.
+    std::size_t level_count() const noexcept {
+        std::size_t count = 0;
+        while (count < FigureTags::most_levels && part(FigureTags::level(count + 1)).data() != nullptr)
+            ++count;
+        return count;
     }
 
     /// The bytes of a part, at a multiple of 64; none where there is no such part.
@@ -246,6 +223,95 @@ Status open_tables(OpenedFigure<T, D>& opened) noexcept {
     return Status::ok;
 }
 
+/// Whether a clip poses the vertices of a cage: all handles, or those that are points.
+template <Scalar T, std::size_t D>
+Status check_clip_of(const OpenedClip<T, D>& clip, const HandleView<T, D>& handles) noexcept {
+    if (clip.status != Status::ok) return clip.status;
+    const std::size_t vertices = clip.clip.vertex_count();
+    return vertices == handles.count || vertices + handles.vector_count() == handles.count
+               ? Status::ok
+               : Status::blob_of_another_cage;
+}
+
+template <Scalar T, std::size_t D>
+Status open_clips(OpenedFigure<T, D>& opened) noexcept {
+    opened.culprit = FigureTags::clips;
+    const auto bytes = opened.figure.part(opened.culprit);
+    if (bytes.data() == nullptr) return Status::ok;
+    std::uint64_t count = 0;
+    if (bytes.size() < sizeof(count)) return Status::blob_malformed;
+    std::memcpy(&count, bytes.data(), sizeof(count));
+    if (count > (bytes.size() - sizeof(count)) / sizeof(FigureClip)) return Status::blob_malformed;
+    opened.figure.clips = {reinterpret_cast<const FigureClip*>(bytes.data() + sizeof(count)),
+                           static_cast<std::size_t>(count)};
+    for (const FigureClip& clip : opened.figure.clips) {
+        if (clip.name > bytes.size() || clip.name_bytes > bytes.size() - clip.name ||
+            clip.offset > bytes.size() || clip.bytes > bytes.size() - clip.offset)
+            return Status::blob_malformed;
+        const auto packed = bytes.subspan(std::size_t(clip.offset), std::size_t(clip.bytes));
+        const Status status =
+            check_clip_of(open_clip<T, D>(packed, BlobCheck::structure), opened.figure.handle_view());
+        if (status != Status::ok) return status;
+    }
+    return Status::ok;
+}
+
+template <Scalar T, std::size_t D>
+OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const BlobExpectation& expected,
+                                      bool may_have_levels) noexcept;
+
+/// Levels are figures of the same handles, without levels of their own.
+template <Scalar T, std::size_t D>
+Status open_levels(OpenedFigure<T, D>& opened, bool may_have_levels) noexcept {
+    for (std::size_t n = 1; n <= FigureTags::most_levels; ++n) {
+        opened.culprit = FigureTags::level(n);
+        const auto bytes = opened.figure.part(opened.culprit);
+        if (bytes.data() == nullptr) continue;
+        if (!may_have_levels || opened.figure.level_count() < n) return Status::blob_malformed;
+        const auto level = open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
+        if (level.status != Status::ok) return level.status;
+        if (!same_handles(level.figure.handle_view(), opened.figure.handle_view()))
+            return Status::blob_of_another_cage;
+    }
+    return Status::ok;
+}
+
+} // namespace detail
+
+namespace detail {
+
+template <Scalar T, std::size_t D>
+OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const BlobExpectation& expected,
+                                      bool may_have_levels) noexcept {
+    OpenedFigure<T, D> opened;
+    const auto refused = [&opened](Status status) {
+        OpenedFigure<T, D> result;
+        result.status = status;
+        result.culprit = opened.culprit;
+        return result;
+    };
+    Status status = check_prefix(data, prefix_of(FigureHeader{}), sizeof(FigureHeader), expected.check,
+                                 Status::not_a_figure);
+    if (status != Status::ok) return refused(status);
+    FigureHeader header;
+    std::memcpy(&header, data.data(), sizeof(header));
+    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
+    if (header.parts > FigureHeader::most_parts ||
+        header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))
+        return refused(Status::blob_malformed);
+    opened.figure.data = data.data();
+    opened.figure.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
+    if (!is_sound(opened.figure.table, header.bytes)) return refused(Status::blob_malformed);
+    status = open_bindings(opened, expected);
+    if (status == Status::ok) status = open_tables(opened);
+    if (status == Status::ok && header.version > 1) status = open_clips(opened);
+    if (status == Status::ok && header.version > 1) status = open_levels(opened, may_have_levels);
+    if (status != Status::ok) return refused(status);
+    opened.culprit = {};
+    opened.bytes = static_cast<std::size_t>(header.bytes);
+    return opened;
+}
+
 } // namespace detail
 
 /// Makes use of a figure where it lies, in a mapped file for instance; `data` must stay as it is
@@ -256,39 +322,35 @@ Status open_tables(OpenedFigure<T, D>& opened) noexcept {
 ///   returns   not_a_figure; blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
 ///             blob_malformed, blob_of_another_cage, blob_of_another_figure, of the figure or of
 ///             the part `culprit`; bindings_differ, where a part is of other points or handles than
-///             the first, or in another order; or ok. A clone by what was opened never reads or
+///             the first, or in another order; or ok. A clip is of another cage where it has another
+///             number of vertices, a level where it has other handles. What was opened never reads or
 ///             writes out of bounds, whatever the bytes. What the parts of the user hold is not
 ///             looked at
-///   cost      no allocation; with BlobCheck::all reads everything once
+///   cost      no allocation; with BlobCheck::all reads everything once, else the tables and the
+///             clips
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 OpenedFigure<T, D> open_figure(std::span<const std::byte> data, const BlobExpectation& expected = {})
 noexcept {
-    OpenedFigure<T, D> opened;
-    const auto refused = [&opened](Status status) {
-        OpenedFigure<T, D> result;
-        result.status = status;
-        result.culprit = opened.culprit;
-        return result;
-    };
-    Status status = detail::check_prefix(data, detail::prefix_of(FigureHeader{}), sizeof(FigureHeader),
-                                         expected.check, Status::not_a_figure);
-    if (status != Status::ok) return refused(status);
-    FigureHeader header;
-    std::memcpy(&header, data.data(), sizeof(header));
-    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
-    if (header.parts > FigureHeader::most_parts ||
-        header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))
-        return refused(Status::blob_malformed);
-    opened.figure.data = data.data();
-    opened.figure.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
-    if (!detail::is_sound(opened.figure.table, header.bytes)) return refused(Status::blob_malformed);
-    status = detail::open_bindings(opened, expected);
-    if (status == Status::ok) status = detail::open_tables(opened);
-    if (status != Status::ok) return refused(status);
-    opened.culprit = {};
-    opened.bytes = static_cast<std::size_t>(header.bytes);
-    return opened;
+    return detail::open_figure_within<T, D>(data, expected, true);
+}
+
+/// A level of less detail of a figure that `open_figure` gave: another figure of the same cage, which
+/// the same poses and clips move.
+///
+///   level    0: the figure itself; up to PackedFigureView::level_count
+///   returns  as `open_figure`; not_a_figure where there is no such level. No allocation; reads the
+///            tables of that level
+template <Scalar T, std::size_t D>
+OpenedFigure<T, D> open_level(const PackedFigureView<T, D>& figure, std::size_t level) noexcept {
+    if (level == 0) {
+        OpenedFigure<T, D> itself;
+        itself.figure = figure;
+        return itself;
+    }
+    const auto bytes =
+        level > figure.level_count() ? std::span<const std::byte>{} : figure.part(FigureTags::level(level));
+    return detail::open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
 }
 
 /// The owner of a packed figure; made by `pack_figure`. Copies are whole figures.
@@ -307,6 +369,10 @@ public:
         header.scalar_bytes = sizeof(T);
         header.dimension = D;
         header.parts = static_cast<std::uint32_t>(parts.size());
+        header.version = 1;
+        for (const auto& part : parts) {
+            if (FigureTags::is_since_version_2(part.tag)) header.version = 2;
+        }
         std::size_t end = whole(table);
         for (const auto& part : parts) end += whole(part.bytes.size());
         header.bytes = end;

@@ -72,6 +72,20 @@ struct PackedBindingView {
         return view;
     }
 
+    /// Whether nothing was dropped or rounded: every point has the weights that it was bound with.
+    bool is_dense() const noexcept {
+        return format == WeightFormat::scalar && row_begin == nullptr && order == nullptr;
+    }
+    /// A dense one as it was bound.
+    BindingView<T, D> dense() const noexcept {
+        CAGEFORM_ASSERT(is_dense(), "a dense binding");
+        return {{reinterpret_cast<const Lanes<T>*>(weights), handles, points},
+                {rest, D, points},
+                rest_handles,
+                handle_kinds,
+                handle_faces};
+    }
+
     std::size_t handle_count() const noexcept { return handles; }
     std::size_t point_count() const noexcept { return points; }
     HandleView<T, D> handle_view() const noexcept {

@@ -49,22 +49,32 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
 
 namespace detail {
 
-/// The points or vectors of a binding at rest.
+/// The points or vectors of a binding at rest, in their order as bound. Reads the binding's memory.
 template <Scalar T, std::size_t D>
-PointReader<T> read_rest(const BindingView<T, D>& binding) {
-    return {binding.point_count(), [binding](std::size_t block, Lanes<T>* rows) {
-                std::copy_n(binding.rest.block(block), D, rows);
+PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
+    const BlockView<const T> rest{binding.rest, D, binding.points};
+    if (binding.order == nullptr) {
+        return {binding.points,
+                [rest](std::size_t block, Lanes<T>* rows) { std::copy_n(rest.block(block), D, rows); }};
+    }
+    std::vector<std::uint32_t> places(binding.points);
+    for (std::size_t n = 0; n < binding.points; ++n) places[binding.order[n]] = static_cast<std::uint32_t>(n);
+    return {binding.points, [rest, places = std::move(places)](std::size_t block, Lanes<T>* rows) {
+                for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
+                    const std::size_t i = std::min(block * lane_count<T> + lane, places.size() - 1);
+                    for (std::size_t k = 0; k < D; ++k) rows[k][lane] = rest(places[i], k);
+                }
             }};
 }
 
 /// The labels of the handles that there were; others have none.
 template <Scalar T, std::size_t D>
-Status take_labels_over(const FigureBinding<T, D>& before, std::span<const std::size_t> old_handles,
+Status take_labels_over(const HandleLabels& before, std::span<const std::size_t> old_handles,
                         FigureBinding<T, D>& after) {
-    if (before.labels().begin == nullptr) return Status::ok;
+    if (before.begin == nullptr) return Status::ok;
     std::vector<std::string_view> labels;
     for (const std::size_t handle : old_handles)
-        labels.push_back(handle == new_handle ? std::string_view{} : before.labels()[handle]);
+        labels.push_back(handle == new_handle ? std::string_view{} : before[handle]);
     return after.set_labels(labels);
 }
 
@@ -73,7 +83,9 @@ Status take_labels_over(const FigureBinding<T, D>& before, std::span<const std::
 /// Binds a figure anew to an edited cage: what `bind_figure` makes of its points, normals and
 /// tangents, to the bit, without asking for them again. Labels go with their handles.
 ///
-///   figure       as it was bound to the cage before the edit
+///   figure       as it was bound to the cage before the edit: a FigureBinding, or the view of one that
+///                `open_figure` gave, however it was packed: where the points are at rest is kept in
+///                all digits
 ///   coordinates  of the edited cage. Those of a solver may have been solved from the ones before
 ///                (HarmonicCoordinates::solve_from), which takes fewer cycles
 ///   old_handles  #handles of the edited cage: the number that each had before, or `new_handle`.
@@ -84,7 +96,7 @@ Status take_labels_over(const FigureBinding<T, D>& before, std::span<const std::
 ///                old_handles are not as many as the handles, or name one that there was not
 template <CageCoordinates C>
     requires GradientCoordinates<C> CageRebindResult<typename C::scalar, C::dimension>
-    rebind_cage(const FigureBinding<typename C::scalar, C::dimension>& figure, const C& coordinates,
+    rebind_cage(const PackedFigureView<typename C::scalar, C::dimension>& figure, const C& coordinates,
                 std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
                 const Running& running = {}) {
         using T = typename C::scalar;
@@ -103,16 +115,26 @@ template <CageCoordinates C>
                 if (handle >= before.count && handle != new_handle) return Status::labels_do_not_match;
             }
             if (result.old_handles.size() != after.count) return Status::labels_do_not_match;
-            detail::FigureInput<T, D> input{detail::read_rest(figure.points.view()), {}, figure.handedness};
+            detail::FigureInput<T, D> input{detail::read_rest(figure.points), {}, {}};
             for (std::size_t k = 0; k + 1 < D && figure.has_normals(); ++k)
-                input.tangents[k] = detail::read_rest(figure.tangents[k].view());
+                input.tangents[k] = detail::read_rest(figure.tangents[k]);
+            if (figure.has_tangents())
+                input.handedness.assign(figure.handedness, figure.handedness + figure.point_count());
             const Status status = detail::bind_read_figure(coordinates, input, options, running, bound);
-            return status == Status::ok ? detail::take_labels_over(figure, result.old_handles, bound.figure)
-                                        : status;
+            return status == Status::ok
+                       ? detail::take_labels_over(figure.labels, result.old_handles, bound.figure)
+                       : status;
         });
         result.report = std::move(bound.report);
         if (result.report.status == Status::ok) result.figure = std::move(bound.figure);
         return result;
+    }
+template <CageCoordinates C>
+    requires GradientCoordinates<C> CageRebindResult<typename C::scalar, C::dimension>
+    rebind_cage(const FigureBinding<typename C::scalar, C::dimension>& figure, const C& coordinates,
+                std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
+                const Running& running = {}) {
+        return rebind_cage(figure.view(), coordinates, old_handles, options, running);
     }
 
 } // namespace cageform::inline CAGEFORM_ABI

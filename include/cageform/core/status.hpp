@@ -87,10 +87,12 @@ namespace cageform::inline CAGEFORM_ABI {
     X(order_not_a_permutation, "the order leaves a point out or names one twice")                 \
     X(format_too_coarse, "weights of this format cannot keep the tolerance")                      \
     X(weight_not_finite, "a weight of the binding is not a finite number")                        \
+    X(binding_not_dense, "weights of the packed binding were dropped or rounded")                 \
     X(binding_empty, "the binding has no points to go by")                                        \
     X(vectors_do_not_match, "there is not one normal or tangent for every point")                 \
     X(labels_do_not_match, "there is not one label for every handle")                             \
     X(tag_taken, "two parts of a figure have one tag, or one has a tag of the library's own")     \
+    X(name_taken, "two clips of a figure have one name")                                          \
     X(too_many_parts, "a figure has more parts than its table can hold")                          \
     /* binding/blob.hpp */                                                                        \
     X(not_a_blob, "the memory holds no packed binding, or is not aligned to 64 bytes")            \

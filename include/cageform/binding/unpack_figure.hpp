@@ -1,0 +1,97 @@
+// From a figure that was saved in full precision to one that an editor goes on with; and two levels
+// of handles as one.
+#pragma once
+
+#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/compose.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D>
+struct FigureUnpackResult {
+    FigureBinding<T, D> figure; ///< empty unless ok
+    Status status = Status::ok;
+};
+
+namespace detail {
+
+template <Scalar T, std::size_t D>
+Binding<T, D> copy_binding(const BindingView<T, D>& view) {
+    const std::size_t blocks = block_count<T>(view.point_count());
+    std::vector<Lanes<T>> weights(view.weights.data, view.weights.data + blocks * view.handle_count());
+    std::vector<Lanes<T>> rest(view.rest.data, view.rest.data + blocks * D);
+    return {std::move(weights), std::move(rest), view.handle_view(), view.point_count()};
+}
+
+} // namespace detail
+
+/// The figure that was packed, to the bit: bindings, handedness and labels. What `pack_figure` makes
+/// of a figure without further options is dense; an editor saves such a file beside the one for the
+/// game, and packs what it has opened anew.
+///
+///   figure   as `open_figure` gives it, or any other view
+///   fails    binding_not_dense, where weights were dropped, rounded or put into another order;
+///            out_of_memory
+///   cost     a copy of all
+template <Scalar T, std::size_t D>
+FigureUnpackResult<T, D> unpack_figure(const PackedFigureView<T, D>& figure) {
+    FigureUnpackResult<T, D> result;
+    result.status = detail::guard_memory([&] {
+        FigureBinding<T, D> made;
+        const std::size_t vectors = figure.has_normals() ? D - 1 : 0;
+        bool dense = figure.points.is_dense();
+        for (std::size_t k = 0; k < vectors; ++k) dense = dense && figure.tangents[k].is_dense();
+        if (!dense) return Status::binding_not_dense;
+        made.points = detail::copy_binding(figure.points.dense());
+        for (std::size_t k = 0; k < vectors; ++k)
+            made.tangents[k] = detail::copy_binding(figure.tangents[k].dense());
+        if (figure.has_tangents())
+            made.handedness.assign(figure.handedness, figure.handedness + figure.point_count());
+        if (figure.labels.begin != nullptr) {
+            std::vector<std::string_view> labels;
+            for (std::size_t h = 0; h < figure.handle_count(); ++h) labels.push_back(figure.label(h));
+            const Status status = made.set_labels(labels);
+            if (status != Status::ok) return status;
+        }
+        result.figure = std::move(made);
+        return Status::ok;
+    });
+    return result;
+}
+
+template <Scalar T, std::size_t D>
+struct FigureComposeResult {
+    FigureBinding<T, D> figure; ///< of the fine one's points to the coarse one's handles; empty unless ok
+    Status status = Status::ok;
+    std::vector<std::uint32_t> still; ///< as of `compose` of bindings
+};
+
+/// `compose` of a whole figure: its points, and its normals and tangents with them. A cage in a
+/// coarser cage becomes one; the coarse binding has no labels, and neither has what is made.
+///
+///   fine, coarse, running, fails  as for `compose` of bindings
+template <Scalar T, std::size_t D>
+FigureComposeResult<T, D> compose(const FigureBinding<T, D>& fine, const Binding<T, D>& coarse,
+                                  const Running& running = {}) {
+    FigureComposeResult<T, D> result;
+    FigureBinding<T, D> made;
+    const std::size_t parts = fine.has_normals() ? D : 1;
+    for (std::size_t n = 0; n < parts; ++n) {
+        auto composed = compose(n == 0 ? fine.points : fine.tangents[n - 1], coarse,
+                                running.part(double(n) / double(parts), double(n + 1) / double(parts)));
+        if (composed.status != Status::ok) return {{}, composed.status, {}};
+        if (n == 0) result.still = std::move(composed.still);
+        (n == 0 ? made.points : made.tangents[n - 1]) = std::move(composed.binding);
+    }
+    result.status = detail::guard_memory([&] {
+        made.handedness = fine.handedness;
+        return Status::ok;
+    });
+    if (result.status == Status::ok)
+        result.figure = std::move(made);
+    else
+        result.still.clear();
+    return result;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
