@@ -170,6 +170,16 @@ TEST_CASE("a cursor with memory of its own is copied with it; one in the caller'
     clip.sample(3.0, given, expected);
     CHECK(b == expected);
     CHECK(given.memory().data() == memory.data());
+    // Of another clip it is made one in place.
+    const auto other = random_clip<double, 2>(random, 5);
+    auto of_other = other.make_cursor();
+    std::vector<Vec<double, 2>> few(5), few_expected(5);
+    for (const double time : {-1.0, 2.0, 1.0}) {
+        if (time == -1) other.view().start(given);
+        other.sample(time, given, few);
+        other.sample(time, of_other, few_expected);
+        CHECK(few == few_expected);
+    }
 }
 
 TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {

@@ -194,7 +194,7 @@ TEST_CASE("clips of another cage, or of one name, are refused when packed and wh
     REQUIRE(made.report.status == Status::ok);
     const auto part = open_figure<float, 3>(made.figure.bytes()).figure.part(FigureTags::clips);
     std::vector<FigurePartData> parts;
-    const auto more = Parts(20, 2).bind(Mean3(divided_box({1, 1, 1}, 2).mesh<float>()));
+    const auto more = Parts(20, 2).bind(Mean3(divided_box({2, 1, 1}, 1).mesh<float>()));
     const auto other = cageform::pack(more.points).binding;
     REQUIRE(more.points.handle_count() != handles);
     parts.push_back({FigureTags::points, other.bytes()});
@@ -287,7 +287,7 @@ TEST_CASE("levels of less detail follow one pose", "[figure][levels]") {
     }
     CHECK(open_level(opened.figure, 3).status == Status::not_a_figure);
 
-    const auto elsewhere = pack_figure(Parts(9, 7).bind(Mean3(divided_box({1, 1, 1}, 2).mesh<float>())));
+    const auto elsewhere = pack_figure(Parts(9, 7).bind(Mean3(divided_box({2, 1, 1}, 1).mesh<float>())));
     const std::span<const std::byte> of_another_cage[] = {made[0].bytes(), elsewhere.figure.bytes()};
     const auto refused = pack_figure(detailed.bind(coordinates), {.levels = of_another_cage});
     CHECK(refused.report.status == Status::blob_of_another_cage);
@@ -371,7 +371,7 @@ TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bin
     const Parts parts(30, 8);
     const Mean3 coordinates(cage());
     const auto fine = parts.bind(coordinates);
-    const auto outer = divided_box({2, 2, 2}, 1).mesh<float>();
+    const auto outer = divided_box({1, 1, 1}, 3).mesh<float>();
     const auto coarse = cageform::bind(Mean3(outer), coordinates.handles()).binding;
     const auto [figure, status, still] = compose(fine, coarse);
     REQUIRE(status == Status::ok);

@@ -2,6 +2,7 @@
 // prints the same hashes of clones and clips.
 #include "made_up.hpp"
 
+#include <cageform/animate/pack_clip.hpp>
 #include <cageform/animate/quantised_cubic.hpp>
 #include <cageform/clone/clone.hpp>
 
@@ -110,6 +111,26 @@ void print_clips(const char* what) {
     hash.print(what);
 }
 
+/// Clips opened where they lie, some of their curves in 16 bits.
+template <class T, std::size_t D>
+void print_opened_clips(const char* what) {
+    Hash hash;
+    for (const auto outside : {cageform::Extrapolation::linear, cageform::Extrapolation::ping_pong}) {
+        const auto clip = made_up::clip<T, D>(37, outside, 6);
+        const auto [packed, report] = pack_clip(clip, {.tolerance = 1e-4});
+        if (report.quantised == 0 || report.quantised == report.curves) return hash.print("no mixture");
+        const auto opened = cageform::open_clip<T, D>(packed.bytes());
+        if (opened.status != Status::ok) return hash.print("a clip that does not open");
+        auto cursor = opened.clip.make_cursor();
+        std::vector<Vec<T, D>> pose(opened.clip.vertex_count());
+        for (int frame = 0; frame < 400; ++frame) {
+            opened.clip.sample(T(frame * (frame % 50 == 0 ? -3 : 1)) / T(10), cursor, pose);
+            hash.add(pose);
+        }
+    }
+    hash.print(what);
+}
+
 } // namespace
 
 int main() {
@@ -120,6 +141,8 @@ int main() {
     print_large();
     print_clips<float, 2>("clips of float");
     print_clips<double, 3>("clips of double");
+    print_opened_clips<float, 3>("opened clips of float");
+    print_opened_clips<double, 2>("opened clips of double");
 }
 
 //> a9be8762e2b20fb8 float, 1 dimension
@@ -128,3 +151,5 @@ int main() {
 //> 84175fb6dcd5294e a large figure
 //> e82dc054008b7cd9 clips of float
 //> 0bb88aa0dfa480fc clips of double
+//> ce4173ecb6e4dda5 opened clips of float
+//> 1b9604754575dbcb opened clips of double

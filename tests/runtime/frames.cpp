@@ -1,4 +1,4 @@
-// A hundred frames of an engine that allows no allocation once all is loaded: operator new ends the program then.
+// Frames of an engine that allows no allocation once all is loaded: operator new ends the program then.
 #include "made_up.hpp"
 
 #include <cageform/runtime.hpp>
@@ -104,11 +104,40 @@ int play(std::size_t points, std::size_t handles) {
     return failures;
 }
 
+/// A thousand frames of the clip in a file with a figure: nothing is allocated from before it is opened, and the cursor's
+/// memory is the player's.
+int play_file(std::size_t points, std::size_t handles) {
+    using Vector = cageform::Vec<float, 3>;
+    const auto file_of_figure = made_up::figure<float>(WeightFormat::int8, true, points, handles, 5);
+    const auto clip_in_memory =
+        made_up::clip<float, 3>(handles, cageform::Extrapolation::cycle_with_offset, 5);
+    std::vector<Vector> pose(handles), expected(handles), figure(points), normals(points);
+    std::vector<cageform::Lanes<float>> memory(clip_in_memory.view().cursor_rows());
+    auto beside = clip_in_memory.make_cursor();
+    loaded = true;
+    int failures = 0;
+    const auto opened = cageform::open_figure<float, 3>(file_of_figure.bytes());
+    failures += opened.status == Status::ok && opened.figure.clip_count() == 1 ? 0 : 1;
+    const auto clip = opened.figure.clip(opened.figure.find_clip("play"));
+    failures += clip.vertex_count() == handles && clip.cursor_rows() == memory.size() ? 0 : 1;
+    auto cursor = clip.make_cursor(memory);
+    for (int frame = 0; frame < 1000; ++frame) {
+        const float time = float(frame % 300 == 7 ? -frame : frame) / 60;
+        clip.sample(time, cursor, pose);
+        clip_in_memory.sample(time, beside, expected);
+        failures += pose == expected ? 0 : 1;
+        failures += clone(opened.figure, pose, cageform::FigureOutput{figure, normals}) == Status::ok ? 0 : 1;
+    }
+    loaded = false;
+    return failures;
+}
+
 } // namespace
 
 int main() {
     int failures = play(777, 9);
-    failures += play(50, 1500);         // more handles than the table of displacements holds
+    failures += play(50, 1500); // more handles than the table of displacements holds
+    failures += play_file(777, 30);
     if (allocations == 0) failures = 1; // or operator new was not replaced
     std::printf(failures == 0 ? "ok\n" : "%d failures\n", failures);
     return failures;

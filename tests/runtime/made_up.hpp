@@ -2,7 +2,7 @@
 // machine.
 #pragma once
 
-#include <cageform/animate/clip.hpp>
+#include <cageform/animate/clip_blob.hpp>
 #include <cageform/binding/figure.hpp>
 
 #include <utility>
@@ -129,30 +129,6 @@ cageform::PackedBinding<T, D> packed_binding(WeightFormat format, bool sparse, s
     return packed;
 }
 
-/// A figure whose points and tangents are of one binding each, with labels A, B, … of the handles.
-template <class T>
-cageform::PackedFigure<T, 3> figure(WeightFormat format, bool sparse, std::size_t points, std::size_t handles,
-                                    std::uint32_t seed) {
-    using cageform::FigureTags;
-    const auto binding = packed_binding<T, 3>(format, sparse, points, handles, seed);
-    std::vector<std::int8_t> signs(points);
-    for (std::size_t i = 0; i < points; ++i) signs[i] = i % 3 == 0 ? -1 : 1;
-    std::vector<std::uint32_t> labels(handles + 1 + (handles + 3) / 4);
-    for (std::size_t h = 0; h < handles; ++h) {
-        const char letter = char('A' + h % 26);
-        labels[h + 1] = std::uint32_t(h + 1);
-        std::memcpy(reinterpret_cast<char*>(labels.data() + handles + 1) + h, &letter, 1);
-    }
-    const cageform::FigurePartData parts[] = {
-        {FigureTags::points, binding.bytes()},
-        {FigureTags::tangents, binding.bytes()},
-        {FigureTags::bitangents, binding.bytes()},
-        {FigureTags::handedness, std::as_bytes(std::span(signs))},
-        {FigureTags::labels, std::as_bytes(std::span(labels))},
-    };
-    return cageform::PackedFigure<T, 3>(parts);
-}
-
 /// A clip of some vertices, each of its curves with knots of its own.
 template <class T, std::size_t D>
 cageform::CageClip<T, D> clip(std::size_t vertices, cageform::Extrapolation outside, std::uint32_t seed) {
@@ -170,6 +146,51 @@ cageform::CageClip<T, D> clip(std::size_t vertices, cageform::Extrapolation outs
         curves.push_back({std::move(pieces), time});
     }
     return {curves, outside, outside};
+}
+
+/// The part of a figure that holds one clip.
+template <class T>
+std::vector<cageform::Lanes<double>> clip_part(const cageform::PackedClip<T, 3>& clip,
+                                               std::string_view name) {
+    const std::uint64_t count = 1;
+    const cageform::FigureClip line{64, clip.bytes().size(), 32, std::uint32_t(name.size())};
+    std::vector<cageform::Lanes<double>> memory(1 + clip.bytes().size() / 64);
+    std::byte* const data = std::as_writable_bytes(std::span(memory)).data();
+    std::memset(data, 0, 64);
+    std::memcpy(data, &count, 8);
+    std::memcpy(data + 8, &line, sizeof(line));
+    std::memcpy(data + 32, name.data(), name.size());
+    std::memcpy(data + 64, clip.bytes().data(), clip.bytes().size());
+    return memory;
+}
+
+/// A figure whose points and tangents are of one binding each, with labels A, B, … of the handles and a
+/// clip called play.
+template <class T>
+cageform::PackedFigure<T, 3> figure(WeightFormat format, bool sparse, std::size_t points, std::size_t handles,
+                                    std::uint32_t seed) {
+    using cageform::FigureTags;
+    const auto binding = packed_binding<T, 3>(format, sparse, points, handles, seed);
+    std::vector<std::int8_t> signs(points);
+    for (std::size_t i = 0; i < points; ++i) signs[i] = i % 3 == 0 ? -1 : 1;
+    std::vector<std::uint32_t> labels(handles + 1 + (handles + 3) / 4);
+    for (std::size_t h = 0; h < handles; ++h) {
+        const char letter = char('A' + h % 26);
+        labels[h + 1] = std::uint32_t(h + 1);
+        std::memcpy(reinterpret_cast<char*>(labels.data() + handles + 1) + h, &letter, 1);
+    }
+    const cageform::PackedClip<T, 3> played(
+        clip<T, 3>(handles, cageform::Extrapolation::cycle_with_offset, seed).view());
+    const auto clips = clip_part<T>(played, "play");
+    const cageform::FigurePartData parts[] = {
+        {FigureTags::points, binding.bytes()},
+        {FigureTags::tangents, binding.bytes()},
+        {FigureTags::bitangents, binding.bytes()},
+        {FigureTags::handedness, std::as_bytes(std::span(signs))},
+        {FigureTags::labels, std::as_bytes(std::span(labels))},
+        {FigureTags::clips, std::as_bytes(std::span(clips))},
+    };
+    return cageform::PackedFigure<T, 3>(parts);
 }
 
 /// A loop that cuts its range anywhere and goes backwards.

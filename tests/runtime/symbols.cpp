@@ -32,10 +32,14 @@ Status turn(const Binding<T, 3>& dense, const PackedBindingView<T, 3>& packed, P
     return status;
 }
 template <class T>
-Status play(std::span<const std::byte> file, Points<T, 3> pose, Points<T, 3> out, Points<T, 3> normals,
-            std::span<std::array<T, 4>> tangents) noexcept {
+Status play(std::span<const std::byte> file, T time, CurveCursor<T>& cursor, Points<T, 3> pose,
+            Points<T, 3> out, Points<T, 3> normals, std::span<std::array<T, 4>> tangents) noexcept {
     const auto opened = open_figure<T, 3>(file);
     if (opened.status != Status::ok || opened.figure.find_handle("hand") == 0) return opened.status;
+    const std::size_t clip = opened.figure.find_clip("walk");
+    if (clip == opened.figure.clip_count()) return opened.status;
+    if (time == T(0)) opened.figure.clip(clip).start(cursor);
+    opened.figure.clip(clip).sample(time, cursor, pose);
     return clone(opened.figure, pose, FigureOutput{out, normals, tangents});
 }
 
@@ -47,8 +51,8 @@ CAGEFORM_TEST_MOVE(float, 2)
 CAGEFORM_TEST_MOVE(double, 3)
 template Status turn<float>(const Binding<float, 3>&, const PackedBindingView<float, 3>&, Points<float, 3>,
                             Points<float, 3>, Points<float, 3>, const StridedMatrices<float, 3>&) noexcept;
-template Status play<float>(std::span<const std::byte>, Points<float, 3>, Points<float, 3>, Points<float, 3>,
-                            std::span<std::array<float, 4>>) noexcept;
+template Status play<float>(std::span<const std::byte>, float, CurveCursor<float>&, Points<float, 3>,
+                            Points<float, 3>, Points<float, 3>, std::span<std::array<float, 4>>) noexcept;
 
 Status upload(const PackedBindingView<float, 3>& binding, Points<float, 3> pose,
               std::span<std::array<float, 4>> out) {

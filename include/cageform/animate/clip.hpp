@@ -31,11 +31,21 @@ struct CageClipView {
     /// What a cursor takes: Lanes<T>, of 64 bytes each.
     std::size_t cursor_rows() const noexcept { return bank.cursor_rows() + block_count<T>(bank.size()); }
     /// Where a player of the clip is; one for every place that plays it. May throw std::bad_alloc.
-    Cursor make_cursor() const { return bank.started(Cursor(cursor_rows())); }
+    Cursor make_cursor() const {
+        Cursor cursor(cursor_rows());
+        start(cursor);
+        return cursor;
+    }
     /// The same in memory of the caller, `cursor_rows` at least; allocates nothing.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
-        CAGEFORM_ASSERT(memory.size() >= cursor_rows(), "memory for a cursor");
-        return bank.started(Cursor(memory));
+        Cursor cursor(memory);
+        start(cursor);
+        return cursor;
+    }
+    /// Makes a cursor one of this clip, whatever clip it was one of, if it has memory enough.
+    void start(Cursor& cursor) const noexcept {
+        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
+        bank.start(cursor);
     }
 
     /// The cage's vertices at a time, into `pose` (#vertices): what `clone` takes.

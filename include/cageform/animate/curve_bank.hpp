@@ -86,18 +86,26 @@ struct CurveBankView {
 
     /// What a cursor takes: Lanes<T>.
     std::size_t cursor_rows() const noexcept { return rows * block_count<T>(size()); }
-    Cursor make_cursor() const { return started(Cursor(cursor_rows())); }
+    Cursor make_cursor() const {
+        Cursor cursor(cursor_rows());
+        start(cursor);
+        return cursor;
+    }
     /// In memory of the caller, `cursor_rows` at least; allocates nothing.
-    Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept { return started(Cursor(memory)); }
-    /// Sets a cursor of such memory to the time before all curves.
-    Cursor started(Cursor cursor) const noexcept {
+    Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
+        Cursor cursor(memory);
+        start(cursor);
+        return cursor;
+    }
+    /// Makes a cursor one of this bank, at the time before all curves, whatever it was one of.
+    void start(Cursor& cursor) const noexcept {
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
         for (std::size_t b = 0; b < block_count<T>(size()); ++b) {
             for (std::size_t lane = 0; lane < lane_count<T>; ++lane) // zero beyond the last curve
                 set(block(cursor, b), lane, constant(T(0)));
         }
         for (std::size_t k = 0; k < size(); ++k) load(cursor, k, 0);
-        return cursor;
+        cursor.entered_ = 0;
     }
 
     /// The values of all curves at a finite time, into `out` (#curves), and their derivatives by
