@@ -1,8 +1,10 @@
-// Feeds bytes to open_blob and open_figure, and whatever opens to clones, in buffers exactly as long as promised: for libFuzzer.
+// Feeds bytes to open_blob, open_figure and open_clip, and whatever opens to clones and players, in buffers exactly as long as
+// promised: for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
 //     mkdir corpus && ./fuzz_open_blob --seeds=corpus && ./fuzz_open_blob -max_len=24576 corpus
+#include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/pose_handles.hpp>
@@ -160,7 +162,39 @@ void open_as(std::span<const std::byte> bytes) {
     }
 }
 
-/// The figure that opens, cloned; its labels and parts, read.
+/// A clip at times within its range, far beyond and back, with a cursor in memory exactly as long as it takes.
+template <class T, std::size_t D>
+void play(const cageform::CageClipView<T, D>& clip) {
+    if (clip.vertex_count() > most) return;
+    const Array<cageform::Lanes<T>> memory(clip.cursor_rows(), cageform::Lanes<T>());
+    const Array<Vec<T, D>> pose(clip.vertex_count(), Vec<T, D>{});
+    auto cursor = clip.make_cursor(std::span<cageform::Lanes<T>>(memory.data(), memory.size()));
+    const T begin = clip.begin(), length = clip.end() - begin;
+    for (const T part : {T(0), T(0.01), T(0.02), T(1), T(0.5), T(0.49), T(0.1), T(3), T(-2), T(1e9), T(-1e9),
+                         T(0.3), T(0.31)}) {
+        const T time = begin + part * length;
+        if (cageform::is_finite(time)) clip.sample(time, cursor, {pose.data(), pose.size()});
+    }
+}
+
+template <class T, std::size_t D>
+void open_clip_as(std::span<const std::byte> bytes) {
+    for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
+        const auto opened = cageform::open_clip<T, D>(bytes, check);
+        if (opened.status != Status::ok) {
+            REQUIRE(opened.clip.vertex_count() == 0 && opened.clip.bank.knots.empty());
+            continue;
+        }
+        REQUIRE(opened.bytes <= bytes.size());
+        const auto again = [&](std::size_t size) {
+            return cageform::open_clip<T, D>(bytes.first(size), check).status;
+        };
+        REQUIRE(again(opened.bytes) == Status::ok && again(opened.bytes - 1) != Status::ok);
+        if (check == BlobCheck::structure) play(opened.clip);
+    }
+}
+
+/// The figure that opens, cloned; its labels and parts, read; its clips, played.
 template <class T, std::size_t D>
 void play(const cageform::PackedFigureView<T, D>& figure) {
     std::size_t sum = 0;
@@ -170,6 +204,11 @@ void play(const cageform::PackedFigureView<T, D>& figure) {
     for (const auto& line : figure.table) {
         for (const std::byte byte : figure.part(line.tag)) sum += std::size_t(byte == std::byte{1});
     }
+    for (std::size_t n = 0; n < figure.clip_count(); ++n) {
+        sum += figure.find_clip(figure.clip_name(n));
+        play(figure.clip(n));
+    }
+    for (std::size_t n = 1; n <= figure.level_count(); ++n) sum += open_level(figure, n).figure.point_count();
     REQUIRE(sum + 1 > 0); // it is used
     const std::size_t points = figure.point_count(), handles = figure.handle_count();
     if (points > most || handles > most) return;
@@ -207,6 +246,8 @@ void open_figure_as(std::span<const std::byte> bytes) {
 void open_as_all(std::span<const std::byte> bytes) {
     open_figure_as<float, 3>(bytes);
     open_figure_as<double, 2>(bytes);
+    open_clip_as<float, 3>(bytes);
+    open_clip_as<double, 2>(bytes);
     open_as<float, 3>(bytes);
     open_as<double, 2>(bytes);
     open_as<float, 2>(bytes);
@@ -274,6 +315,57 @@ std::vector<std::byte> made_up(Numbers& numbers) {
     }
     packed.seal();
     return {packed.bytes().begin(), packed.bytes().end()};
+}
+
+/// A clip that is sound, of curves with up to a few pieces, some in 16 bits, and perhaps a motion.
+template <class T, std::size_t D>
+std::vector<std::byte> packed_clip(Numbers& numbers, std::size_t vertices) {
+    const auto random = [&] { return T(double(numbers.below(2001)) / 1000 - 1); };
+    const auto curve = [&] {
+        std::vector<cageform::CubicPiece<T>> pieces;
+        T time = random();
+        for (std::size_t n = 1 + numbers.below(4); n > 0; --n) {
+            pieces.push_back({time, random(), random(), random(), random()});
+            time += T(1 + numbers.below(100)) / T(32);
+        }
+        return numbers.below(4) == 0 ? cageform::PiecewiseCubic<T>(std::move(pieces), time, random())
+                                     : cageform::PiecewiseCubic<T>(std::move(pieces), time);
+    };
+    std::vector<cageform::PiecewiseCubic<T>> curves;
+    while (curves.size() < vertices * D) curves.push_back(curve());
+    const auto mode = [&] { return cageform::Extrapolation(numbers.below(5)); };
+    const auto before = mode(), after = mode();
+    cageform::CageClip<T, D> clip(curves, before, after);
+    if (numbers.below(2) == 0) {
+        cageform::RigidMotion<T, D> motion;
+        const auto track = [&] {
+            return numbers.below(3) == 0 ? cageform::Track<T>{} : cageform::Track<T>{curve(), mode(), mode()};
+        };
+        motion.angle = track();
+        motion.phase = track();
+        for (auto& axis : motion.translation) axis = track();
+        for (std::size_t n = D == 3 ? numbers.below(4) : 0; n > 0; --n)
+            motion.rotations.push_back({0, 0, random(), 1});
+        clip.set_rigid_motion(motion);
+    }
+    const auto result = pack_clip(clip, {.tolerance = numbers.below(2) == 0 ? 0 : 2e-5});
+    REQUIRE(result.report.status == Status::ok);
+    return {result.clip.bytes().begin(), result.clip.bytes().end()};
+}
+
+/// The part of a figure that holds clips: of its vertices, or now and then of others.
+template <class T, std::size_t D>
+std::vector<std::byte> clip_part(Numbers& numbers, std::size_t vertices) {
+    std::vector<std::byte> part(64 + 64 * numbers.below(2));
+    const std::uint64_t count = numbers.below(3);
+    std::memcpy(part.data(), &count, sizeof(count));
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto clip = packed_clip<T, D>(numbers, numbers.below(16) == 0 ? vertices + 1 : vertices);
+        const cageform::FigureClip line{part.size(), clip.size(), 56, std::uint32_t(numbers.below(9))};
+        std::memcpy(part.data() + 8 + 24 * n, &line, sizeof(line));
+        part.insert(part.end(), clip.begin(), clip.end());
+    }
+    return part;
 }
 
 /// A binding packed by the library itself.
@@ -347,6 +439,15 @@ std::vector<std::byte> made_up_figure(Numbers& numbers) {
     }
     if (numbers.below(4) != 0) parts.push_back({FigureTags::labels, std::as_bytes(std::span(labels))});
     if (numbers.below(4) == 0) parts.push_back({"ELSE", std::as_bytes(std::span(signs))});
+    std::vector<std::byte> clips;
+    if (header.handles <= 64 && numbers.below(2) == 0) {
+        clips = clip_part<T, D>(numbers, std::size_t(header.handles - numbers.below(2) * header.vectors));
+        parts.push_back({FigureTags::clips, clips});
+    }
+    const cageform::FigurePartData of_level[] = {{FigureTags::points, any()}};
+    const cageform::PackedFigure<T, D> level(of_level);
+    for (std::size_t n = numbers.below(3) == 0 ? numbers.below(3) : 0; n > 0; --n)
+        parts.push_back({FigureTags::level(n), level.bytes()});
     const cageform::PackedFigure<T, D> figure(parts);
     return {figure.bytes().begin(), figure.bytes().end()};
 }
@@ -389,6 +490,36 @@ void disturb_figure(std::span<std::byte> bytes, Numbers& numbers) {
     std::memcpy(bytes.data(), &plausible, sizeof(plausible));
 }
 
+/// Changes the counts and offsets of a clip, or what its parts hold.
+void disturb_clip(std::span<std::byte> bytes, Numbers& numbers) {
+    using cageform::ClipHeader;
+    constexpr std::size_t counts = offsetof(ClipHeader, curves), times = offsetof(ClipHeader, begin),
+                          offsets = offsetof(ClipHeader, curve_table);
+    for (std::size_t n = 1 + numbers.below(3); n > 0; --n) {
+        switch (numbers.below(6)) {
+        case 0: disturb<std::uint64_t>(bytes.data() + counts + 8 * numbers.below(4), numbers, 64); break;
+        case 1: disturb<std::uint64_t>(bytes.data() + times + 8 * numbers.below(2), numbers, 64); break;
+        case 2:
+            disturb<std::uint64_t>(bytes.data() + offsets + 8 * numbers.below(12), numbers, bytes.size());
+            break;
+        case 3: disturb<std::uint32_t>(bytes.data() + 40 + 4 * numbers.below(2), numbers, 6); break;
+        default: {
+            const std::size_t at = 4 * numbers.below(bytes.size() / 4);
+            numbers.below(2) == 0 ? disturb<std::uint32_t>(bytes.data() + at, numbers, bytes.size())
+                                  : disturb<std::uint16_t>(bytes.data() + at, numbers, 64);
+        }
+        }
+    }
+    ClipHeader header;
+    const ClipHeader plausible;
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    header.magic = plausible.magic;
+    header.version = plausible.version;
+    header.endian = plausible.endian;
+    header.bytes = numbers.below(8) == 0 ? header.bytes : bytes.size() / 64 * 64;
+    std::memcpy(bytes.data(), &header, sizeof(header));
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -405,11 +536,13 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     Numbers numbers(seed);
     const std::size_t way = numbers.below(8);
     if (way == 0 || size < sizeof(BlobHeader)) {
-        const std::size_t kind = numbers.below(6);
+        const std::size_t kind = numbers.below(8);
         const auto blob = kind == 0   ? made_up<float, 3>(numbers)
                           : kind == 1 ? made_up<double, 2>(numbers)
                           : kind == 3 ? made_up_figure<double, 2>(numbers)
-                          : kind >= 4 ? made_up_figure<float, 3>(numbers)
+                          : kind == 4 ? packed_clip<float, 3>(numbers, numbers.below(9))
+                          : kind == 5 ? packed_clip<double, 2>(numbers, numbers.below(9))
+                          : kind >= 6 ? made_up_figure<float, 3>(numbers)
                                       : made_up<float, 2>(numbers);
         if (blob.size() > max_size) return LLVMFuzzerMutate(data, size, max_size);
         std::memcpy(data, blob.data(), blob.size());
@@ -419,6 +552,10 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     auto* const bytes = reinterpret_cast<std::byte*>(data);
     if (header_of({bytes, size}).magic == cageform::FigureHeader::magic_number) {
         disturb_figure({bytes, size}, numbers);
+        return size;
+    }
+    if (header_of({bytes, size}).magic == cageform::ClipHeader::magic_number) {
+        disturb_clip({bytes, size}, numbers);
         return size;
     }
     if (way == 2) { // what follows the header alone
@@ -490,6 +627,8 @@ extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
                 write(packed<float, 2>(numbers, {.format = format, .largest = largest}));
                 write(made_up_figure<float, 3>(numbers));
                 write(made_up_figure<double, 2>(numbers));
+                write(packed_clip<float, 3>(numbers, 5));
+                write(packed_clip<double, 2>(numbers, 4));
             }
         }
         std::printf("%d blobs\n", written);

@@ -25,6 +25,8 @@ struct Key {
     Vec<double, 2> in_handle{}, out_handle{};     ///< of bezier: time and value of the handle itself
     double in_slope = 0, out_slope = 0;           ///< of hermite
     double tension = 0, continuity = 0, bias = 0; ///< of tcb, in [-1, 1]; 0 is Catmull & Rom's
+    /// The curve arrives by `in_handle` whatever the kind, as where a hold follows a Bézier curve.
+    bool arrives_by_handle = false;
 };
 
 namespace detail {
@@ -62,6 +64,7 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
 inline Vec<double, 2> key_handle(std::span<const Key> keys, std::size_t i, double third) noexcept {
     const Key& key = keys[i];
     const bool out = third > 0;
+    if (!out && key.arrives_by_handle) return key.in_handle;
     if (key.kind == KeyKind::bezier) return out ? key.out_handle : key.in_handle;
     return {key.time + third, key.value + third * key_slope(keys, i, out)};
 }

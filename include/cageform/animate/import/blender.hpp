@@ -3,6 +3,8 @@
 
 #include <cageform/animate/import/easing.hpp>
 
+#include <span>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A bpy.types.Keyframe: places (frame, value), which Blender stores in single precision.
@@ -88,6 +90,15 @@ inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey
     second.co = {p[3][0], kind == KeyKind::hold ? second.co[1] : p[3][1]};
     second.handle_left = kind == KeyKind::hold ? second.co : p[2];
     return Status::ok;
+}
+
+/// All keyframes of an F-curve as keys to be compiled, in frames: the curves between are those of
+/// `from_blender`. Fails as it does, for the first interval that is refused.
+inline ImportedKeys keys_from_blender(std::span<const BlenderKey> keyframes,
+                                      BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+    return detail::import_keys(
+        keyframes.size(), [&](std::size_t n) { return from_blender(keyframes[n], keyframes[n + 1], limit); },
+        [&](std::size_t n) { return keyframes[n].co; });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -218,6 +219,34 @@ inline CssText to_css(const BezierCurve& curve) noexcept {
         return Status::ok;
     });
     return result;
+}
+
+/// A keyframe of one number, with the easing function to the next.
+struct CssKey {
+    double time = 0, value = 0;
+    std::string_view easing = "linear"; ///< as `parse_css_easing` takes it
+};
+
+/// All keyframes of an animation of one number as keys to be compiled, in the units of their times.
+///
+///   fails  as `parse_css_easing`; interval_empty; value_not_finite
+/// CSS Easing Functions Level 1, sec. 2; CSS Animations Level 1, sec. 3.
+inline ImportedKeys keys_from_css(std::span<const CssKey> keyframes) noexcept {
+    const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
+    return detail::import_keys(
+        keyframes.size(),
+        [&](std::size_t n) {
+            const CssEasing easing = parse_css_easing(keyframes[n].easing);
+            if (easing.status != Status::ok) return detail::refused(easing.status);
+            const auto first = place(n), second = place(n + 1);
+            const auto& unit = easing.curve.points;
+            const auto scaled = [&](const Vec<double, 2>& p) {
+                return Vec<double, 2>{std::lerp(first[0], second[0], p[0]),
+                                      std::lerp(first[1], second[1], p[1])};
+            };
+            return detail::imported(KeyKind::bezier, {{first, scaled(unit[1]), scaled(unit[2]), second}});
+        },
+        place);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

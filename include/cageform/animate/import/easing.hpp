@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <limits>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -20,6 +21,14 @@ struct ImportedCurve {
     Status status = Status::ok;
     KeyKind kind = KeyKind::bezier;
     BezierCurve curve{};
+};
+
+/// The keys of a curve, as `compile_track` and `compile_clip` take them.
+struct ImportedKeys {
+    /// keys_missing; out_of_memory; that of the first interval that is refused.
+    Status status = Status::ok;
+    std::size_t culprit = 0; ///< the key that this interval begins with
+    std::vector<Key> keys;   ///< none where the status is not ok
 };
 
 namespace detail {
@@ -134,6 +143,41 @@ inline UnitHandles unit_handles(const BezierCurve& curve) noexcept {
         for (std::size_t k = 0; k < 2; ++k) (*handle)[k] += 0.0;
     }
     if (!is_finite(result.first[1]) || !is_finite(result.second[1])) result.status = Status::value_not_finite;
+    return result;
+}
+
+/// The keys of a curve whose intervals are imported one by one: interval(n) is the curve from key n
+/// to the next, place(n) the time and the value of key n. Of their kinds the intervals are as they
+/// were, to the bit.
+template <class Interval, class Place>
+ImportedKeys import_keys(std::size_t count, const Interval& interval, const Place& place) noexcept {
+    ImportedKeys result;
+    result.status = guard_memory([&] {
+        if (count == 0) return Status::keys_missing;
+        std::vector<Key> keys(count);
+        for (std::size_t n = 0; n < count; ++n) {
+            const Vec<double, 2> at = place(n);
+            keys[n].time = at[0];
+            keys[n].value = at[1];
+            keys[n].kind = KeyKind::bezier;
+            if (n == 0) keys[n].in_handle = at;
+            keys[n].out_handle = at;
+            if (n + 1 == count) continue;
+            result.culprit = n;
+            const ImportedCurve curve = interval(n);
+            if (curve.status != Status::ok) return curve.status;
+            keys[n].kind = curve.kind;
+            if (curve.kind == KeyKind::bezier) keys[n].out_handle = curve.curve.points[1];
+            keys[n + 1].in_handle = curve.kind == KeyKind::bezier ? curve.curve.points[2] : place(n + 1);
+            keys[n + 1].arrives_by_handle = curve.kind == KeyKind::bezier;
+        }
+        const Vec<double, 2> last = place(count - 1);
+        result.culprit = count - 1;
+        if (!is_finite(last)) return Status::value_not_finite;
+        result.culprit = 0;
+        result.keys = std::move(keys);
+        return Status::ok;
+    });
     return result;
 }
 

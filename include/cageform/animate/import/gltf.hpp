@@ -1,4 +1,4 @@
-// Samplers of glTF 2.0 animations with CUBICSPLINE interpolation.
+// Samplers of glTF 2.0 animations: keys of all interpolations, and the curves of CUBICSPLINE both ways.
 #pragma once
 
 #include <cageform/animate/import/easing.hpp>
@@ -26,6 +26,32 @@ struct GltfTrack {
     std::vector<float> values; ///< its output: of each key in-tangents, values, out-tangents
 };
 
+namespace detail {
+
+struct GltfCheck {
+    Status status = Status::ok;
+    std::size_t culprit = 0;
+};
+
+/// Whether the arrays of a sampler are as many as its keys ask for, `rows` values of each component
+/// for a key, finite, and ascending in time.
+inline GltfCheck check_gltf(std::span<const float> times, std::span<const float> values,
+                            std::size_t components, std::size_t rows) noexcept {
+    const std::size_t keys = times.size();
+    if (keys == 0 || components == 0 || values.size() % (rows * keys) != 0 ||
+        values.size() / (rows * keys) != components)
+        return {Status::input_malformed, 0};
+    for (std::size_t k = 0; k < keys; ++k) {
+        const auto of_key = values.subspan(rows * components * k, rows * components);
+        if (!is_finite(times[k]) || !std::all_of(of_key.begin(), of_key.end(), is_finite<float>))
+            return {Status::value_not_finite, k};
+        if (k > 0 && !(times[k] > times[k - 1])) return {Status::keys_not_ascending, k};
+    }
+    return {};
+}
+
+} // namespace detail
+
 /// A Bézier curve for every interval and component: handles at thirds of the interval, on the
 /// tangents, which are in units by second. Nothing is lost; a rotation's four components are still
 /// to be normalised where they are evaluated.
@@ -40,15 +66,9 @@ struct GltfTrack {
 inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
                                         std::size_t components) noexcept {
     const std::size_t keys = times.size();
-    if (keys < 2 || components == 0 || values.size() % (3 * keys) != 0 ||
-        values.size() / (3 * keys) != components)
-        return {Status::input_malformed, 0, {}};
-    for (std::size_t k = 0; k < keys; ++k) {
-        const auto of_key = values.subspan(3 * components * k, 3 * components);
-        if (!is_finite(times[k]) || !std::all_of(of_key.begin(), of_key.end(), is_finite<float>))
-            return {Status::value_not_finite, k, {}};
-        if (k > 0 && !(times[k] > times[k - 1])) return {Status::keys_not_ascending, k, {}};
-    }
+    if (keys < 2) return {Status::input_malformed, 0, {}};
+    if (const auto sound = detail::check_gltf(times, values, components, 3); sound.status != Status::ok)
+        return {sound.status, sound.culprit, {}};
     GltfCurves result;
     result.status = detail::guard_memory([&] {
         result.curves.resize((keys - 1) * components);
@@ -61,6 +81,55 @@ inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<
         const double v0 = of_key(1), out = of_key(2), in = of_key(3), v1 = of_key(4);
         result.curves[index] = {
             {{{begin, v0}, {begin + third, v0 + third * out}, {end - third, v1 - third * in}, {end, v1}}}};
+    }
+    return result;
+}
+
+/// A sampler's `interpolation`.
+enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
+
+/// The keys of a track, one curve for each component. Where `status` is not ok there are none, and
+/// `culprit` is the index of the key it was found at.
+struct GltfKeys {
+    Status status = Status::ok;
+    std::size_t culprit = 0;
+    std::vector<std::vector<Key>> curves; ///< #components
+};
+
+/// The arrays of a sampler as keys to be compiled: of CUBICSPLINE the curves are those of
+/// `from_gltf_cubicspline`, of LINEAR straight lines, of STEP held values.
+///
+///   times, components  as for `from_gltf_cubicspline`; a single key is allowed
+///   values             #K · components, of CUBICSPLINE 3 · #K · components, where tangents are by second.
+///                      The components of a rotation are to be normalised where they are evaluated, which
+///                      of LINEAR is not the slerp that glTF asks for
+///   fails              as `from_gltf_cubicspline`, but that a single key is allowed
+/// glTF 2.0, sec. 3.11 and appendix C.
+inline GltfKeys keys_from_gltf(std::span<const float> times, std::span<const float> values,
+                               std::size_t components, GltfInterpolation interpolation) noexcept {
+    const bool cubic = interpolation == GltfInterpolation::cubicspline;
+    const std::size_t keys = times.size(), rows = cubic ? 3 : 1;
+    if (const auto sound = detail::check_gltf(times, values, components, rows); sound.status != Status::ok)
+        return {sound.status, sound.culprit, {}};
+    GltfKeys result;
+    result.status = detail::guard_memory([&] {
+        result.curves.assign(components, std::vector<Key>(keys));
+        return Status::ok;
+    });
+    for (std::size_t index = 0; index < result.curves.size() * keys; ++index) {
+        const std::size_t k = index / components, c = index % components;
+        const auto of_key = [&](std::size_t row) {
+            return double(values[(rows * k + row) * components + c]);
+        };
+        Key& key = result.curves[c][k];
+        key.time = times[k];
+        key.value = of_key(cubic ? 1 : 0);
+        key.kind = cubic                                      ? KeyKind::hermite
+                   : interpolation == GltfInterpolation::step ? KeyKind::hold
+                                                              : KeyKind::linear;
+        if (!cubic) continue;
+        key.in_slope = of_key(0);
+        key.out_slope = of_key(2);
     }
     return result;
 }

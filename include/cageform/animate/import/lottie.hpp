@@ -4,6 +4,7 @@
 #include <cageform/animate/import/easing.hpp>
 
 #include <initializer_list>
+#include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -71,6 +72,21 @@ inline LottieResult to_lottie(const BezierCurve& curve, KeyKind kind = KeyKind::
     if (unit.status == Status::ok)
         result.easing = {{unit.first[0], unit.first[1]}, {unit.second[0], unit.second[1]}, false};
     return result;
+}
+
+/// A keyframe of one component, with the easing to the next.
+struct LottieKey {
+    double time = 0, value = 0; ///< the time in frames
+    LottieEasing easing;
+};
+
+/// All keyframes of one component as keys to be compiled, in frames: the curves between are those of
+/// `from_lottie`. Fails as it does, for the first interval that is refused.
+inline ImportedKeys keys_from_lottie(std::span<const LottieKey> keyframes) noexcept {
+    const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
+    return detail::import_keys(
+        keyframes.size(),
+        [&](std::size_t n) { return from_lottie(keyframes[n].easing, place(n), place(n + 1)); }, place);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

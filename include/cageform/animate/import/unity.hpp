@@ -3,6 +3,8 @@
 
 #include <cageform/animate/import/easing.hpp>
 
+#include <span>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A UnityEngine.Keyframe: tangents are slopes (value by time), weights parts of the interval on
@@ -81,6 +83,16 @@ inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& seco
     second.in_weight = in;
     second.weighted = detail::with(second.weighted, WeightedHandles::in, !detail::is_third(in));
     return Status::ok;
+}
+
+/// All keyframes of an AnimationCurve as keys to be compiled, in seconds: the curves between are
+/// those of `from_unity`. Fails as it does, for the first interval that is refused.
+inline ImportedKeys keys_from_unity(std::span<const UnityKey> keyframes) noexcept {
+    return detail::import_keys(
+        keyframes.size(), [&](std::size_t n) { return from_unity(keyframes[n], keyframes[n + 1]); },
+        [&](std::size_t n) {
+            return Vec<double, 2>{keyframes[n].time, keyframes[n].value};
+        });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

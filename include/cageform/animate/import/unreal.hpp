@@ -3,6 +3,8 @@
 
 #include <cageform/animate/import/easing.hpp>
 
+#include <span>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// An FRichCurveKey: tangents are slopes (value by second), weights the lengths of the handles in
@@ -85,6 +87,16 @@ inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& s
     second.time = p[3][0];
     if (kind != KeyKind::hold) second.value = p[3][1];
     return Status::ok;
+}
+
+/// All keys of a rich curve as keys to be compiled, in seconds: the curves between are those of
+/// `from_unreal`. Fails as it does, for the first interval that is refused.
+inline ImportedKeys keys_from_unreal(std::span<const UnrealKey> rich_curve) noexcept {
+    return detail::import_keys(
+        rich_curve.size(), [&](std::size_t n) { return from_unreal(rich_curve[n], rich_curve[n + 1]); },
+        [&](std::size_t n) {
+            return Vec<double, 2>{rich_curve[n].time, rich_curve[n].value};
+        });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI
