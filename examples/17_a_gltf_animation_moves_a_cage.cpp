@@ -34,8 +34,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
         if (imported.status != Status::ok) return imported.status;
         keys.insert(keys.end(), imported.curves.begin(), imported.curves.end()); // x, y and z of the vertex
     }
-    cageform::TrackOptions options;
-    options.after = cageform::Extrapolation::cycle;
+    const cageform::TrackOptions options{.after = cageform::Extrapolation::cycle};
     const auto compiled = cageform::compile_clip<float, 3>(keys, options);
     if (compiled.status != Status::ok) return compiled.status;
 
