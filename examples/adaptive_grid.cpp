@@ -24,11 +24,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "adaptive_grid: " << message << '\n';
-    return 1;
-}
-
 struct Square {
     Point2 low;
     double size;

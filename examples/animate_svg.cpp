@@ -34,11 +34,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "animate_svg: " << message << '\n';
-    return 1;
-}
-
 /// A shape's segments at equal steps of their parameters, in all frames.
 struct MovedShape {
     static constexpr std::size_t steps = 24; // of a segment
@@ -245,7 +240,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     detail::adapt_style_sheets(work, warnings);
     auto all = detail::drawn_shapes(work, warnings);
     if (!all) return fail(to_string(all.error()));
-    print_warnings("animate_svg", warnings);
+    print_warnings(warnings);
     std::vector<MovedShape> shapes;
     std::vector<Point2> points;
     for (detail::DrawnShape& drawn : *all) {
@@ -279,10 +274,10 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     bind_options.outside = settings.outside.policy(*coordinates);
     const auto [binding, report] = coordinates->bind(points, bind_options);
     if (report.status != cageform::Status::ok) return fail(describe_faults(settings.cage, report));
-    warn_of_coarse_grid("animate_svg", settings.cage, report.solver);
+    warn_of_coarse_grid(settings.cage, report.solver);
     const auto outside = settings.outside.judge(*coordinates, report, points, settings.figure, settings.cage);
     if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) std::cerr << "animate_svg: warning: " << outside.warning << '\n';
+    if (!outside.warning.empty()) warn(outside.warning);
 
     // All frames. A late layer has a player of its own, so that every player goes forth a frame at a time.
     const auto count = std::size_t(frame_count);
@@ -309,7 +304,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
             const auto handles =
                 pose_of_handles(binding, pose, settings.clip + ": frame " + std::to_string(f), warning);
             if (!handles) return fail(to_string(handles.error()));
-            if (!warning.empty()) std::cerr << "animate_svg: warning: " << warning << '\n';
+            if (!warning.empty()) warn(warning);
             const auto status = cageform::clone(binding, *handles, moved);
             if (status != cageform::Status::ok)
                 return fail(settings.clip + ": " + cageform::to_string(status));
@@ -387,7 +382,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         std::move(own.begin(), own.end(), std::back_inserter(gradients));
         detail::write_shape(shapes[s].drawn.node, data[s][0]);
     }
-    print_warnings("animate_svg", paint.warnings);
+    print_warnings(paint.warnings);
 
     pugi::xml_node ground;
     if (file.ground)
@@ -442,8 +437,9 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     }
     outputs.add(settings.out).write(to_text(work));
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << settings.out << ": " << count << " frames of " << file.length << " s, " << segments
-              << " segments, " << points.size() << " points bound, clip of " << clip->bytes() << " bytes\n";
+    std::cout << printable(settings.out) << ": " << count << " frames of " << file.length << " s, "
+              << segments << " segments, " << points.size() << " points bound, clip of " << clip->bytes()
+              << " bytes\n";
     return 0;
 }
 

@@ -43,11 +43,6 @@ struct Arguments {
     CoordinatesChoice choice;
 };
 
-int fail(const std::string& message) {
-    std::cerr << "bind_mesh: " << message << '\n';
-    return 1;
-}
-
 const char* name_of(WeightFormat format) {
     switch (format) {
     case WeightFormat::scalar: return "float";
@@ -108,9 +103,8 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     if (report.distance_pose < poses.times.size()) loss.time = poses.times[report.distance_pose];
     const std::string text = describe(loss);
     if (loss.share() > StoredLoss::worth_a_warning * (is_vector ? of_vectors : 1))
-        std::cerr << "bind_mesh: warning: " << figure.name << ": what is packed is off by " << text
-                  << "; --max-distance bounds it" << (report.poses == 0 && has_faces ? " over a motion" : "")
-                  << '\n';
+        warn(figure.name + ": what is packed is off by " + text + "; --max-distance bounds it" +
+             (report.poses == 0 && has_faces ? " over a motion" : ""));
     return text;
 }
 
@@ -129,7 +123,7 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
         if (!warning.empty()) warnings.push_back(std::move(warning));
         cageform::append_pose(numbers, *handles);
     }
-    print_warnings("bind_mesh", warnings);
+    print_warnings(warnings);
     return numbers;
 }
 
@@ -137,8 +131,8 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
                 const std::vector<std::string>& labels) {
     const auto coordinates = make_coordinates<float>(given.choice, cage);
-    warn_of_closed_gaps("bind_mesh", cage.name, coordinates->cage_report);
-    if (!coordinates->note.empty()) std::cerr << "bind_mesh: note: " << coordinates->note << '\n';
+    warn_of_closed_gaps(cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) note(coordinates->note);
     std::vector<cageform::PiecewiseCubic<float>> curves;
     PoseClip motion;
     SampledPoses poses;
@@ -166,14 +160,14 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         const bool fault_of_points = of_points.status != Status::ok;
         return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
-    warn_of_coarse_grid("bind_mesh", cage.name, of_points.solver);
+    warn_of_coarse_grid(cage.name, of_points.solver);
     const auto outside =
         given.outside.judge(*coordinates, of_points, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) std::cerr << "bind_mesh: warning: " << outside.warning << '\n';
+    if (!outside.warning.empty()) warn(outside.warning);
     if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
-        std::cerr << "bind_mesh: warning: " << figure.name << ": no pose turns the normals of "
-                  << still.size() << " vertices, first " << name_points(figure.vertices, still) << '\n';
+        warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
+             " vertices, first " + name_points(figure.vertices, still));
     }
     if (!labels.empty()) {
         auto of_handles = labels; // faces have none

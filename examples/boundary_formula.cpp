@@ -16,11 +16,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "boundary_formula: " << message << '\n';
-    return 1;
-}
-
 std::string number(double x) {
     return text_of("%.12g", x == 0 ? 0.0 : x);
 }

@@ -48,11 +48,6 @@ struct Settings {
     CoordinatesChoice choice;
 };
 
-int fail(const std::string& message) {
-    std::cerr << "cage_weights: " << message << '\n';
-    return 1;
-}
-
 /// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails where two
 /// have one name.
 SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles,
@@ -107,8 +102,8 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
                                                    : cageform::OutsidePoints::nearest_boundary;
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
-    warn_of_closed_gaps("cage_weights", settings.cage_path, coordinates.cage_report);
-    if (!coordinates.note.empty()) std::cerr << "cage_weights: note: " << coordinates.note << '\n';
+    warn_of_closed_gaps(settings.cage_path, coordinates.cage_report);
+    if (!coordinates.note.empty()) note(coordinates.note);
     const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
     const bool weights_outside =
         settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
@@ -136,7 +131,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
         if (report.status != cageform::Status::ok) return refuse(report);
         if (first) {
             total.solver = report.solver;
-            warn_of_coarse_grid("cage_weights", settings.cage_path, total.solver);
+            warn_of_coarse_grid(settings.cage_path, total.solver);
         }
         first = false;
         states.assign(points.size(), cageform::PointState::inside);

@@ -7,25 +7,11 @@
 #include "guard.hpp"
 #include "input_file.hpp"
 #include "render.hpp"
-#include "svg_document.hpp"
-
-#include <iostream>
+#include "svg_xml.hpp"
 
 namespace {
 
 using namespace cageform_examples;
-
-int fail(const std::string& message) {
-    std::cerr << "contact_sheet: " << message << '\n';
-    return 1;
-}
-
-/// Documents are saved without escaping, since what was read keeps its entities; new text brings its own.
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
-    return out;
-}
 
 /// Makes the identifiers of a document its own, so that several can share a file.
 void prefix_ids(pugi::xml_node node, const std::string& prefix) {
@@ -78,6 +64,10 @@ int run_program(int argc, char** argv) {
     line.add("tiles", words, "CAPTION FILE, alternately; an SVG, or a PNG by its name").required();
     if (const auto code = line.parse(argc, argv)) return *code;
     if (words.size() % 2 != 0) return fail("captions and files have to alternate");
+    for (std::size_t n = 0; n < words.size(); n += 2) {
+        if (printable(words[n]) != words[n])
+            return fail("the caption \"" + words[n] + "\" holds control characters, or is no UTF-8");
+    }
 
     SvgDocument sheet;
     auto root = sheet.xml.append_child("svg");
@@ -105,7 +95,7 @@ int run_program(int argc, char** argv) {
         text.append_attribute("font-family") = "DejaVu Sans, sans-serif";
         text.append_attribute("font-size") = 17;
         text.append_attribute("text-anchor") = "middle";
-        text.text() = escaped(words[2 * n]).c_str();
+        text.text() = detail::escaped(words[2 * n]).c_str();
         auto nested = root.append_copy(document->xml.document_element());
         prefix_ids(nested, "t" + std::to_string(n) + "-");
         for (const char* name : {"x", "y", "width", "height", "viewBox"}) nested.remove_attribute(name);

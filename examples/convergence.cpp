@@ -14,6 +14,7 @@
 #include "input_file.hpp"
 #include "plot.hpp"
 #include "render.hpp"
+#include "svg_xml.hpp"
 
 #include <cageform/grid/embed.hpp>
 #include <cageform/grid/multigrid.hpp>
@@ -30,11 +31,6 @@ extern template class cageform::grid::Multigrid<2>; // compiled in coordinates_2
 namespace {
 
 using namespace cageform_examples;
-
-int fail(const std::string& message) {
-    std::cerr << "convergence: " << message << '\n';
-    return 1;
-}
 
 struct Curve {
     std::string name, colour, dashes;
@@ -176,7 +172,7 @@ std::string diagram(double left, double top, const std::string& title, const std
                                   "\" stroke-width=\"2\" stroke-dasharray=\"" + curve.dashes + "\"/>\n";
         svg += "<path d=\"" + line + "\" " + style;
         svg += "<path d=\"M" + place(left) + "," + place(row - 4) + " h34\" " + style;
-        svg += text(left + 42, row, "start", curve.name, 13);
+        svg += text(left + 42, row, "start", detail::escaped(curve.name), 13);
         row += 19;
     }
     return svg;
@@ -241,7 +237,7 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
 SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
     auto cage = load_obj(path.parent_path() / "cage.obj");
     if (!cage) return cage.error();
-    Oracle<3> oracle{path.parent_path().filename().string(), std::move(*cage), {}, {}};
+    Oracle<3> oracle{printable(path.parent_path().filename().string()), std::move(*cage), {}, {}};
     std::replace_if(
         text.begin(), text.end(), [](char c) { return c == ',' || c == ';' || c == ':'; }, ' ');
     std::istringstream lines(std::move(text));
@@ -343,7 +339,7 @@ std::string add_oracle(const std::string& path, const char* colour, Diagrams& di
         add_oracle(*oracle, colour, diagrams);
         return {};
     }
-    const std::string name = std::filesystem::path(path).stem().string();
+    const std::string name = printable(std::filesystem::path(path).stem().string());
     try {
         const auto json = nlohmann::json::parse(*text);
         if (json.at("cage").contains("faces"))
@@ -365,7 +361,7 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
     const auto cage = file->polygon<double>();
     const auto report = cageform::check(cage);
     if (report.status != cageform::Status::ok) return describe_faults(path, report);
-    const std::string name = std::filesystem::path(path).stem().string();
+    const std::string name = printable(std::filesystem::path(path).stem().string());
 
     auto cycles = error_by_cycle(cage, resolution);
     cycles.name = name;

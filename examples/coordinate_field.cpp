@@ -24,11 +24,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "coordinate_field: " << message << '\n';
-    return 1;
-}
-
 struct Arguments {
     std::string cage, out, zoom, classes;
     std::size_t vertex = 0;

@@ -29,11 +29,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "deform_mesh: " << message << '\n';
-    return 1;
-}
-
 struct Arguments {
     std::string figure, cage, pose, out, picture;
     OutsideChoice outside;
@@ -198,16 +193,16 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
 /// Binds the figure, moves it and writes what was asked for.
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
-    warn_of_closed_gaps("deform_mesh", cage.name, coordinates->cage_report);
-    if (!coordinates->note.empty()) std::cerr << "deform_mesh: note: " << coordinates->note << '\n';
+    warn_of_closed_gaps(cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) note(coordinates->note);
     const auto [moved, paint, report, fault, warning] = deformed(given, figure, control);
     if (!fault.empty()) return fail(fault);
     if (report.status != cageform::Status::ok) return fail(describe_faults(report));
-    warn_of_coarse_grid("deform_mesh", cage.name, report.solver);
+    warn_of_coarse_grid(cage.name, report.solver);
     const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) std::cerr << "deform_mesh: warning: " << outside.warning << '\n';
-    if (!warning.empty()) std::cerr << "deform_mesh: warning: " << warning << '\n';
+    if (!outside.warning.empty()) warn(outside.warning);
+    if (!warning.empty()) warn(warning);
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has moved beyond all numbers");
     }

@@ -34,11 +34,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "deform_svg: " << message << '\n';
-    return 1;
-}
-
 /// What moves the figure: coordinates, and the pose of their handles.
 struct Control {
     std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
@@ -188,7 +183,7 @@ int run_program(int argc, char** argv) {
         std::vector<std::string> warnings;
         const auto count = text_to_paths(*document, warnings);
         if (!count) return fail(to_string(count.error()));
-        for (const std::string& text : warnings) std::cerr << "deform_svg: warning: " << text << '\n';
+        for (const std::string& text : warnings) warn(text);
     }
     const std::string rest = show_rest ? to_text(*document) : "";
     const auto rest_view = view_box(*document);
@@ -202,7 +197,7 @@ int run_program(int argc, char** argv) {
         last.cage = coordinates->cage_report;
         last.solver = evaluation.solver;
         if (evaluation.status != cageform::Status::ok) return fail(control->describe_faults(last));
-        warn_of_coarse_grid("deform_svg", cage_path, last.solver);
+        warn_of_coarse_grid(cage_path, last.solver);
     }
     cageform::BindOptions bind_options;
     bind_options.outside = outside.policy(*coordinates);
@@ -237,17 +232,16 @@ int run_program(int argc, char** argv) {
     const auto deformed = deform(*document, deformer, options);
     if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
     for (const std::string& each : {warning, pose_warning}) {
-        if (!each.empty()) std::cerr << "deform_svg: warning: " << each << '\n';
+        if (!each.empty()) warn(each);
     }
-    print_warnings("deform_svg", deformed->warnings);
+    print_warnings(deformed->warnings);
     if (deformed->cut_off > 0) {
-        std::cerr << "deform_svg: warning: " << deformed->cut_off
-                  << (deformed->cut_off == 1 ? " shape is" : " shapes are")
-                  << " cut off at the edge of the picture; --fit grows it\n";
+        warn(std::to_string(deformed->cut_off) + (deformed->cut_off == 1 ? " shape is" : " shapes are") +
+             " cut off at the edge of the picture; --fit grows it");
     }
     if (deformed->coarse > 0) {
-        std::cerr << "deform_svg: warning: " << deformed->coarse << " of " << deformed->segments
-                  << " segments miss the --flatness asked for\n";
+        warn(std::to_string(deformed->coarse) + " of " + std::to_string(deformed->segments) +
+             " segments miss the --flatness asked for");
     }
     if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
     if (show_cage) {

@@ -19,11 +19,6 @@ namespace {
 using namespace cageform_examples;
 constexpr std::size_t channels = 4; // red, green, blue, each times alpha, and alpha
 
-int fail(const std::string& message) {
-    std::cerr << "diffuse_colours: " << message << '\n';
-    return 1;
-}
-
 /// A colour as it is diffused, and back.
 struct Light {
     bool as_displayed = false;

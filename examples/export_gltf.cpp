@@ -48,11 +48,6 @@ struct Arguments {
     CoordinatesChoice choice;
 };
 
-int fail(const std::string& message) {
-    std::cerr << "export_gltf: " << message << '\n';
-    return 1;
-}
-
 /// All that is read.
 struct Scene {
     ObjFile figure, cage;
@@ -279,7 +274,7 @@ SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>
         if (!warning.empty()) warnings.push_back(std::move(warning));
         key.places = std::move(*posed);
     }
-    print_warnings("export_gltf", warnings);
+    print_warnings(warnings);
     if (binding.handle_view().vector_count() == 0) return motion;
     const SampledPoses exact = sample_poses(scene.clip), linear = sample_poses(motion);
     std::vector<Point3> a(binding.point_count()), b(a), handles(binding.handle_count());
@@ -291,8 +286,8 @@ SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>
     }
     const StoredLoss loss = meter.loss();
     if (loss.share() > StoredLoss::worth_a_warning) {
-        std::cerr << "export_gltf: warning: " << scene.figure.name << ": between the keys targets are off by "
-                  << describe(loss) << "; more keys bring them nearer\n";
+        warn(scene.figure.name + ": between the keys targets are off by " + describe(loss) +
+             "; more keys bring them nearer");
     }
     return motion;
 }
@@ -371,8 +366,8 @@ cageform::SkinWeightsResult make_skin(const Arguments& given, const Scene& scene
 int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
     const auto coordinates = make_coordinates<double>(given.choice, cage);
-    warn_of_closed_gaps("export_gltf", cage.name, coordinates->cage_report);
-    if (!coordinates->note.empty()) std::cerr << "export_gltf: note: " << coordinates->note << '\n';
+    warn_of_closed_gaps(cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) note(coordinates->note);
     cageform::BindOptions options;
     options.outside = given.outside.policy(*coordinates);
     cageform::BindResult<double, 3> bound;
@@ -382,10 +377,10 @@ int export_figure(const Arguments& given, const Scene& scene) {
     }
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
-    warn_of_coarse_grid("export_gltf", cage.name, report.solver);
+    warn_of_coarse_grid(cage.name, report.solver);
     const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) std::cerr << "export_gltf: warning: " << outside.warning << '\n';
+    if (!outside.warning.empty()) warn(outside.warning);
     if (given.report) std::cout << describe(report);
 
     GltfDocument document;
@@ -404,15 +399,15 @@ int export_figure(const Arguments& given, const Scene& scene) {
                         (given.influences == 0 ? "" : ", a larger --skin,") + " or --morph");
         }
         if (loss.share() > StoredLoss::worth_a_warning) {
-            std::cerr << "export_gltf: warning: " << figure.name << ": a skin of " << made.skin.influences
-                      << " joints a vertex is off by " << describe(loss) << "; --max-distance bounds it\n";
+            warn(figure.name + ": a skin of " + std::to_string(made.skin.influences) +
+                 " joints a vertex is off by " + describe(loss) + "; --max-distance bounds it");
         }
         if (!skin.not_reproduced.empty()) {
-            std::cerr << "export_gltf: warning: " << made.skin.influences << " weights are too few for "
-                      << skin.not_reproduced.size() << " vertices of " << figure.name
-                      << ", which affine poses will move otherwise, by up to "
-                      << skin.reproduction_error.value << ", first "
-                      << name_points(figure.vertices, skin.not_reproduced) << '\n';
+            warn(std::to_string(made.skin.influences) + " weights are too few for " +
+                 std::to_string(skin.not_reproduced.size()) + " vertices of " + figure.name +
+                 ", which affine poses will move otherwise, by up to " +
+                 detail::short_number(skin.reproduction_error.value) + ", first " +
+                 name_points(figure.vertices, skin.not_reproduced));
         }
         if (given.report) {
             std::cout << "skin: " << made.skin.influences << " weights at most, " << skin.mean_influences
@@ -431,8 +426,8 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (document.bytes() > 0x7fffffff) return fail(given.out + ": would be larger than the format allows");
     const std::string text = document.text(binary);
     if (const auto error = write_file_atomically(given.out, text)) return fail(*error);
-    std::cout << given.out << ": " << scene.mesh.corners.size() << " vertices, " << figure.triangles.size()
-              << " triangles, "
+    std::cout << printable(given.out) << ": " << scene.mesh.corners.size() << " vertices, "
+              << figure.triangles.size() << " triangles, "
               << (given.morph ? std::to_string(document.json["meshes"][0]["weights"].size()) + " targets"
                               : std::to_string(document.json["skins"][0]["joints"].size()) + " joints")
               << ", " << text.size() << " bytes\n";

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iostream>
 #include <sstream>
 
 namespace {
@@ -59,7 +58,7 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
     if (!handles) return to_string(handles.error());
     const auto at_rest = pose_of_handles(binding, cage->vertices, cage_path, warning);
     if (!at_rest) return to_string(at_rest.error());
-    if (!warning.empty()) std::cerr << "figure_table: warning: " << warning << '\n';
+    if (!warning.empty()) warn(warning);
     const double bind_seconds = median_seconds(5, 1, [&] { (void)coordinates->bind(*figure); });
     std::vector<Point2> out(figure->size());
     cageform::Status status = cageform::Status::ok;
@@ -70,9 +69,9 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
         return figure_path + ": the rest pose is not exact";
     }
     std::printf("%-8s %-17s %6zu %8zu %9.3f %9.2f %15.1e %13.4f\n",
-                std::filesystem::path(figure_path).stem().string().c_str(), coordinates_name.c_str(),
-                binding.point_count(), binding.handle_count(), bind_seconds * 1e3, clone_seconds * 1e6,
-                report.reproduction_error.value, report.least_weight.value);
+                printable(std::filesystem::path(figure_path).stem().string()).c_str(),
+                coordinates_name.c_str(), binding.point_count(), binding.handle_count(), bind_seconds * 1e3,
+                clone_seconds * 1e6, report.reproduction_error.value, report.least_weight.value);
     return {};
 }
 
@@ -86,11 +85,8 @@ int run_program(int argc, char** argv) {
     for (const std::string& name : names) known += (known.empty() ? "COORDINATES: " : ", ") + name;
     line.set_footer(known + "\n\n" + cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (words.size() % 4 != 0) {
-        std::cerr << "figure_table: arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], "
-                     "repeatedly\n";
-        return 1;
-    }
+    if (words.size() % 4 != 0)
+        return fail("arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly");
     std::printf("%-8s %-17s %6s %8s %9s %9s %15s %13s\n", "figure", "coordinates", "points", "handles",
                 "bind ms", "clone us", "max |Swc - p|", "least weight");
     for (std::size_t i = 0; i < words.size(); i += 4) {
@@ -98,9 +94,7 @@ int run_program(int argc, char** argv) {
         for (std::string name; std::getline(wanted, name, ',');) {
             std::string error = CoordinatesChoice::name_fault(name, names);
             if (error.empty()) error = print_row(words[i], words[i + 1], words[i + 2], name);
-            if (error.empty()) continue;
-            std::cerr << "figure_table: " << error << '\n';
-            return 1;
+            if (!error.empty()) return fail(error);
         }
     }
     return 0;

@@ -19,6 +19,7 @@
 #include "plot.hpp"
 #include "progress_bar.hpp"
 #include "render.hpp"
+#include "svg_xml.hpp"
 
 #include <cageform/animate/fit.hpp>
 #include <cageform/animate/import/css.hpp>
@@ -345,12 +346,6 @@ private:
     Axis x_, y_;
 };
 
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
-    return result;
-}
-
 std::string plot(const Case& one) {
     const cageform::BezierFunction function(one.curve);
     const BezierFit& fit = one.fit;
@@ -388,7 +383,7 @@ std::string plot(const Case& one) {
                       "height=\"856\" font-family=\"DejaVu Sans, sans-serif\" fill=\"#202020\">\n"
                       "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
     svg += Panel::text(450, 28, "middle",
-                       escaped(one.id) + ": " + std::to_string(fit.pieces()) +
+                       detail::escaped(one.id) + ": " + std::to_string(fit.pieces()) +
                            (fit.pieces() == 1 ? " piece" : " pieces") + " of degree " +
                            std::to_string(fit.degree),
                        17);
@@ -532,7 +527,8 @@ Case run_one(const Arguments& given) {
                      : given.css;
     } else {
         one.curve = lottie_curve(given);
-        one.id = std::filesystem::path(given.lottie).filename().string() + ", " + given.lottie_curve;
+        one.id =
+            printable(std::filesystem::path(given.lottie).filename().string()) + ", " + given.lottie_curve;
     }
     require(cageform::SobolevFitter(one.curve, {}).status(), !given.bezier.empty() ? "--bezier"
                                                              : !given.css.empty()  ? "--css"
@@ -639,7 +635,8 @@ int run_program(int argc, char** argv) {
     if (!given.lottie_curve.empty() && given.lottie.empty()) throw Refused("--curve needs --lottie");
     if (!given.lottie.empty() && given.lottie_curve.empty()) {
         if (!given.json.empty() || !given.plot.empty()) throw Refused("--lottie needs --curve to fit one");
-        for (const LottieCurve& one : read_lottie(given.lottie)) std::cout << describe(one) << '\n';
+        for (const LottieCurve& one : read_lottie(given.lottie))
+            std::cout << printable(describe(one)) << '\n';
         return 0;
     }
 
@@ -649,7 +646,7 @@ int run_program(int argc, char** argv) {
             throw Refused("--cases needs --json and takes no --plot");
         Json all;
         all["format"] = "bezier-sobolev-cases/1";
-        all["description"] = "results of fit_curve for " + given.cases;
+        all["description"] = "results of fit_curve for " + printable(given.cases);
         all["cases"] = Json::array();
         for (const Case& one : run_cases(given.cases)) all["cases"].push_back(to_json(one));
         json = all.dump(1) + "\n";

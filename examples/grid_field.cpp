@@ -19,11 +19,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "grid_field: " << message << '\n';
-    return 1;
-}
-
 struct Grid {
     std::size_t width = 0;
     std::vector<double> values; // row by row; not a number outside

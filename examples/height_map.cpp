@@ -21,11 +21,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "height_map: " << message << '\n';
-    return 1;
-}
-
 struct HeightOptions {
     std::string strokes, lines;
     std::vector<std::string> outputs;

@@ -18,17 +18,11 @@
 #include "render.hpp"
 
 #include <cmath>
-#include <filesystem>
 #include <iostream>
 
 namespace {
 
 using namespace cageform_examples;
-
-int fail(const std::string& message) {
-    std::cerr << "make_cage: " << message << '\n';
-    return 1;
-}
 
 struct Arguments {
     std::string figure, out, picture;
@@ -79,7 +73,7 @@ int cage_in_plane(const Arguments& given) {
     if (!view) return fail(to_string(view.error()));
     const auto made = make_cage_for(*figure, given.options);
     if (!made) return fail(to_string(made.error()));
-    print_warnings("make_cage", warnings_of(made->report, given.options));
+    print_warnings(warnings_of(made->report, given.options));
     OutputFiles outputs;
     if (!given.out.empty()) {
         const SvgResult<std::string> text = given.out.ends_with(".csv")
@@ -108,7 +102,7 @@ int cage_in_space(const Arguments& given) {
     ProgressBar bar("making the cage");
     const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
     if (!made) return fail(to_string(made.error()));
-    print_warnings("make_cage", warnings_of(made->report, given.options));
+    print_warnings(warnings_of(made->report, given.options));
     OutputFiles outputs;
     if (!given.out.empty()) outputs.add(given.out).write(made->cage.text);
     if (!given.picture.empty()) {
@@ -172,11 +166,6 @@ int run_program(int argc, char** argv) {
     if (given.out.empty() && given.picture.empty())
         return fail("nothing to write: give -o, --picture or both");
     if (given.png && given.picture.empty()) return fail("--png is for --picture");
-    for (const std::string& path : {given.out, given.picture}) {
-        std::error_code none;
-        if (!path.empty() && std::filesystem::equivalent(path, given.figure, none))
-            return fail(path + " is the figure itself, which is not written over");
-    }
     const bool in_space = given.figure.ends_with(".obj");
     for (const std::string& path : {given.out, given.picture}) {
         const bool is_of_space = path.ends_with(".obj") || path.ends_with(".png");

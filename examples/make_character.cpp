@@ -36,6 +36,7 @@ using Mesh = cageform_examples::ImplicitMesh;
 using cageform_examples::ball;
 using cageform_examples::carve;
 using cageform_examples::ellipsoid;
+using cageform_examples::fail;
 using cageform_examples::join;
 using cageform_examples::length;
 using cageform_examples::limb;
@@ -290,11 +291,6 @@ std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Po
     return text;
 }
 
-int fail(const std::string& message) {
-    std::cerr << "make_character: " << message << '\n';
-    return 1;
-}
-
 /// Whether a mesh can serve as a cage; where not, why.
 bool is_sound(const Mesh& mesh, const char* what) {
     const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
@@ -362,7 +358,7 @@ int run_program(int argc, char** argv) {
     const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
         const auto path = std::filesystem::path(folder) / name;
         outputs.add(path).write(text);
-        summary += path.string() + ": " + holds + '\n';
+        summary += cageform_examples::printable(path.string()) + ": " + holds + '\n';
     };
     const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
                                 const std::vector<Point>& vertex_normals) {

@@ -14,16 +14,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <iostream>
 
 namespace {
 
 using namespace cageform_examples;
-
-int fail(const std::string& message) {
-    std::cerr << "paths: " << message << '\n';
-    return 1;
-}
 
 struct Arguments {
     std::string cage, point, out;

@@ -20,11 +20,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "pose_cage: " << message << '\n';
-    return 1;
-}
-
 /// Such as ".svg", whatever its letters are.
 std::string ending_of(const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
@@ -46,7 +41,8 @@ SvgResult<std::vector<cageform::Vec<double, D>>> posed(const Arguments& given,
     if (!pose) return pose;
     std::size_t moved = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) moved += (*pose)[i] == rest[i] ? 0 : 1;
-    std::cout << given.cage << ": " << moved << " of " << rest.size() << " vertices moved; at rest";
+    std::cout << printable(given.cage) << ": " << moved << " of " << rest.size()
+              << " vertices moved; at rest";
     const auto box = cageform::bounds_of(std::span(rest)); // for selections by place
     for (std::size_t k = 0; k < D; ++k)
         std::cout << (k == 0 ? " " : ", ") << "xyz"[k] << " from " << detail::short_number(box.lower[k])
@@ -140,11 +136,6 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.out.empty() && given.picture.empty())
         return fail("nothing to write: give -o, --picture or both");
-    for (const std::string& path : {given.out, given.picture}) {
-        std::error_code none;
-        if (!path.empty() && std::filesystem::equivalent(path, given.cage, none))
-            return fail(path + " is the cage itself, which is not written over");
-    }
     if (given.picture.empty() && (given.png || !given.figure.empty()))
         return fail("--png and --figure are for --picture");
     return given.cage.ends_with(".obj") ? pose_in_space(given) : pose_in_plane(given);

@@ -23,11 +23,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "puzzle: " << message << '\n';
-    return 1;
-}
-
 SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
     Puzzle puzzle{path, 0, 0, {}, {}, neighbours};
     const auto size = read_table(path, [&](std::string_view cell) -> std::string {

@@ -18,11 +18,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "relaxation: " << message << '\n';
-    return 1;
-}
-
 constexpr std::size_t most_cells = 1000, most_sweeps = 200000;
 
 /// Cells of a line; those that are given keep their values.

@@ -18,7 +18,6 @@
 
 #include <cageform/cageform.hpp>
 
-#include <iostream>
 #include <numbers>
 #include <random>
 
@@ -27,11 +26,6 @@ namespace {
 using namespace cageform_examples;
 using Vec2 = cageform::Vec<double, 2>;
 using cageform::SiteGradients;
-
-int fail(const std::string& message) {
-    std::cerr << "sibson_figures: " << message << '\n';
-    return 1;
-}
 
 // ---- Voronoi cells --------------------------------------------------------------------------------
 

@@ -34,11 +34,6 @@ constexpr const char* bones_format =
     "in degrees; 0,0,0 is no turn. Parents stand before their children, a bone\n"
     "without one leaves the field empty. Lines that begin with # are skipped.\n";
 
-int fail(const std::string& message) {
-    std::cerr << "skin_mesh: " << message << '\n';
-    return 1;
-}
-
 constexpr std::size_t no_parent = ~std::size_t{0};
 
 struct Bone {
@@ -147,7 +142,7 @@ std::string why_not(const Arguments& given, const ObjFile& figure, const std::ve
         if (const std::size_t at = text.find("the cage"); at != std::string::npos)
             text.replace(at, 8, "the mesh");
         if (report.status == Status::cage_not_closed)
-            text += "\nskin_mesh: --see-through takes meshes that are not closed";
+            text += "\n  --see-through takes meshes that are not closed";
         return text;
     }
     if (report.status == Status::cells_unreached) {
@@ -283,8 +278,8 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& m
     const auto& report = made.report;
     if (report.status != Status::ok) return fail(why_not(given, figure, bones, report));
     for (const std::size_t b : report.idle_bones) {
-        std::cerr << "skin_mesh: warning: " << given.bones << ": " << bones[b].name
-                  << " is nearest to no vertex that it could move: all its weights are 0\n";
+        warn(given.bones + ": " + bones[b].name +
+             " is nearest to no vertex that it could move: all its weights are 0");
     }
     const auto skin = cageform::skin_weights(std::span<const double>(made.weights), bones.size(),
                                              {.influences = given.influences});
@@ -314,8 +309,8 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& m
         draw_meshes(scenes, 1600, 1000).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << given.out << ": " << mesh.corners.size() << " vertices, " << bones.size() << " bones, "
-              << given.weights << '\n';
+    std::cout << printable(given.out) << ": " << mesh.corners.size() << " vertices, " << bones.size()
+              << " bones, " << given.weights << '\n';
     if (given.report) {
         std::cout << "flipped edges: " << report.mesh.flips
                   << "\nnegative cotangent weights: " << report.mesh.negative_weights

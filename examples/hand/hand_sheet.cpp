@@ -12,16 +12,10 @@
 #include "hand_pictures.hpp"
 
 #include <cstdio>
-#include <iostream>
 
 namespace {
 
 using namespace cageform_examples;
-
-int fail(const std::string& message) {
-    std::cerr << "hand_sheet: " << message << '\n';
-    return 1;
-}
 
 int run_program(int argc, char** argv) {
     CommandLine line(

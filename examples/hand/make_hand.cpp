@@ -21,11 +21,6 @@ namespace {
 
 using namespace cageform_examples;
 
-int fail(const std::string& message) {
-    std::cerr << "make_hand: " << message << '\n';
-    return 1;
-}
-
 template <class... Values>
 void append(std::string& text, const char* format, Values... values) {
     std::array<char, 200> line;
@@ -154,12 +149,13 @@ int run_program(int argc, char** argv) {
     outputs.add(path / "hand_poses.csv").write(poses_text(bound));
     outputs.add(path / "hand.glb").write(*clip);
     if (const auto failure = outputs.commit()) return fail(*failure);
-    std::cout << (path / "hand.obj").string() << ": " << hand.skin.vertices.size() << " vertices, "
+    const auto shown = [](const std::filesystem::path& file) { return printable(file.string()); };
+    std::cout << shown(path / "hand.obj") << ": " << hand.skin.vertices.size() << " vertices, "
               << hand.skin.faces.size() << " faces\n"
-              << (path / "hand_cage.obj").string() << ": " << cage.vertices.size() << " vertices\n"
-              << (path / "hand_points.csv").string() << ": " << hand.points.size() << " control points\n"
-              << (path / "hand_poses.csv").string() << ": " << hand_poses().size() << " poses\n"
-              << (path / "hand.glb").string() << ": " << clip->size() << " bytes\n";
+              << shown(path / "hand_cage.obj") << ": " << cage.vertices.size() << " vertices\n"
+              << shown(path / "hand_points.csv") << ": " << hand.points.size() << " control points\n"
+              << shown(path / "hand_poses.csv") << ": " << hand_poses().size() << " poses\n"
+              << shown(path / "hand.glb") << ": " << clip->size() << " bytes\n";
     return 0;
 }
 

@@ -11,16 +11,9 @@
 #include "guard.hpp"
 #include "mesh_picture.hpp"
 
-#include <iostream>
-
 namespace {
 
 using namespace cageform_examples;
-
-int fail(const std::string& message) {
-    std::cerr << "pose_hand: " << message << '\n';
-    return 1;
-}
 
 /// The joint at a fingertip, where nothing is said of it: two thirds of the one before it, as tendons pull both.
 bool follows(std::size_t angle) {

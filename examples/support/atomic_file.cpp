@@ -1,5 +1,7 @@
 #include "atomic_file.hpp"
 
+#include "input_file.hpp"
+
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -68,6 +70,7 @@ void AtomicFile::open() {
         if (!fs::is_regular_file(status_)) return refuse("it is not a regular file");
         target_ = fs::canonical(path_, error);
         if (error) return refuse(error.message());
+        if (refuse_input()) return;
     } else if (const fs::path folder = fs::weakly_canonical(fs::absolute(path_).parent_path(), error);
                !error) {
         target_ = folder / path_.filename();
@@ -93,7 +96,7 @@ void AtomicFile::write(std::string_view text) {
 }
 
 std::optional<std::string> AtomicFile::finish() {
-    if (file_ == nullptr) return error_;
+    if (file_ == nullptr || refuse_input()) return error_;
     errno = 0;
     const bool flushed = std::fflush(file_) == 0;
     const int code = errno;
@@ -161,6 +164,12 @@ void AtomicFile::drop_old() {
 void AtomicFile::refuse(const std::string& why) {
     if (!error_) error_ = "cannot write " + path_.string() + ": " + why;
     abandon();
+}
+
+bool AtomicFile::refuse_input() {
+    const std::string input = input_at(path_);
+    if (!input.empty()) refuse("it is the same file as " + input + ", which is read");
+    return !input.empty();
 }
 
 void AtomicFile::abandon() {

@@ -16,7 +16,8 @@ namespace cageform_examples {
 /// SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program.
 ///
 ///   path    replaced if it is a regular file, whose permissions are kept; a link is followed; a folder,
-///           pipe or device is refused
+///           pipe or device is refused, and so is a file that the program reads (input_at() names it), be that before
+///           or after the output is opened
 ///   not     forced to the disk: a power cut may lose the new contents
 class AtomicFile {
 public:
@@ -55,6 +56,7 @@ public:
 
 private:
     void open();
+    bool refuse_input(); // whether it is a file that is read
     void abandon();
 
     std::filesystem::path path_;

@@ -2,6 +2,7 @@
 
 #include "csv.hpp"
 #include "drawn_figure.hpp"
+#include "guard.hpp"
 #include "mesh_cage.hpp"
 #include "pose_operations.hpp"
 
@@ -12,7 +13,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <span>
 #include <system_error>
 
@@ -142,7 +142,7 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
     auto made = make_cage_for(figure, options);
     if (made) {
         for (const std::string& warning : warnings_of(made->report, options))
-            std::cerr << "warning: " << figure.name << ": " << warning << '\n';
+            warn(figure.name + ": " + warning);
     }
     return made;
 }

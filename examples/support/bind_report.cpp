@@ -1,8 +1,9 @@
 #include "bind_report.hpp"
 
+#include "guard.hpp"
+
 #include <algorithm>
 #include <iomanip>
-#include <iostream>
 #include <sstream>
 
 namespace cageform_examples {
@@ -127,9 +128,9 @@ std::string describe_grid(const cageform::SolverReport& solver) {
     return text.str();
 }
 
-void warn_of_coarse_grid(const char* program, const std::string& cage, const cageform::SolverReport& solver) {
+void warn_of_coarse_grid(const std::string& cage, const cageform::SolverReport& solver) {
     const std::string text = describe_corners(solver);
-    if (!text.empty()) std::cerr << program << ": warning: " << cage << ": " << text << '\n';
+    if (!text.empty()) warn(cage + ": " + text);
 }
 
 void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first) {
@@ -233,11 +234,10 @@ std::string describe(const StoredLoss& loss) {
     return text.str();
 }
 
-void print_warnings(const char* program, std::span<const std::string> warnings) {
-    for (std::size_t i = 0; i < std::min(warnings.size(), most_listed); ++i)
-        std::cerr << program << ": warning: " << warnings[i] << '\n';
+void print_warnings(std::span<const std::string> warnings) {
+    for (std::size_t i = 0; i < std::min(warnings.size(), most_listed); ++i) warn(warnings[i]);
     if (warnings.size() > most_listed)
-        std::cerr << program << ": warning: and " << warnings.size() - most_listed << " more of these\n";
+        warn("and " + std::to_string(warnings.size() - most_listed) + " more of these");
 }
 
 } // namespace cageform_examples

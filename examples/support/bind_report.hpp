@@ -31,7 +31,7 @@ std::string describe_grid(const cageform::SolverReport& solver);
 std::string describe_corners(const cageform::SolverReport& solver);
 
 /// Warns of that on stderr.
-void warn_of_coarse_grid(const char* program, const std::string& cage, const cageform::SolverReport& solver);
+void warn_of_coarse_grid(const std::string& cage, const cageform::SolverReport& solver);
 
 /// Adds the report of a batch of points to that of those before it; `first` is the number of its first point.
 void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first);
@@ -60,6 +60,6 @@ struct StoredLoss {
 std::string describe(const StoredLoss& loss);
 
 /// Says warnings on stderr: the first ten, and how many more there are.
-void print_warnings(const char* program, std::span<const std::string> warnings);
+void print_warnings(std::span<const std::string> warnings);
 
 } // namespace cageform_examples

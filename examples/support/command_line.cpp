@@ -1,5 +1,7 @@
 #include "command_line.hpp"
 
+#include "guard.hpp"
+
 #include <cageform/version.hpp>
 
 #include <CLI/CLI.hpp>
@@ -96,6 +98,10 @@ CommandLine::CommandLine(const std::string& description)
                    CAGEFORM_VERSION_STRING;
         },
         "Print the version and exit");
+    app_->failure_message([](const CLI::App* app, const CLI::Error& error) {
+        const CLI::Error shown(error.get_name(), printable(error.what()), error.get_exit_code());
+        return CLI::FailureMessage::simple(app, shown);
+    });
 }
 CommandLine::~CommandLine() = default;
 

@@ -1,28 +1,24 @@
 #pragma once
 
-// What no program does: end without a word.
+// What programs say on stderr: none ends without a word, and no word of theirs commands a terminal.
 
-#include <cstdio>
-#include <exception>
-#include <iostream>
-#include <new>
+#include <functional>
+#include <string>
+#include <string_view>
 
 namespace cageform_examples {
 
+/// Text as it may be printed and written to a file: control characters, what is no character of Unicode, and bytes that
+/// are no UTF-8, become such as \x1b. A tab stays, and a line break before two spaces: our lists have these.
+std::string printable(std::string_view text);
+
+/// "program: message", printable; 1, the exit code of a failure.
+int fail(const std::string& message);
+void warn(const std::string& text); ///< "program: warning: text", printable
+void note(const std::string& text); ///< "program: note: text", printable
+
 /// The exit code of run(), or 1 and a line on stderr when memory or the standard library gives out, or what was
-/// printed cannot be written.
-template <class Run>
-int guarded(const char* program, Run&& run) {
-    try {
-        const int code = run();
-        if (std::cout.flush() && std::fflush(stdout) == 0) return code;
-        std::cerr << program << ": cannot write to standard output\n";
-    } catch (const std::bad_alloc&) {
-        std::cerr << program << ": out of memory\n";
-    } catch (const std::exception& error) {
-        std::cerr << program << ": " << error.what() << '\n';
-    }
-    return 1;
-}
+/// printed cannot be written. The program is named in all that it says.
+int guarded(const char* program, const std::function<int()>& run);
 
 } // namespace cageform_examples

@@ -4,12 +4,19 @@
 #include <cerrno>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 namespace cageform_examples {
+
+/// The paths of all files that were opened so far.
+static std::vector<std::string>& inputs() {
+    static std::vector<std::string> all;
+    return all;
+}
 
 InputFile::InputFile(std::string path)
     : path_(std::move(path)) {
@@ -24,6 +31,7 @@ InputFile::InputFile(std::string path)
         refuse("is a folder");
     } else if (S_ISREG(status.st_mode)) {
         size_ = std::uintmax_t(status.st_size);
+        inputs().push_back(path_);
     }
 }
 
@@ -44,6 +52,14 @@ bool InputFile::read(std::string& text) {
     read_so_far_ += text.size() - before;
     if (count < 0) error_ = path_ + ": cannot be read: " + std::generic_category().message(code);
     return count > 0;
+}
+
+std::string input_at(const std::filesystem::path& path) {
+    std::error_code none; // where one of them is no longer there
+    for (const std::string& input : inputs()) {
+        if (std::filesystem::equivalent(path, input, none)) return input;
+    }
+    return {};
 }
 
 SvgResult<std::string> read_file(const std::string& path) {

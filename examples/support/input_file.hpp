@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -35,6 +36,10 @@ private:
     std::uintmax_t size_ = 0, read_so_far_ = 0;
     std::string error_;
 };
+
+/// The path by which this program has opened, as an InputFile, the file at `path`; empty where it has not. Both paths may
+/// lead to it by links, hard ones too, and detours.
+std::string input_at(const std::filesystem::path& path);
 
 /// All bytes of a file, or of a pipe; fails as InputFile does.
 SvgResult<std::string> read_file(const std::string& path);

@@ -1,9 +1,10 @@
 #include "mesh_cage.hpp"
 
+#include "guard.hpp"
+
 #include <cageform/cage/polyhedral_mesh.hpp>
 
 #include <algorithm>
-#include <iostream>
 #include <sstream>
 
 namespace cageform_examples {
@@ -75,7 +76,7 @@ std::string describe_mesh_faults(const std::string& name, const cageform::BindRe
                 : "\n  (vertices and faces are counted from 0, faces as they are cut)");
 }
 
-void warn_of_closed_gaps(const char* program, const std::string& name, const cageform::CageReport& report) {
+void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report) {
     std::size_t count = 0;
     const cageform::CageFault* first = nullptr;
     for (const auto& fault : report.faults) {
@@ -83,9 +84,9 @@ void warn_of_closed_gaps(const char* program, const std::string& name, const cag
         if (count++ == 0) first = &fault;
     }
     if (count == 0 || report.status != cageform::Status::ok) return;
-    std::cerr << program << ": warning: " << name << ": " << count
-              << " open edges were closed, first between vertices " << first->a + 1 << " and " << first->b + 1
-              << " (counted from 1, as in the file)\n";
+    warn(name + ": " + std::to_string(count) + " open edges were closed, first between vertices " +
+         std::to_string(first->a + 1) + " and " + std::to_string(first->b + 1) +
+         " (counted from 1, as in the file)");
 }
 
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices) {

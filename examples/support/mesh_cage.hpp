@@ -38,7 +38,7 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
 std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report);
 
 /// Says on stderr how many open edges of a sound cage were closed, if any.
-void warn_of_closed_gaps(const char* program, const std::string& name, const cageform::CageReport& report);
+void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report);
 
 /// "(0.1, 0.2, 0.3), …" for the first few of a list of points, named as the file counts them.
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);

@@ -2,6 +2,8 @@
 
 // A progress bar on standard error, drawn only when that is a terminal.
 
+#include "guard.hpp"
+
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -14,8 +16,8 @@ namespace cageform_examples {
 /// A progress callback that draws "label [=====     ] 42 %" after the first half second; never cancels.
 class ProgressBar {
 public:
-    explicit ProgressBar(std::string label)
-        : label_(std::move(label)) {}
+    explicit ProgressBar(const std::string& label)
+        : label_(printable(label)) {}
     ProgressBar(const ProgressBar&) = delete;
     ProgressBar& operator=(const ProgressBar&) = delete;
     ~ProgressBar() {

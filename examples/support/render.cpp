@@ -1,6 +1,8 @@
 #include "render.hpp"
 
+#include "guard.hpp"
 #include "plot.hpp"
+#include "svg_xml.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +19,7 @@
 
 namespace cageform_examples {
 
-/// Starts a program that is found on the PATH, of a Debian package; -1 for a stream that stays ours. The fault, or
+/// Starts a program that is found on the PATH, of a Debian package; -1 for an output that stays ours. The fault, or
 /// nothing.
 static std::string start(std::vector<std::string> words, const char* package, int input, int output,
                          pid_t& child) {
@@ -26,7 +28,7 @@ static std::string start(std::vector<std::string> words, const char* package, in
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
-    if (input >= 0) posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     if (output >= 0) posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     const int spawned = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
@@ -42,10 +44,6 @@ static bool ends_well(pid_t child) {
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-static std::vector<std::string> picture_options(int width) {
-    return {"--background-color", "white", "--keep-aspect-ratio", "--width", std::to_string(width)};
-}
-
 std::string run_rsvg(std::vector<std::string> options, int in, int out) {
     options.insert(options.begin(), "rsvg-convert");
     pid_t child = 0;
@@ -53,12 +51,31 @@ std::string run_rsvg(std::vector<std::string> options, int in, int out) {
     return !fault.empty() || ends_well(child) ? fault : "rsvg-convert could not render it";
 }
 
+/// Says which file an SVG shows by a link, if it does.
+static void note_linked_file(const pugi::xml_document& svg, const std::filesystem::path& picture) {
+    for (pugi::xml_node node = svg.first_child(); node; node = detail::next_node(node, svg)) {
+        const std::string kind = detail::local_name(node), link = detail::reference_of(node);
+        if (link.empty() || link.starts_with('#') || link.starts_with("data:")) continue;
+        if (kind.empty() || kind == "a") continue; // shows nothing
+        note(picture.string() + " does not show " + link + ", a file that the drawing links to");
+        return;
+    }
+}
+
+static std::string render_picture(int svg, int width, int png) {
+    return run_rsvg({"--background-color", "white", "--keep-aspect-ratio", "--width", std::to_string(width)},
+                    svg, png);
+}
+
 void add_png(OutputFiles& outputs, AtomicFile& svg, int width) {
     AtomicFile& png = outputs.add(std::filesystem::path(svg.path()).replace_extension(".png"));
     if (svg.finish() || png.error()) return;
-    std::vector<std::string> options = picture_options(width);
-    options.insert(options.end(), {"--", svg.temporary().string()});
-    const std::string fault = run_rsvg(std::move(options), -1, png.descriptor());
+    const int text = open(svg.temporary().c_str(), O_RDONLY | O_CLOEXEC);
+    if (text < 0) return png.refuse(std::strerror(errno));
+    pugi::xml_document drawing;
+    if (drawing.load_file(svg.temporary().c_str())) note_linked_file(drawing, png.path());
+    const std::string fault = render_picture(text, width, png.descriptor());
+    close(text);
     if (!fault.empty()) png.refuse(fault);
 }
 
@@ -98,11 +115,14 @@ Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width
 
 void Film::add_frame(const std::string& svg) {
     if (file_.error()) return;
+    pugi::xml_document drawing;
+    if (is_first_ && drawing.load_string(svg.c_str())) note_linked_file(drawing, file_.path());
+    is_first_ = false;
     std::FILE* const text = std::tmpfile(); // has no name
     if (text == nullptr) return file_.refuse(std::strerror(errno));
     const bool written = std::fwrite(svg.data(), 1, svg.size(), text) == svg.size() && std::fflush(text) == 0;
     std::rewind(text);
-    const std::string fault = written ? run_rsvg(picture_options(width_), fileno(text), pipe_)
+    const std::string fault = written ? render_picture(fileno(text), width_, pipe_)
                                       : "a frame cannot be written to a temporary file";
     std::fclose(text);
     if (!fault.empty()) file_.refuse(fault);

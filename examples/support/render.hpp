@@ -13,15 +13,15 @@ namespace cageform_examples {
 
 /// Adds a picture to the outputs: `svg`, which is one of them, under its name with the ending .png.
 ///
-///   svg     is finished
+///   svg     is finished; a note on stderr names a file that it shows by a link: the picture does not
 ///   width   of the picture, in pixels; on white
 ///   fails   where rsvg-convert is not there or cannot render the file: then commit() says so, and nothing is written
 void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 
-/// Runs librsvg's program.
+/// Runs librsvg's program. It is given no name of a file, and so reads no files that the SVG names.
 ///
 ///   options   such as --format svg
-///   in, out   descriptors that it reads an SVG from, -1 for none, and writes to
+///   in, out   descriptors that it reads an SVG from, and writes to
 ///   returns   empty, or why there is nothing: it is not installed, or cannot render what it read
 std::string run_rsvg(std::vector<std::string> options, int in, int out);
 
@@ -30,6 +30,7 @@ std::string run_rsvg(std::vector<std::string> options, int in, int out);
 ///
 ///   rate    frames a second; a GIF has 50 at most
 ///   width   in pixels; on white
+///   notes   as add_png() does, by the first frame
 ///   fails   where a program is not there or fails: then the outputs' commit() says so, and nothing is written
 class Film {
 public:
@@ -46,6 +47,7 @@ private:
     int width_;
     int pipe_ = -1; ///< to ffmpeg
     pid_t ffmpeg_ = 0;
+    bool is_first_ = true; ///< the frame that comes next
 };
 
 } // namespace cageform_examples

@@ -1,0 +1,222 @@
+# Sourced by command_line.sh. What holds of every program that takes files, and of every option that takes one:
+#   no input is written over, by whatever name;
+#   no name of a file commands the terminal;
+#   pictures show no files that a drawing links to.
+# A form is a command line whose words name files of files/pool; what else it leaves in its folder are its outputs, so that
+# none of them is forgotten. A program without a form fails, and an option that may take a file and is in no form.
+mkdir -p files/pool files/stand_in
+cd files || exit 1
+escape=$(printf '\033')
+
+# ---- the files ----
+for name in hexagon hexagon_cage hexagon_pose fish fish_points fish_pose_fins hills; do cp "$data/$name.svg" pool; done
+cp "$data/puzzle.csv" pool
+(
+  cd pool || exit 1
+  printf '0,0\n1,0\n1,1\n0,1\n' >square.csv
+  printf '0.5,0.5\n0.2,0.7\n' >points.csv
+  printf 'a\nb\n\nc\n' >labels.txt
+  printf 'a\nb\nc\nd\n\n\n\n\n' >box_labels.txt
+  printf '1,.,.,2\n' >line.csv
+  printf '1,2\n3,4\n' >table.csv
+  sed -n 's/.*<circle.*/1/p' fish_points.svg >point_weights.txt
+  printf 'v %s %s %s\n' 0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 >box.obj
+  printf 'f %s %s %s %s\n' 1 3 4 2 5 6 8 7 1 2 6 5 2 4 8 6 4 3 7 8 3 1 5 7 >>box.obj
+  sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
+  printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
+  for time in 0 0.5; do
+    echo "pose,$time,smooth"
+    sed -n "s/^v \(.*\) \(.*\) \(.*\)/\1,\2,$time\3/p" box.obj
+  done | sed '1ilength,1' >box_clip.csv
+  printf 'length,1\ncontrol,a\nvertices,0\n0,0,0,0,linear\n0.5,9,0,0,linear\n1,0,0,0,linear\n' >clip.csv
+  printf 'low,,0.5,0.5,0.1,0.5,0.5,0.5,0,0,0\nhigh,low,0.5,0.5,0.5,0.5,0.5,0.9,20,0,0\n' >bones.csv
+  printf '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n' >hand.csv
+  printf '{"cage": {"vertices": [[0,0],[1,0],[0,1]]}, "points": [[0.25,0.25]], "coordinates": [[0.5,0.25,0.25]]}' >triangle.json
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >cage.obj
+  echo '0.25,0.25,0.25;0:0.25;1:0.25;2:0.25;3:0.25' >reference.txt
+  cat >curves.json <<'JSON'
+{"layers": [{"nm": "ball", "ks": {"r": {"a": 1, "k": [
+  {"t": 0, "s": [0], "o": {"x": [0.42], "y": [0]}, "i": {"x": [0.58], "y": [1]}}, {"t": 30, "s": [90], "h": 1}]}}}]}
+JSON
+  cat >cases.json <<'JSON'
+{"format": "bezier-sobolev-cases/1", "cases": [{"id": "a", "control_points": [[0, 0], [0.4, 0], [0.6, 1], [1, 1]],
+  "degree": 3, "weights": [1, 1], "conditions": ["end_value", "knot_c0"], "knots": {"mode": "uniform_x", "pieces": 2}}]}
+JSON
+  # A picture of one red pixel.
+  echo iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC | base64 -d >red.png
+)
+cat >stand_in/ffmpeg <<'SH'
+#!/bin/sh
+for word in "$@"; do out=${word#file:}; done
+cat >"$out"
+SH
+chmod +x stand_in/ffmpeg
+
+# ---- how a form is run ----
+fresh() { # INPUT…   a folder of these alone
+  rm -rf run
+  mkdir run
+  for name in "$@"; do cp "pool/$name" run; done
+}
+run() { # WORD…   of the form's program, in the folder
+  (cd run && PATH="$work/files/stand_in:$PATH" "$programs/$program" "$@") >log 2>&1
+}
+is_input() { # WORD
+  case " $inputs " in *" $1 "*) return 0 ;; esac
+  return 1
+}
+is_output() { # WORD   an output, or how some begin
+  for output in $outputs; do
+    case $output in "$1"*) return 0 ;; esac
+  done
+  return 1
+}
+run_renamed() { # PREFIX CHANGED WORD…   the words of that list with the prefix
+  prefix=$1; changed=$2; shift 2
+  count=$#
+  while [ $count -gt 0 ]; do
+    word=$1; shift
+    case " $changed " in *" $word "*) word=$prefix$word ;; esac
+    set -- "$@" "$word"
+    count=$((count - 1))
+  done
+  run "$@"
+}
+says_plainly() { # TEXT   of the log: it holds that, and nothing for a terminal
+  ! grep -q "$escape" log || { echo "a name commands the terminal" >>log; return 1; }
+  grep -qF -- "$1" log || { echo "does not say: $1" >>log; return 1; }
+}
+
+beside= # inputs that no word names
+form() { # PROGRAM WORD…
+  program=$1; shift
+  echo "$program" >>formed
+  inputs=$beside
+  for word in "$@"; do
+    if [ -f "pool/$word" ]; then inputs="$inputs $word"; fi
+  done
+  fresh $inputs
+  run "$@" && ok=yes || ok=no
+  outputs=
+  for file in run/*; do
+    is_input "${file#run/}" || outputs="$outputs ${file#run/}"
+  done
+  report $ok "$program $*"
+  [ $ok = yes ] || return
+
+  names= # words that name files
+  option=
+  for word in "$@"; do
+    if is_input "$word" || is_output "$word"; then
+      names="$names $word"
+      echo "$program $option" >>covered
+    fi
+    option=$word
+  done
+
+  # An output that is an input, by a link; the first by one that has a path of its own, others by a second name.
+  for output in $outputs; do
+    link="ln -s"
+    for input in $inputs; do
+      fresh $inputs
+      (cd run && $link "$input" "$output")
+      link=ln
+      run "$@"
+      [ $? -eq 1 ] && grep -qF "cannot write $output: it is the same file as $input, which is read" log && ok=yes || ok=no
+      for name in $inputs; do cmp -s "pool/$name" "run/$name" || { ok=no; echo "$name is written over" >>log; }; done
+      (cd run && [ "$input" -ef "$output" ] && [ "$(echo *)" = "$(printf '%s\n' $inputs "$output" | sort -u | xargs)" ]) ||
+        { ok=no; echo "left: $(ls run)" >>log; }
+      report $ok "$output is $input: $program $*"
+    done
+  done
+
+  # Names that hold commands for a terminal: where all goes well, and where one of the files is missing.
+  fresh $inputs
+  for name in $inputs; do cp "run/$name" "run/$escape[7m$name"; done
+  run_renamed "$escape[7m" "$names" "$@" && says_plainly '' && ok=yes || ok=no
+  report $ok "names that command the terminal: $program $*"
+  for word in $names; do
+    fresh $inputs
+    if run_renamed "$escape[7m/" "$word" "$@"; then ok=no; else says_plainly "\\x1b[7m/$word" && ok=yes || ok=no; fi
+    report $ok "$word is missing, and commands the terminal: $program $*"
+  done
+
+  # A picture of a drawing that links to another.
+  case " $* " in *" --png "* | *" --gif "*) ;; *) return ;; esac
+  for input in $inputs; do
+    case $input in *.svg) ;; *) continue ;; esac
+    fresh $inputs
+    sed 's|</svg>|<image width="400" height="400" href="red.png"/></svg>|' "pool/$input" >"run/$input"
+    run "$@" && ok=yes || ok=no
+    for output in $outputs; do mv "run/$output" "run/old_$output"; done
+    cp pool/red.png run
+    run "$@" || ok=no
+    for output in $outputs; do cmp -s "run/$output" "run/old_$output" || { ok=no; echo "$output shows it" >>log; }; done
+    report $ok "$input links to a picture: $program $*"
+  done
+}
+
+# ---- the forms ----
+form deform_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg -o out.svg --png --png-width 40
+form deform_svg fish.svg --cage fish_points.svg --pose fish_pose_fins.svg --coordinates sibson --weights point_weights.txt -o out.svg
+form animate_svg hexagon.svg --cage hexagon_cage.svg --clip clip.csv -o out.svg --stills still_ --still-count 1 --rate 2 \
+  --gif out.gif --apng out.png --mp4 out.mp4 --width 40
+form animate_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg --rate 2 -o out.svg
+form coordinate_field --cage hexagon_cage.svg --vertex 0 --coordinates harmonic --resolution 16 --size 40 -o out.png \
+  --classes classes.png --surface surface.png
+form coordinate_field --cage auto --figure hexagon.svg --vertex 0 --size 40 -o out.png
+form cage_weights --cage square.csv --points points.csv --labels labels.txt -o out.csv
+form figure_table hexagon.svg hexagon_cage.svg hexagon_pose.svg mean-value
+form contact_sheet -o out.svg --png --png-width 60 one hexagon.svg two red.png
+form convergence --cage square.csv --resolution 16 -o out.svg --png
+form convergence --oracle triangle.json -o out.svg
+beside=cage.obj
+form convergence --oracle reference.txt -o out.svg
+beside=
+form deform_mesh inner.obj --cage box.obj --pose bent_box.obj -o out.obj --picture out.png
+form make_cage hexagon.svg -o out.svg --picture picture.svg --png
+form make_cage box.obj -o out.obj --picture out.png
+form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --picture picture.svg --png
+form pose_cage box.obj --move 0:0.1,0,0 -o out.obj --picture out.png
+form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
+form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
+form bind_mesh inner.obj --cage box.obj --pose bent_box.obj -o out.figure
+form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt --skin 4 -o out.glb
+form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
+form skin_mesh box.obj --bones bones.csv -o out.glb --picture out.png
+form grid_field table.csv -o out.png --surface surface.png --size 40
+form paths --cage hexagon_cage.svg --point 400,400 -o out.svg --png --paths 10 --rays 10 --drawn 1
+form boundary_formula --cage hexagon_cage.svg --vertex 0
+form relaxation line.csv -o out.svg --png --play plays.svg
+form height_map hills.svg -o out.png -o out.pgm -o out.csv --lines lines.svg --3d surface.png --size 16
+form diffuse_colours hills.svg -o out.png --size 16
+form fit_curve --lottie curves.json --curve layers/0/ks/r/k/0:0 --pieces 2 --json out.json --plot out.svg --png
+form fit_curve --cases cases.json --json out.json
+form puzzle puzzle.csv --csv out.csv -o out.svg
+form pose_hand --pose hand.csv -o out.obj --picture out.png
+
+# ---- none is forgotten ----
+without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
+# Options whose words are no files.
+words="--slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
+  --knots --conditions --norm --blue --red"
+for file in "$programs"/*; do
+  program=${file##*/}
+  case $program in [0-9]*) continue ;; esac
+  [ -f "$file" ] && [ -x "$file" ] || continue
+  "$file" --help >log 2>&1
+  case " $without_inputs " in
+    *" $program "*) ok=yes ;;
+    *) grep -qx "$program" formed && ok=yes || { ok=no; echo "no form of it is in files.sh" >>log; } ;;
+  esac
+  for option in $(sed -n 's/^ *\(-[^ ]*\) TEXT\( .*\)*$/\1/p' log); do
+    known=no
+    for name in $(echo "$option" | tr , ' '); do
+      grep -qxF -- "$program $name" covered && known=yes
+      case " $(echo $words) " in *" $name "*) known=yes ;; esac
+    done
+    [ $known = yes ] || { ok=no; echo "$option: no form in files.sh gives it a file" >>log; }
+  done
+  report $ok "$program has its files tried"
+done
+cd ..
