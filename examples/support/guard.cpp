@@ -8,6 +8,9 @@
 #include <iostream>
 #include <new>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace cageform_examples {
 
 namespace {
@@ -25,9 +28,18 @@ std::size_t printable_bytes(std::string_view text) {
         code = code << 6 | (byte(k) & 0x3f);
     }
     constexpr std::array least{0x0U, 0x0U, 0xa0U, 0x800U, 0x10000U}; // below 0xa0 are controls
-    const bool is_character = code >= least[count] && code <= 0x10ffff && !(code >= 0xd800 && code < 0xe000) &&
-                              code != 0xfffe && code != 0xffff;
+    const bool is_character = code >= least[count] && code <= 0x10ffff &&
+                              !(code >= 0xd800 && code < 0xe000) && code != 0xfffe && code != 0xffff;
     return is_character && byte(0) >= 0xc0 && byte(0) < 0xf8 ? count : 0;
+}
+
+/// In the place of a standard stream that is closed, one that fails: else the next file to be opened would be that stream,
+/// and what is printed would go into it.
+void keep_streams_apart() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (fcntl(stream, F_GETFD) < 0)
+            (void)open("/dev/null", O_RDONLY); // takes the lowest number
+    }
 }
 
 void say(const std::string& kind, const std::string& text) {
@@ -67,6 +79,7 @@ void note(const std::string& text) {
 
 int guarded(const char* program, const std::function<int()>& run) {
     program_name = program;
+    keep_streams_apart();
     try {
         const int code = run();
         if (std::cout.flush() && std::fflush(stdout) == 0) return code;

@@ -6,6 +6,7 @@ set -u
 programs=$1
 data=$2
 failing_read=$3
+here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
@@ -445,6 +446,9 @@ echo 0.25,0.5,0.75 >inner.csv
 works "weights of a box of polygons" "$programs/cage_weights" --cage box.obj --points inner.csv --coordinates harmonic -o polygons.csv
 grep -q 'note: box.obj: 6 faces' log && ok=yes || ok=no
 report $ok "cage_weights says what becomes of them too"
+works "weights, with no streams to print to" sh -c "'$programs/cage_weights' --cage box.obj --points inner.csv --coordinates harmonic -o closed.csv >&- 2>&-"
+cmp -s polygons.csv closed.csv && ok=yes || ok=no
+report $ok "what would be printed is not in the file"
 # What a game loads: sizes told, no half-written file.
 bind="$programs/bind_mesh"
 works "a packed character" "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv \
@@ -733,7 +737,7 @@ printf '%s\n' 1,1 1,1 1,1 >dot.csv
 refuses 'cannot be drawn: its size is not finite, or zero' "$pose_cage" dot.csv --picture out.svg
 cp square.csv kept.csv
 ln -sf kept.csv linked.csv
-refuses 'linked.csv is the cage itself, which is not written over' "$pose_cage" kept.csv --move 0:1,1 -o linked.csv
+refuses 'cannot write linked.csv: it is the same file as kept.csv, which is read' "$pose_cage" kept.csv --move 0:1,1 -o linked.csv
 cmp -s square.csv kept.csv && ok=yes || ok=no
 report $ok "the cage stays"
 
@@ -859,7 +863,7 @@ refuses 'it spans the figure and its image across the mirror at 1e+09' "$make_ca
 refuses 'nothing to write: give -o, --picture or both' "$make_cage" "$cat"
 refuses '--fill-tunnels is for figures in space' "$make_cage" "$cat" --fill-tunnels -o out.svg
 cp "$cat" kept.svg
-refuses 'kept.svg is the figure itself, which is not written over' "$make_cage" kept.svg -o ./kept.svg
+refuses 'cannot write ./kept.svg: it is the same file as kept.svg, which is read' "$make_cage" kept.svg -o ./kept.svg
 cmp -s "$cat" kept.svg && ok=yes || ok=no
 report $ok "the figure stays"
 
@@ -1566,6 +1570,9 @@ printf '2,2\n' >locked.csv
 chmod 0 locked.csv
 [ -r locked.csv ] || # a superuser reads it
   refuses 'locked.csv: cannot be opened: Permission denied' "$weights" --cage square.csv --points locked.csv -o out.csv
+
+# ---- what holds of all files ----
+. "$here/files.sh"
 
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
