@@ -446,6 +446,12 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     if (cage_paths.empty() && oracle_paths.empty()) return fail("--cage or --oracle is required");
 
+    for (const auto* paths : {&cage_paths, &oracle_paths}) {
+        for (const std::string& path : *paths) {
+            if (const InputFile file(path); !file.error().empty()) return fail(file.error());
+        }
+    }
+    if (const auto why = fault_of_outputs({out_path, png ? png_of(out_path) : ""})) return fail(*why);
     Diagrams diagrams;
     for (std::size_t n = 0; n < cage_paths.size(); ++n) {
         const std::string why = add_cage(cage_paths[n], colours[n], resolution, diagrams);

@@ -193,6 +193,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
 /// Binds the figure, moves it and writes what was asked for.
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     warn_of_closed_gaps(cage.name, coordinates->cage_report);
     if (!coordinates->note.empty()) note(coordinates->note);
     const auto [moved, paint, report, fault, warning] = deformed(given, figure, control);

@@ -99,6 +99,7 @@ int cage_in_space(const Arguments& given) {
     if (given.png) return fail("--png: in space the picture is a .png file as it is");
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     ProgressBar bar("making the cage");
     const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
     if (!made) return fail(to_string(made.error()));

@@ -108,6 +108,7 @@ int pose_in_space(const Arguments& given) {
         return fail("-o " + given.out + ": the cage lies in space: .obj");
     if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
         return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     const auto pose = posed<3>(given, cage->vertices);
     if (!pose) return fail(to_string(pose.error()));
     OutputFiles outputs;

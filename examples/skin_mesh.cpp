@@ -263,6 +263,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& m
         bone_named(given, bones, given.red, bones[*blue].parent == no_parent ? *blue : bones[*blue].parent);
     if (!red) return fail(to_string(red.error()));
 
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     std::vector<cageform::BoneSegment> segments;
     for (const Bone& bone : bones) segments.push_back(bone.segment);
     cageform::SurfaceSkinOptions options;

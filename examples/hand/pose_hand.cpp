@@ -88,6 +88,7 @@ int run_program(int argc, char** argv) {
     if (!poses) return fail(poses.error().message);
     if (!out.empty() && poses->size() > 1)
         return fail(pose + ": holds " + std::to_string(poses->size()) + " poses, an OBJ file takes one");
+    if (const auto why = fault_of_outputs({out, picture})) return fail(*why);
     const BoundHand bound;
     if (named != hand_poses().end()) poses->front() = bound.closed(*named);
     if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));

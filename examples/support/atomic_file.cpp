@@ -236,6 +236,14 @@ std::string OutputFiles::undo(std::string why) {
     return why;
 }
 
+std::optional<std::string> fault_of_outputs(std::initializer_list<std::filesystem::path> paths) {
+    OutputFiles outputs;
+    for (const std::filesystem::path& path : paths) {
+        if (!path.empty()) outputs.add(path);
+    }
+    return outputs.error();
+}
+
 std::optional<std::string> write_file_atomically(const std::filesystem::path& path,
                                                  std::string_view contents) {
     AtomicFile file(path);

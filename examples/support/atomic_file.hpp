@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <deque>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -89,6 +90,10 @@ private:
 
     std::deque<AtomicFile> files_;
 };
+
+/// Why one of these files cannot be written, for a program that asks before it computes for long: after it has opened what
+/// it reads. Empty paths are left out; nothing is written.
+std::optional<std::string> fault_of_outputs(std::initializer_list<std::filesystem::path> paths);
 
 /// Writes all of `contents` to `path`; returns nothing, or the reason of the failure.
 [[nodiscard]] std::optional<std::string> write_file_atomically(const std::filesystem::path& path,

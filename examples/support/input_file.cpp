@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <set>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -13,8 +13,8 @@
 namespace cageform_examples {
 
 /// The paths of all files that were opened so far.
-static std::vector<std::string>& inputs() {
-    static std::vector<std::string> all;
+static std::set<std::string>& inputs() {
+    static std::set<std::string> all;
     return all;
 }
 
@@ -31,7 +31,7 @@ InputFile::InputFile(std::string path)
         refuse("is a folder");
     } else if (S_ISREG(status.st_mode)) {
         size_ = std::uintmax_t(status.st_size);
-        inputs().push_back(path_);
+        inputs().insert(path_);
     }
 }
 

@@ -67,8 +67,12 @@ static std::string render_picture(int svg, int width, int png) {
                     svg, png);
 }
 
+std::filesystem::path png_of(const std::filesystem::path& svg) {
+    return std::filesystem::path(svg).replace_extension(".png");
+}
+
 void add_png(OutputFiles& outputs, AtomicFile& svg, int width) {
-    AtomicFile& png = outputs.add(std::filesystem::path(svg.path()).replace_extension(".png"));
+    AtomicFile& png = outputs.add(png_of(svg.path()));
     if (svg.finish() || png.error()) return;
     const int text = open(svg.temporary().c_str(), O_RDONLY | O_CLOEXEC);
     if (text < 0) return png.refuse(std::strerror(errno));

@@ -4,6 +4,7 @@
 
 #include "atomic_file.hpp"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,10 @@
 
 namespace cageform_examples {
 
-/// Adds a picture to the outputs: `svg`, which is one of them, under its name with the ending .png.
+/// The name of an SVG with the ending .png.
+std::filesystem::path png_of(const std::filesystem::path& svg);
+
+/// Adds a picture to the outputs: `svg`, which is one of them, under the name png_of() it.
 ///
 ///   svg     is finished; a note on stderr names a file that it shows by a link: the picture does not
 ///   width   of the picture, in pixels; on white
