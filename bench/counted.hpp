@@ -1,9 +1,12 @@
-// Instructions of a benchmark's loop alone, for callgrind with --collect-atstart=no (bench/run.sh --count).
+// Instructions of a benchmark's loop alone, for callgrind with --instr-atstart=no and --collect-atstart=no (bench/run.sh
+// --count).
 #pragma once
 
 #if __has_include(<valgrind/callgrind.h>)
 #include <valgrind/callgrind.h>
 #else
+#define CALLGRIND_START_INSTRUMENTATION
+#define CALLGRIND_STOP_INSTRUMENTATION
 #define CALLGRIND_TOGGLE_COLLECT
 #endif
 
@@ -11,8 +14,14 @@ namespace cageform_bench {
 
 /// What runs while it lives is counted. Not under callgrind it does nothing, and takes no time.
 struct Counted {
-    Counted() { CALLGRIND_TOGGLE_COLLECT; }
-    ~Counted() { CALLGRIND_TOGGLE_COLLECT; }
+    Counted() {
+        CALLGRIND_START_INSTRUMENTATION;
+        CALLGRIND_TOGGLE_COLLECT;
+    }
+    ~Counted() {
+        CALLGRIND_TOGGLE_COLLECT;
+        CALLGRIND_STOP_INSTRUMENTATION;
+    }
     Counted(const Counted&) = delete;
     Counted& operator=(const Counted&) = delete;
 };

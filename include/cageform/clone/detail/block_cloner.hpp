@@ -17,7 +17,9 @@ struct AffineFit {
         if (binding.affine_fit == nullptr) return;
         for (std::size_t i = 0; i < binding.handles; ++i) {
             const auto& d = displacement(i);
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t r = 0; r <= D; ++r) {
+                CAGEFORM_DETAIL_UNROLL
                 for (std::size_t k = 0; k < K; ++k)
                     part[r][k] = multiply_add<T>(binding.affine_fit[i][r], d[k], part[r][k]);
             }
@@ -28,8 +30,10 @@ struct AffineFit {
     void complete(const PackedBindingView<T, D>& binding, std::size_t block, Lanes<T>* sums) const noexcept {
         if (binding.scale == nullptr) return;
         const Lanes<T>* const residual = binding.residual + block * (D + 1);
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < K; ++k) {
             Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t r = 0; r <= D; ++r)
                 sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(part[r][k]), sum);
             sum.store(sums[k]);

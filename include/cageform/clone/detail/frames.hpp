@@ -97,6 +97,7 @@ template <Scalar T>
 FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
     using P = Simd<T>;
     P t[3], b[3], t_rest[3], b_rest[3];
+    CAGEFORM_DETAIL_UNROLL
     for (std::size_t k = 0; k < 3; ++k) {
         t[k] = P::load(*tangents[0].moved[k]);
         b[k] = P::load(*tangents[1].moved[k]);
@@ -120,6 +121,7 @@ FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
     select<T>(certain, tt, P(T(1))).store(of_t);
     for (T& x : of_n.v) x = 1 / std::sqrt(x);
     for (T& x : of_t.v) x = 1 / std::sqrt(x);
+    CAGEFORM_DETAIL_UNROLL
     for (std::size_t k = 0; k < 3; ++k) {
         (n[k] * P::load(of_n)).store(frames.normal[k]);
         (t[k] * P::load(of_t)).store(frames.tangent[k]);
@@ -140,6 +142,7 @@ void for_frames_of_block(const TangentBlocks<T, D>& tangents, std::size_t used, 
                 continue;
             }
             Frame<T, 3> frame;
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < 3; ++k) {
                 frame.normal[k] = rows.normal[k][lane];
                 frame.tangent[k] = rows.tangent[k][lane];

@@ -57,14 +57,18 @@ void interleave(const Simd<T>* rows, T* points) noexcept {
         using Register = typename ShuffledOf<T>::type;
         constexpr std::size_t n = sizeof(Register) / sizeof(T);
         Register axis[D][lane_count<T> / n];
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < D; ++k) {
             Lanes<T> row;
             rows[k].store(row);
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t r = 0; r < lane_count<T> / n; ++r)
                 std::memcpy(&axis[k][r], row.v + r * n, sizeof(Register));
         }
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t r = 0; r < lane_count<T> / n; ++r) {
             Register part[D];
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < D; ++k) part[k] = axis[k][r];
             [&]<std::size_t... O>(std::index_sequence<O...>) {
                 const auto put = [&](std::size_t o, const Register& mixed) {
@@ -77,6 +81,7 @@ void interleave(const Simd<T>* rows, T* points) noexcept {
         return;
     }
 #endif
+    CAGEFORM_DETAIL_UNROLL
     for (std::size_t k = 0; k < D; ++k) {
         Lanes<T> row;
         rows[k].store(row);
@@ -142,6 +147,7 @@ private:
         if (options_.mask.size() != 0) {
             for (std::size_t lane = 0; lane < used; ++lane) {
                 const T m = options_.mask[place_(first + lane)][0];
+                CAGEFORM_DETAIL_UNROLL
                 for (std::size_t k = 0; k < D; ++k) sums[k][lane] = product(sums[k][lane], m);
             }
         }
@@ -149,9 +155,11 @@ private:
         if (options_.onto == CloneOnto::output) {
             load(first, used, onto);
         } else {
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < D; ++k) onto[k] = rest_[block * D + k];
         }
         Simd<T> moved[D];
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < D; ++k) {
             const Simd<T> from = Simd<T>::load(onto[k]), to = from + Simd<T>::load(sums[k]);
             // An unmoved point keeps its bits: −0 plus nothing would be +0.
@@ -166,6 +174,7 @@ private:
         const auto take = [&](const auto& point_at) {
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const auto& p = point_at(place_(first + (lane < used ? lane : 0)));
+                CAGEFORM_DETAIL_UNROLL
                 for (std::size_t k = 0; k < D; ++k) rows[k][lane] = p[k];
             }
         };
@@ -181,6 +190,7 @@ private:
         if constexpr (is_strided) {
             if (by_axes_) {
                 Lanes<T> row;
+                CAGEFORM_DETAIL_UNROLL
                 for (std::size_t k = 0; k < D; ++k) {
                     moved[k].store(row);
                     std::memcpy(out_.plain_axis(k) + first, row.v, used * sizeof(T));
@@ -201,6 +211,7 @@ private:
         }
         for (std::size_t lane = 0; lane < used; ++lane) {
             Vec<T, D> p{};
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < D; ++k) p[k] = numbers[lane * D + k];
             store_point(out_, place(first + lane), p);
         }

@@ -12,10 +12,14 @@
 #define CAGEFORM_DETAIL_INLINE __attribute__((always_inline))
 #define CAGEFORM_DETAIL_FLATTEN __attribute__((flatten))
 #define CAGEFORM_DETAIL_NO_INLINE __attribute__((noinline))
+// A loop of a few steps, known as it is compiled, becomes those steps: at -O2 GNU would keep it, and what it indexes in
+// memory.
+#define CAGEFORM_DETAIL_UNROLL _Pragma("GCC unroll 16")
 #else
 #define CAGEFORM_DETAIL_INLINE
 #define CAGEFORM_DETAIL_FLATTEN
 #define CAGEFORM_DETAIL_NO_INLINE
+#define CAGEFORM_DETAIL_UNROLL
 #endif
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -126,14 +130,17 @@ struct Simd {
         Part m[count];
 
         friend Mask operator&(Mask a, const Mask& b) noexcept {
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < count; ++k) a.m[k] = a.m[k] & b.m[k];
             return a;
         }
         friend Mask operator|(Mask a, const Mask& b) noexcept {
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < count; ++k) a.m[k] = a.m[k] | b.m[k];
             return a;
         }
         friend Mask operator^(Mask a, const Mask& b) noexcept {
+            CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < count; ++k) a.m[k] = a.m[k] ^ b.m[k];
             return a;
         }
@@ -143,31 +150,38 @@ struct Simd {
 
     Simd() noexcept = default;
     Simd(T x) noexcept { // NOLINT(google-explicit-constructor): constants in formulas
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) r[k] = x - Register{};
     }
     static Simd load(const Lanes<T>& lanes) noexcept {
         Simd p; // register by register: as a whole GNU would copy in pieces of another width
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k)
             p.r[k] = load_bytes<Register>(lanes.v + k * (64 / sizeof(T) / count));
         return p;
     }
     void store(Lanes<T>& lanes) const noexcept {
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) store_bytes(lanes.v + k * (64 / sizeof(T) / count), r[k]);
     }
 
     friend Simd operator+(Simd a, const Simd& b) noexcept {
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] + b.r[k];
         return a;
     }
     friend Simd operator-(Simd a, const Simd& b) noexcept {
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] - b.r[k];
         return a;
     }
     friend Simd operator*(Simd a, const Simd& b) noexcept {
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) a.r[k] = product(a.r[k], b.r[k]);
         return a;
     }
     friend Simd operator/(Simd a, const Simd& b) noexcept {
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) a.r[k] = a.r[k] / b.r[k];
         return a;
     }
@@ -177,11 +191,13 @@ struct Simd {
     Simd& operator*=(const Simd& b) noexcept { return *this = *this * b; }
     friend Mask operator<(const Simd& a, const Simd& b) noexcept {
         Mask m;
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) m.m[k] = a.r[k] < b.r[k];
         return m;
     }
     friend Mask operator<=(const Simd& a, const Simd& b) noexcept {
         Mask m;
+        CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k) m.m[k] = a.r[k] <= b.r[k];
         return m;
     }
@@ -190,6 +206,7 @@ struct Simd {
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> select(const typename Simd<T>::Mask& m, Simd<T> a,
                                              const Simd<T>& b) noexcept {
+    CAGEFORM_DETAIL_UNROLL
     for (std::size_t k = 0; k < Simd<T>::count; ++k) a.r[k] = m.m[k] ? a.r[k] : b.r[k];
     return a;
 }
@@ -198,6 +215,7 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> select(const typename Simd<T>::Mask& m, Si
 /// CAGEFORM_DETERMINISTIC always two.
 template <Scalar T>
 Simd<T> multiply_add(const Simd<T>& a, const Simd<T>& b, Simd<T> c) noexcept {
+    CAGEFORM_DETAIL_UNROLL
     for (std::size_t k = 0; k < Simd<T>::count; ++k) c.r[k] = multiply_add(a.r[k], b.r[k], c.r[k]);
     return c;
 }
@@ -221,6 +239,7 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> abs(Simd<T> a) noexcept {
     using Register = typename Simd<T>::Register;
     using Bits = typename BitsOf<Register>::type;
     using Int = typename BitsOf<T>::type;
+    CAGEFORM_DETAIL_UNROLL
     for (std::size_t k = 0; k < Simd<T>::count; ++k)
         a.r[k] = __builtin_bit_cast(Register,
                                     __builtin_bit_cast(Bits, a.r[k]) & (std::numeric_limits<Int>::max)());
