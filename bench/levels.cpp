@@ -2,7 +2,7 @@
 //
 // Measures what the shared objects in the folder "levels" beside this program have (bench/level.cpp, compiled by
 // bench/run.sh at several levels, by several compilers), in turns: benchmarks are called what/object. STAR(25) in the
-// plane and BUMPY112 in space with 2,000 points inside, by mean value coordinates; packed ones keep eight weights a
+// plane and BUMPY112 in space with 500 points inside, by mean value coordinates; packed ones keep eight weights a
 // point. All of it lies in caches, where what surrounds the sums shows.
 #include "counted.hpp"
 #include "level.hpp"
@@ -26,7 +26,7 @@ using cageform::Status;
 using cageform::Vec;
 using cageform::WeightFormat;
 using cageform_bench::Level;
-constexpr std::size_t count = 2000;
+constexpr std::size_t count = 500;
 
 /// A cage bound with points, a pose of it, and memory for clones.
 template <class T, std::size_t D>

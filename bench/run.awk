@@ -71,6 +71,7 @@ END {
         sub(/^[0-9]+ /, "", row[r])
         columns = split(row[r], part, / *; */)
         if (columns > 2) first_table(group, part)
+        else if (part[2] ~ /%/) levels_table(group, part)
         else second_table(group, part)
     }
 }
@@ -101,6 +102,8 @@ function second_table(group, part,    n, name, key, time, cell) {
     if (!threads++) {
         if (tables++ > 0) print ""
         print "Threads: medians of the time that passed, and how many times as fast as one."
+        if (quiet == "no") print "WARNING: the machine was not quiet at the start; threads wait for other programs, and no row is comparable."
+        while ((getline warning < warnings) > 0) print warning
         if (cores < 4) print "WARNING: only " cores " processors here; more threads share them."
         line(narrow, "", "1 thread", "2", "", "4", "")
         line("|%s|%s|%s|%s|", dashes(52), dashes(11), dashes(18), dashes(18))
@@ -115,4 +118,27 @@ function second_table(group, part,    n, name, key, time, cell) {
     }
     line(narrow, part[1], cell[1], cell[2], time[2] > 0 ? sprintf("%.2fx", time[1] / time[2]) : "", cell[4],
          time[4] > 0 ? sprintf("%.2fx", time[1] / time[4]) : "")
+}
+# Clones as compilers make them at -O2, beside -O3.
+function level_cells(group, text, object, what,    fast, slow) {
+    fast = slow = text
+    sub(/%/, object "-O3", fast)
+    sub(/%/, object "-O2", slow)
+    fast = group SUBSEP fast
+    slow = group SUBSEP slow
+    csv_line(what ", " object " -O3", 1, "ours", fast, "cpu")
+    csv_line(what ", " object " -O2", 1, "ours", slow, "cpu")
+    if (!count[fast] || !count[slow]) return sprintf(" %9s | %9s %6s |", missing(fast), missing(slow), "")
+    return sprintf(" %9s | %9s %6.2f |", shown(quantile("cpu", fast, 0.5)), shown(quantile("cpu", slow, 0.5)),
+                   quantile("cpu", slow, 0.5) / quantile("cpu", fast, 0.5))
+}
+function levels_table(group, part) {
+    sub(/^level: /, "", part[1])
+    if (!levels++) {
+        if (tables++ > 0) print ""
+        print "Levels of optimisation, for any processor of the kind: medians of processor time; -O2/-O3 beside -O2."
+        line("| %-50s | %9s | %16s | %9s | %16s |", "", "g++ -O3", "-O2", "clang -O3", "-O2")
+        line("|%s|%s|%s|%s|%s|", dashes(52), dashes(11), dashes(18), dashes(11), dashes(18))
+    }
+    printf "| %-50s |%s%s\n", part[1], level_cells(group, part[2], "gxx", part[1]), level_cells(group, part[2], "clang", part[1])
 }

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: sh bench/run.sh [--csv FILE | --count] [WORDS]
 # How fast is it here, beside what others take and what the machine can do at most? Installs what that needs (Debian), builds
-# the benchmarks with -O3 -march=native into build/bench, runs them and prints three tables: one thread; one, two and four
-# threads; what compiling takes. About five minutes on four processors; bench/README.md says how to read it.
+# the benchmarks with -O3 -march=native into build/bench, runs them and prints four tables: one thread; one, two and four
+# threads; clones compiled with -O2 beside -O3; what compiling takes. About five minutes on four processors; bench/README.md says how to read it.
 #   WORDS       only rows that have these words in what they say or in the names of their benchmarks: clone, "solve in space"
 #   --csv FILE  all medians and quartiles, in seconds
 #   --count     no times, but the instructions of our side of each row, by callgrind: the same on every machine (x86-64-v3)
@@ -45,6 +45,7 @@ cd "$(dirname "$0")/.."
 #   group PROGRAM REPETITIONS
 #   row   what; ours; the peer, its benchmarks (the best of several, between &); the limit, its benchmark
 #   row   what; ours, where @ is the number of threads
+#   row   what; ours, where % is a compiler and its level of optimisation
 rows() {
   at=points:10000/handles:25
   many=points:1000000/handles:25
@@ -80,6 +81,18 @@ group clone 11
 row clone, 1M x 25, float; clone_dense<float, 2>/$many; $eigen, 2, Eigen::RowMajor>/$many & eigen_product<float, 2, Eigen::ColMajor>/$many; its bytes; limit_move_bytes<float, 2>/$many
 group clone 11
 row clone, 8,019 x 112, float; clone_dense<float, 3>/points:8019/handles:112; $eigen, 3, Eigen::RowMajor>/points:8019/handles:112 & eigen_product<float, 3, Eigen::ColMajor>/points:8019/handles:112; its bytes; limit_move_bytes<float, 3>/points:8019/handles:112
+group levels 15
+row level: clone, plane, dense, float; dense_plane/float/%
+row level: clone, plane, dense, double; dense_plane/double/%
+row level: clone, space, dense, float; dense_space/float/%
+row level: clone, space, dense, double; dense_space/double/%
+row level: clone, space, packed, float; packed_scalar/float/%
+row level: clone, space, packed, half; packed_half/float/%
+row level: clone, space, packed, int16; packed_int16/float/%
+row level: clone, space, packed, int8; packed_int8/float/%
+row level: clone, packed figure, normals, tangents, int16; figure_int16/float/%
+row level: clone, normals alone, dense, float; normals/float/%
+row level: clone, Jacobians, dense, float; jacobians/float/%
 group grid 3
 row threads: solve in space, 128^3 x 112; multigrid<3>/n:128/threads:@/real_time
 group grid 5
@@ -104,7 +117,7 @@ rows | awk -v words="$words" '
 ' >$out/rows 2>$out/groups
 compile=
 [ -n "$count" ] || case "compile time" in *"$words"*) compile=yes ;; esac
-[ -s $out/rows ] || [ -n "$compile" ] || fail "no row has the words \"$words\"; there are mean value, solve, clone, threads, compile time"
+[ -s $out/rows ] || [ -n "$compile" ] || fail "no row has the words \"$words\"; there are mean value, solve, clone, threads, level, compile time"
 
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libbenchmark-dev
 sh cmake/install_packages.sh libcgal-dev libgmp-dev libmpfr-dev libsuitesparse-dev libopenblas0-serial ||
@@ -120,6 +133,19 @@ if [ -n "$count" ]; then
   folder=build/count
   [ "$(uname -m)" != x86_64 ] || flags="-O3 -march=x86-64-v3 -DNDEBUG" # callgrind knows no AVX-512
 fi
+# Compilers that are here, and what the objects of bench/level.cpp are called.
+compilers=
+! command -v g++ >$out/found || compilers="$compilers gxx"
+! command -v clang++-19 >$out/found || compilers="$compilers clang"
+objects=$(for name in $compilers; do echo "$name-O3 $name-O2"; done)
+# For any processor of the kind, as programs are shipped.
+compile_levels() {
+  mkdir -p $folder/bench/levels
+  for object in $objects; do
+    case $object in gxx*) by=g++ ;; *) by=clang++-19 ;; esac
+    $by -std=c++20 -"${object#*-}" -DNDEBUG -fPIC -shared -fvisibility=hidden -Iinclude bench/level.cpp -o "$folder/bench/levels/$object.so" || return 1
+  done
+}
 cores=$(getconf _NPROCESSORS_ONLN)
 cpu=$(awk -F ': *' '/^model name/ { print $2; exit }' /proc/cpuinfo 2>/dev/null || true)
 simd=$(awk '/^flags/ { print / avx512f / ? "AVX-512" : / avx2 / ? "AVX2" : "SSE2"; exit }' /proc/cpuinfo 2>/dev/null || true)
@@ -144,7 +170,8 @@ if [ -s $out/groups ]; then
   {
     cmake -S . -B $folder -G Ninja -DCMAKE_BUILD_TYPE= "-DCMAKE_CXX_FLAGS=$flags" -DCAGEFORM_BUILD_TESTS=OFF \
       -DCAGEFORM_BUILD_EXAMPLES=OFF -DCAGEFORM_BUILD_BENCH=ON &&
-      cmake --build $folder --target $targets
+      cmake --build $folder --target $targets &&
+      case $targets in *levels*) compile_levels ;; esac
   } >$out/build.txt 2>&1 || { cat $out/build.txt >&2; fail "the benchmarks were not built"; }
   echo done >&2
 fi
@@ -154,11 +181,14 @@ if [ -n "$count" ]; then
   printf '| %-60s | %14s |\n' "one run of" instructions
   while read -r _ program _; do
     n=$((${n:-0} + 1))
-    awk -v n=$n -F ' *; *' '{ number = $1; sub(/ .*/, "", number); sub(/^[0-9]+ /, "", $1) } number == n && $2 !~ /@/ { print $2 ";" $1 }' $out/rows |
+    awk -v n=$n -v objects="$objects" -F ' *; *' '
+      { number = $1; sub(/ .*/, "", number); sub(/^[0-9]+ (level: )?/, "", $1) }
+      number == n && $2 ~ /%/ { parts = split(objects, of, /[ \n]+/); for (i = 1; i <= parts; ++i) { name = $2; sub(/%/, of[i], name); print name ";" $1 ": " of[i] } }
+      number == n && $2 !~ /[@%]/ { print $2 ";" $1 }' $out/rows |
       while IFS=';' read -r name what; do
         grep -qxF "$name" $out/counted 2>/dev/null && continue # beside another peer
         echo "$name" >>$out/counted
-        valgrind --tool=callgrind --collect-atstart=no --callgrind-out-file=/dev/null $folder/bench/bench_$program \
+        valgrind --tool=callgrind --instr-atstart=no --collect-atstart=no --callgrind-out-file=/dev/null $folder/bench/bench_$program \
           "--benchmark_filter=^$name\$" --benchmark_min_time=0 >$out/$n.txt 2>&1 </dev/null || fail "callgrind failed: see $out/$n.txt"
         printf '| %-60s | %14s |\n' "$what" "$(awk '/Collected/ { print $NF }' $out/$n.txt)"
       done
@@ -181,8 +211,11 @@ all=$(wc -l <$out/groups)
 while read -r _ program repetitions; do
   n=$((n + 1))
   printf '[%d/%d] %s\n' $n "$all" "$(awk -v n=$n '$1 == n { sub(/^[0-9]+ /, ""); sub(/;.*/, ""); print; exit }' $out/rows)" >&2
-  names=$(awk -v n=$n -F ' *; *' '
-    function name(text,    k) { if (text !~ /@/) add(text); else for (k = 1; k <= 4; k *= 2) { copy = text; sub(/@/, k, copy); add(copy) } }
+  names=$(awk -v n=$n -v objects="$objects" -F ' *; *' '
+    function name(text,    k) {
+      if (text ~ /%/) { gsub(/[ \n]+/, "|", objects); sub(/%/, "(" objects ")", text) }
+      if (text !~ /@/) add(text); else for (k = 1; k <= 4; k *= 2) { copy = text; sub(/@/, k, copy); add(copy) }
+    }
     function add(text) { all = all (all == "" ? "" : "|") text }
     { number = $1; sub(/ .*/, "", number) }
     number == n { name($2); parts = split($4, of, / *& */); for (i = 1; i <= parts; ++i) name(of[i]); if ($6 != "") name($6) }
@@ -197,7 +230,6 @@ done <$out/groups
 note >>$others
 
 # ---- print
-[ ! -s $out/rows ] || awk -v csv="$csv" -v cores="$cores" -f bench/run.awk $out/rows $out/[0-9]*.json
 awk -v tick="$(getconf CLK_TCK)" '
   function own(text) { split(text, of, /[ms]/); return 60 * of[1] + of[2] }
   { busy[NR] = $1 / tick - own($3) - own($4); taken[NR] = $2 / tick; at[NR] = $5 }
@@ -207,7 +239,9 @@ awk -v tick="$(getconf CLK_TCK)" '
     other = (busy[2] - busy[1]) / wall
     if (other > 0.1) printf "WARNING: other programs kept %.1f processors busy meanwhile.\n", other
     if (taken[2] - taken[1] > 0.02 * wall) printf "WARNING: other machines on this hardware took %.0f %% of a processor meanwhile.\n", 100 * (taken[2] - taken[1]) / wall
-  }' $others
+  }' $others >$out/warnings
+[ ! -s $out/rows ] || awk -v csv="$csv" -v cores="$cores" -v quiet=$quiet -v warnings=$out/warnings -f bench/run.awk $out/rows $out/[0-9]*.json
+cat $out/warnings
 if [ -n "$compile" ]; then
   [ ! -s $out/rows ] || echo
   echo "Compile time, beside its budget"
