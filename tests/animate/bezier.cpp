@@ -204,6 +204,12 @@ TEST_CASE("a handle on its key has the slope towards the next point", "[animate]
     for (const double x : {line.begin(), line.end()})
         CHECK(BezierFunction(line).derivative(x) ==
               Approx(slope_of(line.points[0], line.points[3])).epsilon(1e-9));
+    // The next point beside the key, or above it: flat, or vertical.
+    const double along = random.uniform(0.1, 0.9), up = random.uniform(0.1, 2);
+    CHECK(BezierFunction(bezier(0, 0, along, 0)).derivative(0) == 0);
+    CHECK(BezierFunction(bezier(along, 1, 1, 1)).derivative(1) == 0);
+    CHECK(BezierFunction(bezier(0, 0, 0, up)).derivative(0) == infinity);
+    CHECK(BezierFunction(bezier(1, 1 - up, 1, 1)).derivative(1) == infinity);
 }
 
 TEST_CASE("closed forms are the robust function, in each family", "[animate][bezier][closed_form]") {
