@@ -255,6 +255,7 @@ TEST_CASE("faults of a cage, a solver or the caller are told by bind_figure", "[
     const auto refused = bind_figure(coarse, FigurePoints{one, one});
     CHECK(refused.report.status == Status::resolution_not_supported);
     CHECK(refused.report.points.status == Status::resolution_not_supported);
+    CHECK(refused.report.points.points == 1);
 
     // A bad point or normal is listed, and is no reason to refuse the others.
     auto with_bad = points;

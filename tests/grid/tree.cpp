@@ -34,22 +34,26 @@ bool touch(const typename CellTree<D>::Cell& a, const typename CellTree<D>::Cell
     return touch;
 }
 
+/// Split towards a few places.
+template <std::size_t D>
+CellTree<D> random_tree(Random& random) {
+    CellTree<D> tree(7);
+    for (std::size_t n = 0; n < 4; ++n) {
+        typename CellTree<D>::Index place{};
+        for (auto& x : place) x = std::int32_t(random.below(std::size_t(2 * tree.size())));
+        for (int depth = 0; depth < 7; ++depth) {
+            const auto leaf = tree.leaf_at(place);
+            if (leaf.size > 1 && random.below(8) != 0) tree.split(leaf);
+        }
+    }
+    return tree;
+}
+
 template <std::size_t D>
 void check_cells(int seed) {
     CAPTURE(seed, D);
     Random random{std::uint64_t(seed)};
-    CellTree<D> tree(7);
-    const auto split_at_random = [&](std::size_t times) {
-        for (std::size_t n = 0; n < times; ++n) {
-            typename CellTree<D>::Index place{};
-            for (auto& x : place) x = std::int32_t(random.below(std::size_t(2 * tree.size())));
-            for (int depth = 0; depth < 7; ++depth) {
-                const auto leaf = tree.leaf_at(place);
-                if (leaf.size > 1 && random.below(8) != 0) tree.split(leaf);
-            }
-        }
-    };
-    split_at_random(4);
+    CellTree<D> tree = random_tree<D>(random);
     // Cells of the lower half along the last axis take no part, nor do what they are split into.
     const auto counts = [&](std::uint32_t number) {
         const auto cell = tree.cell(number);
@@ -86,6 +90,30 @@ void check_cells(int seed) {
     CHECK(unbalanced == 0);
 }
 
+/// Against a look at all pairs of leaves, again and again.
+template <std::size_t D>
+void check_least(int seed) {
+    CAPTURE(seed, D);
+    Random random{std::uint64_t(seed)};
+    CellTree<D> tree = random_tree<D>(random), slow = tree;
+    balance(
+        tree, [](std::uint32_t) { return true; }, [&](const auto& leaf) { tree.split(leaf); });
+    for (bool changed = true; changed;) {
+        changed = false;
+        const auto leaves = leaves_of(slow);
+        for (const auto& a : leaves) {
+            const bool is_large = std::any_of(leaves.begin(), leaves.end(), [&](const auto& b) {
+                return a.size > 2 * b.size && touch<D>(a, b);
+            });
+            if (is_large) slow.split(a);
+            changed = changed || is_large;
+        }
+    }
+    const auto leaves = leaves_of(tree), expected = leaves_of(slow);
+    REQUIRE(leaves.size() == expected.size());
+    for (std::size_t n = 0; n < leaves.size(); ++n) CHECK(leaves[n].low == expected[n].low);
+}
+
 template <std::size_t D>
 void check_nodes(int seed) {
     CAPTURE(seed, D);
@@ -119,6 +147,12 @@ TEST_CASE("trees are balanced across faces, edges and corners", "[grid][tree][pr
     check_cells<1>(seed);
     check_cells<2>(seed);
     if (seed < 3) check_cells<3>(seed);
+}
+TEST_CASE("balance splits no more than it must", "[grid][tree][property]") {
+    const int seed = GENERATE(range(0, 8));
+    check_least<1>(seed);
+    check_least<2>(seed);
+    if (seed < 3) check_least<3>(seed);
 }
 TEST_CASE("nodes of a tree are found by their place", "[grid][tree][property]") {
     const int seed = GENERATE(range(0, 5));

@@ -128,14 +128,9 @@ void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) 
             any = any || counts(tree.child(parent, n).number);
         if (!any) continue;
         for (std::size_t place = 0; place < neighbours; ++place) {
-            Index beside{};
-            bool in_tree = true;
-            for (std::size_t k = 0, rest = place; k < D; ++k, rest /= 3) {
-                const std::int32_t low = parent.low[k] + (std::int32_t(rest % 3) - 1) * parent.size;
-                in_tree = in_tree && low >= 0 && low < tree.size();
-                beside[k] = 2 * low + parent.size; // its middle
-            }
-            if (!in_tree) continue;
+            Index beside{}; // its middle; what lies beside the tree is moved to another neighbour
+            for (std::size_t k = 0, rest = place; k < D; ++k, rest /= 3)
+                beside[k] = 2 * parent.low[k] + (2 * std::int32_t(rest % 3) - 1) * parent.size;
             for (;;) {
                 const auto leaf = tree.leaf_at(beside);
                 if (leaf.size <= parent.size || !counts(leaf.number)) break;
