@@ -55,6 +55,9 @@ std::string no_cage(const cageform::MakeCageReport& report, const cageform::Make
     if (report.status == Status::cage_not_found && farthest > 1e14 * report.margin)
         why += ": " + detail::short_number(report.margin) + " off it, at coordinates of " +
                detail::short_number(farthest) + ", is too little for their 16 digits";
+    else if (report.status == Status::cage_not_found && report.clearance > 0)
+        why += ": the last one tried comes as near as " + detail::short_number(report.clearance) +
+               ", and the margin is " + detail::short_number(report.margin);
     if (report.status == Status::margin_too_small && options.mirror && options.mirror->place)
         why += ": it spans the figure and its image across the mirror at " +
                detail::short_number(*options.mirror->place);
@@ -207,10 +210,6 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
     if (wanted != 0 && report.vertices > wanted + (options.mirror ? wanted % 2 : 0))
         warnings.push_back("the cage has " + std::to_string(report.vertices) +
                            " vertices, as no fewer would do");
-    constexpr double least = 0.9; // as make_cage promises
-    if (report.clearance < least * report.margin)
-        warnings.push_back("the cage comes as near as " + detail::short_number(report.clearance) +
-                           " to the figure, nearer than the margin, " + detail::short_number(report.margin));
     return warnings;
 }
 

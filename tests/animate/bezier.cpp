@@ -210,6 +210,13 @@ TEST_CASE("a handle on its key has the slope towards the next point", "[animate]
     CHECK(BezierFunction(bezier(along, 1, 1, 1)).derivative(1) == 0);
     CHECK(BezierFunction(bezier(0, 0, 0, up)).derivative(0) == infinity);
     CHECK(BezierFunction(bezier(1, 1 - up, 1, 1)).derivative(1) == infinity);
+    CHECK(BezierFunction(bezier(1, 1 + up, 1, 1)).derivative(1) == -infinity);
+    // Both handles on one key: a straight line too.
+    for (const std::size_t key : {std::size_t{0}, std::size_t{3}}) {
+        line.points[1] = line.points[2] = line.points[key];
+        CHECK(BezierFunction(line).derivative(line.points[key][0]) ==
+              Approx(slope_of(line.points[0], line.points[3])).epsilon(1e-9));
+    }
 }
 
 TEST_CASE("closed forms are the robust function, in each family", "[animate][bezier][closed_form]") {

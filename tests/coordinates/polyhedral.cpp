@@ -320,6 +320,33 @@ TEST_CASE("mean value coordinates of polygons are continuous up to faces, edges 
     }
 }
 
+TEST_CASE("mean value coordinates of polygons are continuous across the planes of faces, beside them too",
+          "[coordinates][polyhedral]") {
+    const auto cage = l_prism().cage<double>();
+    const MeanValue<double> coordinates(cage);
+    Random random(5);
+    std::vector<Vec<double, 3>> on, beside;
+    for (int n = 0; n < 300; ++n) { // quarters: in the planes to the last bit, inside the cage and outside
+        Vec<double, 3> p, aside;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            p[axis] = 0.25 * double(random.below(14)) - 0.5;
+            aside[axis] = random.uniform(-1, 1);
+        }
+        on.push_back(p);
+        beside.push_back(p + 1e-9 * aside);
+    }
+    const auto at = evaluate_all(coordinates, on), near = evaluate_all(coordinates, beside);
+    std::size_t inside = 0, beyond = 0;
+    for (std::size_t i = 0; i < on.size(); ++i) {
+        CAPTURE(i, text(at.rows[i]), text(near.rows[i]));
+        CHECK(difference(at.rows[i], near.rows[i]) <= 1e-7);
+        inside += at.states[i] == PointState::inside ? 1 : 0;
+        beyond += at.states[i] == PointState::outside ? 1 : 0;
+    }
+    CHECK(inside > 10);
+    CHECK(beyond > 100);
+}
+
 TEST_CASE("bind takes polyhedral cages, points outside too", "[coordinates][polyhedral][bind]") {
     const auto cage = l_prism().cage<double>();
     Random random(11);

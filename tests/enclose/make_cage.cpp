@@ -222,6 +222,25 @@ TEST_CASE("discs apart: one cage with bridges, or a loop for each", "[enclose]")
     }
 }
 
+TEST_CASE("loops of one size, mirrored too, have as many vertices each", "[enclose]") {
+    MakeCageOptions options;
+    options.one_cage = false;
+    options.margin = 0.01;
+    for (const std::size_t pairs : {1u, 2u, 4u}) {
+        for (const std::size_t each : {5u, 8u}) {
+            CAPTURE(pairs, each);
+            Figure<double> figure;
+            for (std::size_t k = 0; k < pairs; ++k) add_disc<double>(figure, 3 + 4 * double(k), 0, 1);
+            options.mirror = MirrorPlane{0, 0.0};
+            options.vertices = 2 * pairs * each;
+            const auto made = make_cage<double>(figure, options);
+            REQUIRE(made);
+            CHECK(made.cage.loops().size() == 2 * pairs);
+            for (const auto& loop : made.cage.loops()) CHECK(loop.size() == each);
+        }
+    }
+}
+
 TEST_CASE("loops of any sizes share the vertices, with sides on one line too", "[enclose]") {
     Figure<double> figure;
     const auto add_box = [&](double x, double y, double width, double height) {
@@ -426,7 +445,38 @@ TEST_CASE("sizes at both ends of the numbers, lines and dots", "[enclose]") {
     // Far from the origin single precision has no room for the margin.
     const Figure<float> far{{{1e7F, 0}, {1e7F + 2, 1}, 0}};
     const auto far_off = make_cage<float>(far);
-    CHECK((far_off.report.status == Status::cage_not_found || far_off.report.clearance > 0));
+    CHECK(far_off.report.status == Status::cage_not_found);
+}
+
+TEST_CASE("where coordinates are coarse the margin is kept as well, or no cage given out", "[enclose]") {
+    std::size_t found = 0, found_later = 0;
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        // A margin of some spacings of the coordinates, to which the cage is rounded.
+        const double size = 1 / (random.uniform(4, 6) * double(epsilon<float>));
+        Figure<float> figure;
+        const auto place = [&] {
+            return at<float>(size + 12 * random.uniform(0, 1), 12 * random.uniform(0, 1));
+        };
+        for (int k = 0; k < 4; ++k) figure.push_back({place(), place(), 0});
+        MakeCageOptions options;
+        options.margin = 0.08;
+        options.vertices = 6;
+        double most = 0;
+        options.running.progress = [&](double done) {
+            if (done < 1) most = larger(most, done);
+            return true;
+        };
+        const auto made = make_cage<float>(figure, options);
+        const double kept = 0.9 * made.report.margin;
+        CHECK((made ? made.report.clearance >= kept && sampled_clearance(made.cage, figure) >= kept
+                    : made.report.status == Status::cage_not_found && made.cage.size() == 0));
+        found += made ? 1 : 0;
+        found_later += made && most > 0.9 ? 1 : 0; // not with the first try
+    }
+    CHECK(found > 20);
+    CHECK(found_later > 2);
 }
 
 TEST_CASE("making a cage tells how far it is and can be stopped", "[enclose]") {

@@ -153,6 +153,21 @@ TEST_CASE("a cage keeps tunnels, or fills them", "[enclose]") {
     CHECK(sampled_clearance(filled.cage, figure) > 0.9 * filled.report.margin);
 }
 
+TEST_CASE("a cage has more vertices than asked for where its tunnel takes them", "[enclose]") {
+    const auto figure = torus<double>(1, 0.3);
+    MakeCageOptions options;
+    options.vertices = 4;
+    options.margin = 0.12;
+    const auto made = make_cage(figure.vertices, figure.faces, options);
+    REQUIRE(made);
+    CHECK(made.report.tunnels == 1);
+    CHECK(made.report.vertices == made.cage.size());
+    CHECK(made.cage.size() >= 7); // the least of any torus
+    CHECK(made.cage.size() < 24);
+    CHECK(is_cage(check(made.cage)));
+    CHECK(sampled_clearance(made.cage, figure) >= 0.9 * made.report.margin);
+}
+
 TEST_CASE("several tunnels are counted", "[enclose]") {
     Figure<double> ladder;
     const auto add_board = [&](double x, double y, double width, double height) {

@@ -111,7 +111,7 @@ public:
         const double g = time_.slope(t), f = value_.slope(t);
         if (g == 0 && f == 0) {
             const double g2 = time_.curvature(t), f2 = value_.curvature(t);
-            // Both handles of a straight line lie on their keys.
+            // Both handles lie on this key: the curve is a straight line.
             if (g2 == 0 && f2 == 0) return value_.c3 / time_.c3 / length_;
             // Vertical: near t0, an end, time's velocity goes as (t - t0)², the value's as f2 (t - t0).
             if (g2 == 0) return std::copysign(std::numeric_limits<double>::infinity(), t < 0.5 ? f2 : -f2);

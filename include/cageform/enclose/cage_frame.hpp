@@ -59,6 +59,11 @@ bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
     return margin > 4 * double(std::numeric_limits<T>::epsilon()) * farthest;
 }
 
+/// What make_cage promises of the cage that a report is about.
+inline bool holds_figure(const MakeCageReport& report) noexcept {
+    return report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin;
+}
+
 /// What is wrong with what is asked for, in D dimensions.
 template <std::size_t D>
 Status check_options(const MakeCageOptions& options) noexcept {

@@ -328,14 +328,14 @@ Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const Pai
 ///   areas    which segments are outlines of painted areas; only options.holes asks for them
 ///   returns  a loop of options.vertices vertices, counter-clockwise; with several loops each gets a share by the
 ///            root of its area, but four at least: report.vertices tells. It passes `check`, contains the figure exactly, and
-///            report.clearance is at least 0.9 of the margin (else report.clearance tells)
+///            report.clearance is at least 0.9 of the margin
 ///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; slits narrower than 1.2 margins are closed
 ///   mirror   vertices of a cage come in pairs, but for those on the axis; the figure need not be symmetric
 ///   cost     some 50 ms for a drawing of a thousand segments; up to 70 bytes for each of at most 2^24 nodes of
 ///            a lattice, whose spacing is a 256th of the figure's longer side, and at most a third of the margin
 ///   errors   figure_empty; figure_not_finite, by segment; figure_has_no_size; margin_not_positive; margin_too_small;
-///            too_few_cage_vertices; mirror_not_supported; index_out_of_range, by area; cage_not_found; cancelled;
-///            out_of_memory
+///            too_few_cage_vertices; mirror_not_supported; index_out_of_range, by area; cancelled; out_of_memory;
+///            cage_not_found, with the clearance of the last one tried
 ///
 /// The same input gives the same cage; moved, or scaled by a power of two, it gives the cage moved and scaled, as
 /// far as coordinates are not rounded.
@@ -415,7 +415,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
         made.cage = Polygon<T>(vertices, sizes);
         report.cage = check(made.cage);
         report.clearance = exact_clearance(made.cage, std::span<const DrawnSegment<double>>(exact));
-        if (report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin) break;
+        if (holds_figure(report)) break;
         level += (std::max)(margin - report.clearance * framed.frame.scale, 0.1 * margin);
     }
     if (!options.running.keep_going(1)) return Status::cancelled;
@@ -424,7 +424,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     report.area = 0;
     for (const auto& loop : made.cage.loops()) report.area += signed_area(made.cage, loop);
     report.tightest_area /= framed.frame.scale * framed.frame.scale;
-    return report.cage.status == Status::ok && report.clearance > 0 ? Status::ok : Status::cage_not_found;
+    return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail

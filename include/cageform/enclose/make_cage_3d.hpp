@@ -373,7 +373,7 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
             return is_enclosed(winding_number(made.cage, to_vec<T>(vertices[v])));
         });
         if (!all_inside) report.clearance = -report.clearance;
-        if (report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin) break;
+        if (holds_figure(report)) break;
         level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
     if (!options.running.keep_going(1)) return Status::cancelled;
@@ -385,7 +385,7 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
     report.tightest_area /= frame.scale * frame.scale * frame.scale;
     // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
     report.tunnels = (2 * shells.first_face.size() + made.cage.faces().size() / 2 - made.cage.size()) / 2;
-    return report.cage.status == Status::ok && report.clearance > 0 ? Status::ok : Status::cage_not_found;
+    return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail
@@ -394,9 +394,8 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
 ///
 ///   vertices, faces   any triangles; vertices without a face do not count
 ///   returns  a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It passes `check`; no
-///            face of it meets one of the figure, and report.clearance, exact, is at least 0.9 of the margin
-///            (else report.clearance tells). A corner of each connected part of the figure (of 4,096, where there are more)
-///            is inside
+///            face of it meets one of the figure, and report.clearance, exact, is at least 0.9 of the margin. A corner of
+///            each connected part of the figure (of 4,096, where there are more) is inside
 ///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; else options.vertices are shared out among
 ///            the shells; what is narrower than 1.2 margins is closed
 ///   tunnels  stay, unless options.fill_tunnels; report.tunnels counts them
@@ -404,8 +403,8 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
 ///   cost     some seconds, and some 40 bytes for each of at most 250^3 nodes of a lattice. Of small margins it has
 ///            fewer than two nodes to a margin, and below 0.6 % of the longest side none is made
 ///   errors   figure_empty; index_out_of_range, by face; figure_not_finite, by vertex; figure_has_no_size;
-///            margin_not_positive; margin_too_small; too_few_cage_vertices; mirror_not_supported; cage_not_found;
-///            cancelled; out_of_memory
+///            margin_not_positive; margin_too_small; too_few_cage_vertices; mirror_not_supported; cancelled;
+///            out_of_memory; cage_not_found, with the clearance of the last one tried
 ///
 /// The same input gives the same cage.
 template <PointRange R, FaceRange F>
