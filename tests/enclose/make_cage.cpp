@@ -450,7 +450,7 @@ TEST_CASE("sizes at both ends of the numbers, lines and dots", "[enclose]") {
 
 TEST_CASE("where coordinates are coarse the margin is kept as well, or no cage given out", "[enclose]") {
     std::size_t found = 0, found_later = 0;
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    for (std::uint64_t seed = 0; seed < 24; ++seed) {
         CAPTURE(seed);
         Random random(seed);
         // A margin of some spacings of the coordinates, to which the cage is rounded.
@@ -475,8 +475,8 @@ TEST_CASE("where coordinates are coarse the margin is kept as well, or no cage g
         found += made ? 1 : 0;
         found_later += made && most > 0.9 ? 1 : 0; // not with the first try
     }
-    CHECK(found > 20);
-    CHECK(found_later > 2);
+    CHECK(found > 12);
+    CHECK(found_later > 1);
 }
 
 TEST_CASE("making a cage tells how far it is and can be stopped", "[enclose]") {

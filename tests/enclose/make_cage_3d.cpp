@@ -157,7 +157,7 @@ TEST_CASE("a cage has more vertices than asked for where its tunnel takes them",
     const auto figure = torus<double>(1, 0.3);
     MakeCageOptions options;
     options.vertices = 4;
-    options.margin = 0.12;
+    options.margin = 0.08;
     const auto made = make_cage(figure.vertices, figure.faces, options);
     REQUIRE(made);
     CHECK(made.report.tunnels == 1);

@@ -89,8 +89,7 @@ class Program:
     def fails(self, number, seconds, name):
         """How a test case notices a mutant; nothing where it passes."""
         limit = int(5 * seconds + 2)
-        names = WORK / "case.txt"
-        names.write_text(name + "\n")
+        pattern = re.sub(r'([\\,\[\]"*])', r"\\\1", name)
 
         def limited():
             resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
@@ -99,11 +98,13 @@ class Program:
                 resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
 
         try:
-            code = subprocess.run([str(self.path), "--abort", "--input-file", str(names)], preexec_fn=limited,
-                                  env={**os.environ, "MUTANT": str(number)}, stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.DEVNULL, timeout=20 * limit + 60).returncode
+            run = subprocess.run([str(self.path), "--abort", pattern], preexec_fn=limited, timeout=20 * limit + 60,
+                                 env={**os.environ, "MUTANT": str(number)}, capture_output=True)
         except subprocess.TimeoutExpired:
             return "out of time"
+        code = run.returncode
+        if b"No tests ran" in run.stdout:
+            sys.exit(f"no test case is called {pattern}")
         return "out of time" if code in (-24, -9) else "crashed" if code < 0 else "failed" if code else ""
 
     def judge(self, mutant, most):
