@@ -57,6 +57,33 @@ private:
     double regular_;
 };
 
+/// Where a vertex may go: along the unit normal both ways, across, towards the middle of its neighbours, which is
+/// `to_middle` away, and slanted inwards. Of length 1, the last at most.
+inline std::array<Vec<double, 3>, 10> step_directions(const Vec<double, 3>& normal,
+                                                      const Vec<double, 3>& to_middle) noexcept {
+    using Point = Vec<double, 3>;
+    const std::size_t smallest = std::fabs(normal[0]) < std::fabs(normal[1])
+                                     ? (std::fabs(normal[0]) < std::fabs(normal[2]) ? 0 : 2)
+                                     : (std::fabs(normal[1]) < std::fabs(normal[2]) ? 1 : 2);
+    Point along{};
+    along[smallest] = 1;
+    Point across = cross(normal, along);
+    across = (1 / length(across)) * across;
+    along = cross(across, normal);
+    const double away = length(to_middle);
+    const Point inwards = Point{} - normal;
+    return {normal,
+            inwards,
+            along,
+            Point{} - along,
+            across,
+            Point{} - across,
+            away > 0 ? (1 / away) * to_middle : along,
+            0.7 * (along + inwards),
+            0.7 * (across + inwards),
+            0.7 * (inwards - along) - 0.3 * across};
+}
+
 class ShellRelaxation {
 public:
     using Point = Vec<double, 3>;
@@ -91,8 +118,7 @@ private:
         Point x;
     };
 
-    /// Ten directions and four lengths: along the normal both ways, across, towards the middle of the neighbours, and
-    /// slanted inwards.
+    /// Ten directions and four lengths.
     void improve(std::uint32_t v, double step) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
@@ -101,27 +127,7 @@ private:
         const auto ring = shell_.neighbours(v);
         for (const auto w : ring) middle = middle + (1.0 / double(ring.size())) * (shell_.points[w] - x);
         if (!(length(normal) > 0)) return;
-        normal = (1 / length(normal)) * normal;
-        const std::size_t smallest = std::fabs(normal[0]) < std::fabs(normal[1])
-                                         ? (std::fabs(normal[0]) < std::fabs(normal[2]) ? 0 : 2)
-                                         : (std::fabs(normal[1]) < std::fabs(normal[2]) ? 1 : 2);
-        Point along{};
-        along[smallest] = 1;
-        Point across = cross(normal, along);
-        across = (1 / length(across)) * across;
-        along = cross(across, normal);
-        const double away = length(middle);
-        const Point inwards{-normal[0], -normal[1], -normal[2]};
-        const std::array<Point, 10> directions{normal,
-                                               inwards,
-                                               along,
-                                               Point{} - along,
-                                               across,
-                                               Point{} - across,
-                                               away > 0 ? (1 / away) * middle : along,
-                                               0.7 * (along + inwards),
-                                               0.7 * (across + inwards),
-                                               0.7 * (inwards - along) - 0.3 * across};
+        const auto directions = step_directions((1 / length(normal)) * normal, middle);
         const double now = energy_.of(shell_, star);
         std::array<Move, 40> moves;
         std::size_t count = 0;
