@@ -1,7 +1,9 @@
-// Polynomials in Bernstein form, their extremes, and quadrature.
+// Polynomials in Bernstein form, their extremes, quadrature, and minima of functions.
 #include "animate/curves.hpp"
 #include "catch.hpp"
 #include "support/larger.hpp"
+
+#include <cageform/animate/detail/line_minimum.hpp>
 
 namespace detail_tests {
 
@@ -88,6 +90,27 @@ TEST_CASE("constants and zero have a largest value", "[animate][detail]") {
     for (const double bad : {std::numeric_limits<double>::infinity(), std::nan("")}) {
         constant.c[4] = bad;
         CHECK(largest_absolute(constant).value == std::numeric_limits<double>::infinity());
+    }
+}
+
+TEST_CASE("a line minimum is within two tolerances", "[animate][detail][property]") {
+    for (int seed = 0; seed < 2000; ++seed) {
+        CAPTURE(seed);
+        Random random(std::uint64_t(seed) + 70);
+        const double low = random.uniform(-2, 0), high = low + random.uniform(0.1, 3);
+        const double at = low + (high - low) * random.uniform(0.01, 0.99);
+        const double least = low + (high - low) * random.uniform(0, 1);
+        const double tolerance = std::pow(10.0, random.uniform(-6, -2));
+        const auto error = [&](const auto& f) {
+            return std::fabs(cageform::detail::line_minimum(low, at, high, tolerance, f) - least);
+        };
+        const double left = random.uniform(0.01, 1), right = random.uniform(0.01, 1);
+        CHECK(error([&](double x) { return x < least ? left * (least - x) : right * (x - least); }) <=
+              2 * tolerance);
+        CHECK(error([&](double x) {
+                  const double square = (x - least) * (x - least);
+                  return square * (1 + left * square);
+              }) <= 2 * tolerance);
     }
 }
 

@@ -36,7 +36,6 @@ public:
             pieces_[i].polynomial.degree = problem_.options.degree;
             for (std::size_t k = 0; k < coefficients_; ++k)
                 pieces_[i].polynomial.c[k] = solution[place_of(i) + k];
-            pieces_[i].solved = true;
         }
         return Status::ok;
     }
