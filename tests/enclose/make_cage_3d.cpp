@@ -168,38 +168,6 @@ TEST_CASE("a cage has more vertices than asked for where its tunnel takes them",
     CHECK(sampled_clearance(made.cage, figure) >= 0.9 * made.report.margin);
 }
 
-TEST_CASE("vertices of a shell look both ways along three axes, to the middle and inwards",
-          "[enclose][property]") {
-    using Point = Vec<double, 3>;
-    Random random(3);
-    for (int n = 0; n < 200; ++n) {
-        const auto coordinate = [&] { return random.below(4) == 0 ? 0.0 : random.uniform(-1, 1); };
-        Point normal{coordinate(), coordinate(), coordinate()};
-        if (detail::length(normal) == 0) normal[2] = 1;
-        normal = (1 / detail::length(normal)) * normal;
-        const Point to_middle{coordinate(), coordinate(), coordinate()};
-        CAPTURE(n);
-        const auto u = detail::step_directions(normal, to_middle);
-        CHECK(u[0] == normal);
-        for (std::size_t i = 0; i < 7; ++i) CHECK(detail::length(u[i]) == Approx(1));
-        for (std::size_t i = 0; i < 6; i += 2) {
-            CHECK(detail::length(u[i] + u[i + 1]) <= 1e-15);
-            CHECK(std::fabs(dot(u[i], u[(i + 2) % 6])) <= 1e-15);
-        }
-        const double away = detail::length(to_middle);
-        if (away > 0) CHECK(dot(u[6], to_middle) == Approx(away));
-        Point across{}; // the slanted ones go three ways about the normal
-        for (std::size_t i = 7; i < 10; ++i) {
-            CHECK(detail::length(u[i]) <= 1.04);
-            CHECK(dot(u[i], normal) == Approx(-0.7));
-            const Point part = u[i] + 0.7 * normal;
-            CHECK(detail::length(part) >= 0.69);
-            across = across + part;
-        }
-        CHECK(detail::length(across) == Approx(0.4));
-    }
-}
-
 TEST_CASE("several tunnels are counted", "[enclose]") {
     Figure<double> ladder;
     const auto add_board = [&](double x, double y, double width, double height) {

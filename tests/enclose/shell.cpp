@@ -1,0 +1,127 @@
+// The parts that cages in space are made of: faces that touch, quadrics, directions.
+
+#include "../catch.hpp"
+#include "../support/cages.hpp"
+
+#include <cageform/enclose/reduce_shell.hpp>
+#include <cageform/enclose/relax_shell.hpp>
+
+namespace shell_tests {
+
+using namespace cageform;
+using namespace cageform_tests;
+using Point = Vec<double, 3>;
+
+namespace {
+
+Point random_place(Random& random) {
+    return {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+}
+
+} // namespace
+
+TEST_CASE("a quick look at two faces gives the verdict of a full one", "[enclose][property]") {
+    Random random(1);
+    std::array<std::array<std::size_t, 2>, 3> verdicts{};
+    for (int n = 0; n < 6000; ++n) {
+        // Two faces of six vertices, that have none, one or two in common; some come as near as the gap.
+        const std::size_t shared = random.below(3);
+        std::vector<Point> points;
+        for (int k = 0; k < 6; ++k) points.push_back(random_place(random));
+        const double gap = 1e-3;
+        if (random.below(2) == 0) { // the second in a plane beside the first
+            const Point &a = points[0], &b = points[1], &c = points[2];
+            const Point normal = (1 / detail::length(cross(b - a, c - a))) * cross(b - a, c - a);
+            for (std::size_t k = 3; k < 6; ++k)
+                points[k] = a + random.uniform(-2, 2) * (b - a) + random.uniform(-2, 2) * (c - a) +
+                            (gap * random.uniform(0, 3)) * normal;
+        }
+        std::array<std::uint32_t, 3> first{0, 1, 2}, second{3, 4, 5};
+        for (std::size_t k = 0; k < shared; ++k) second[k] = first[(k + 1) % 3];
+        std::rotate(second.begin(), second.begin() + std::ptrdiff_t(random.below(3)), second.end());
+        const detail::Facet<3> a(first, std::span<const Point>(points)),
+            b(second, std::span<const Point>(points));
+        CAPTURE(n, shared);
+        const bool touch = detail::facets_touch(a, b, gap);
+        const bool found = detail::faces_touch(a, b, gap);
+        // Beside a vertex that they have in common, faces may be nearer than the gap.
+        CHECK((found == touch || (shared > 0 && !found && !detail::facets_touch(a, b, 0))));
+        ++verdicts[shared][touch ? 1 : 0];
+    }
+    for (const auto& counts : verdicts) CHECK((counts[0] > 50 && counts[1] > 50));
+}
+
+TEST_CASE("a quadric is the sum of squared distances from planes, and knows where it is least",
+          "[enclose][property]") {
+    Random random(2);
+    for (int n = 0; n < 200; ++n) {
+        CAPTURE(n);
+        struct Plane {
+            Point normal, at;
+            double weight;
+        };
+        std::vector<Plane> planes;
+        detail::Quadric quadric;
+        for (std::size_t k = 3 + random.below(4); k > 0; --k) {
+            planes.push_back({random_place(random), random_place(random), random.uniform(0.5, 2)});
+            detail::Quadric one;
+            one.add_plane(planes.back().normal, planes.back().at, planes.back().weight);
+            quadric += one;
+        }
+        const auto expected = [&](const Point& p) {
+            double sum = 0;
+            for (const auto& plane : planes) {
+                const double off = dot(plane.normal, p - plane.at);
+                sum += plane.weight * off * off;
+            }
+            return sum;
+        };
+        for (int k = 0; k < 5; ++k) {
+            const Point p = 3.0 * random_place(random);
+            CHECK(quadric.at(p) == Approx(expected(p)).epsilon(1e-12).margin(1e-12));
+        }
+        Point least{};
+        if (!quadric.least(least)) continue;
+        for (int k = 0; k < 20; ++k)
+            CHECK(expected(least) <= expected(least + 0.01 * random_place(random)) + 1e-9);
+    }
+    detail::Quadric flat;
+    flat.add_plane({0, 0, 2}, {5, 6, 7}, 1);
+    flat.add_plane({0, 1, 0}, {5, 6, 7}, 1);
+    Point none{};
+    CHECK_FALSE(flat.least(none));
+    CHECK(flat.at({1, 8, 9}) == Approx(4 * 4 + 4));
+}
+
+TEST_CASE("vertices of a shell look both ways along three axes, to the middle and inwards",
+          "[enclose][property]") {
+    Random random(3);
+    for (int n = 0; n < 200; ++n) {
+        const auto coordinate = [&] { return random.below(4) == 0 ? 0.0 : random.uniform(-1, 1); };
+        Point normal{coordinate(), coordinate(), coordinate()};
+        if (detail::length(normal) == 0) normal[2] = 1;
+        normal = (1 / detail::length(normal)) * normal;
+        const Point to_middle{coordinate(), coordinate(), coordinate()};
+        CAPTURE(n);
+        const auto u = detail::step_directions(normal, to_middle);
+        CHECK(u[0] == normal);
+        for (std::size_t i = 0; i < 7; ++i) CHECK(detail::length(u[i]) == Approx(1));
+        for (std::size_t i = 0; i < 6; i += 2) {
+            CHECK(detail::length(u[i] + u[i + 1]) <= 1e-15);
+            CHECK(std::fabs(dot(u[i], u[(i + 2) % 6])) <= 1e-15);
+        }
+        const double away = detail::length(to_middle);
+        if (away > 0) CHECK(dot(u[6], to_middle) == Approx(away));
+        Point across{}; // the slanted ones go three ways about the normal
+        for (std::size_t i = 7; i < 10; ++i) {
+            CHECK(detail::length(u[i]) <= 1.04);
+            CHECK(dot(u[i], normal) == Approx(-0.7));
+            const Point part = u[i] + 0.7 * normal;
+            CHECK(detail::length(part) >= 0.69);
+            across = across + part;
+        }
+        CHECK(detail::length(across) == Approx(0.4));
+    }
+}
+
+} // namespace shell_tests
