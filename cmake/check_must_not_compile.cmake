@@ -1,11 +1,12 @@
 # cmake -DCOMPILER=… -DSOURCE=… -DINCLUDES=… -P check_must_not_compile.cmake
 # The file must compile as it is, and with -DBROKEN fail with the message named in its first line,
-# "// BROKEN: <regular expression>".
+# "// BROKEN: <regular expression>", or "// BROKEN IN ONE LINE: …" where the first line that says error has to have it.
 file(STRINGS ${SOURCE} first LIMIT_COUNT 1)
-if(NOT first MATCHES "^// BROKEN: (.+)$")
+if(NOT first MATCHES "^// BROKEN( IN ONE LINE)?: (.+)$")
   message(FATAL_ERROR "${SOURCE}: the first line names no message")
 endif()
-set(expected ${CMAKE_MATCH_1})
+set(in_one_line "${CMAKE_MATCH_1}")
+set(expected ${CMAKE_MATCH_2})
 list(TRANSFORM INCLUDES PREPEND -isystem)
 set(command ${COMPILER} -std=c++20 -fsyntax-only -Werror=unused-result ${INCLUDES})
 execute_process(COMMAND ${command} ${SOURCE} RESULT_VARIABLE failed ERROR_VARIABLE errors)
@@ -16,6 +17,10 @@ execute_process(COMMAND ${command} -DBROKEN ${SOURCE} RESULT_VARIABLE failed ERR
 if(NOT failed)
   message(FATAL_ERROR "compiles, and should not")
 endif()
-if(NOT errors MATCHES "${expected}")
+set(searched "${errors}")
+if(in_one_line)
+  string(REGEX MATCH "error:[^\n]*" searched "${errors}")
+endif()
+if(NOT searched MATCHES "${expected}")
   message(FATAL_ERROR "fails without saying \"${expected}\":\n${errors}")
 endif()

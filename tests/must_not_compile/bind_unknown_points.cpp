@@ -1,4 +1,4 @@
-// BROKEN: PointTraits: core/point.hpp, adapt/
+// BROKEN IN ONE LINE: PointTraits(NotSpecialised| is not specialised)
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 

@@ -1,4 +1,4 @@
-// BROKEN: no match|no matching
+// BROKEN IN ONE LINE: PointsThatCannotBeWritten|cannot be written
 #include <cageform/clone/clone.hpp>
 
 #if defined(BROKEN)

@@ -1,4 +1,4 @@
-// BROKEN: PointTraits: core/point.hpp, adapt/
+// BROKEN IN ONE LINE: PointTraits(NotSpecialised| is not specialised)
 #include <cageform/clone/clone.hpp>
 
 #include <vector>

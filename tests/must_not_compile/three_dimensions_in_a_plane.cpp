@@ -1,4 +1,4 @@
-// BROKEN: no match|no matching
+// BROKEN IN ONE LINE: PointsOfAnotherDimension|another dimension
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 

@@ -302,6 +302,15 @@ struct Bind {
         return bind_points(bind_input(coordinates, read_points<typename C::scalar>(points)), options,
                            std::forward<Recycled>(recycled), running);
     }
+
+    // What else might be given, for the reason in the first line that compilers print.
+    template <CageCoordinates C, UnknownPointRange R, class... More>
+    ReasonOr<PointTraitsNotSpecialisedForThesePoints, BindResult<typename C::scalar, C::dimension>>
+    operator()(const C&, const R&, const More&...) const = CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
+    template <CageCoordinates C, PointRange R, class... More>
+        requires(range_dimension<R> != C::dimension)
+    ReasonOr<PointsOfAnotherDimensionThanTheCage, BindResult<typename C::scalar, C::dimension>>
+    operator()(const C&, const R&, const More&...) const = CAGEFORM_DETAIL_DELETE_DIMENSION;
 };
 
 } // namespace detail

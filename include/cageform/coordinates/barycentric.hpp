@@ -115,6 +115,9 @@ public:
         });
         if (status != Status::ok) report_ = {status, {}};
     }
+    template <UnknownPointRange R>
+    explicit BarycentricCoordinates(const R&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
+        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// The cage of the two-dimensional types, so that they can be exchanged.
     explicit BarycentricCoordinates(const Polygon<T>& cage) requires(D == 2)

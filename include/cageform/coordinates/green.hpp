@@ -52,6 +52,9 @@ public:
         requires(range_dimension<R> == 2)
     explicit GreenCoordinates(const R& vertices)
         : Base(Polygon<T>(vertices)) {}
+    template <UnknownPointRange R>
+    explicit GreenCoordinates(const R&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
+        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// Loops alone: interior_cells_not_supported where there are cells inside.
     explicit GreenCoordinates(const CellComplex<T, 2>& cage)

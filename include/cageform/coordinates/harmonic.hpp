@@ -73,12 +73,20 @@ public:
         requires(D == 2 && range_dimension<R> == 2)
     explicit HarmonicCoordinates(const R& vertices, const Options& options = {})
         : HarmonicCoordinates(Cage(vertices), options) {}
+    template <UnknownPointRange R>
+    explicit HarmonicCoordinates(const R&, const Options& = {},
+                                 detail::PointTraitsNotSpecialisedForThesePoints = {}) =
+        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// A mesh, from what a TriangleMesh is made of.
     template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3 && std::is_same_v<C, TriangleMesh<T>>)
     HarmonicCoordinates(const R& vertices, const F& faces, const Options& options = {})
         : HarmonicCoordinates(Cage(vertices, faces), options) {}
+    template <UnknownPointRange R, FaceRange F>
+    HarmonicCoordinates(const R&, const F&, const Options& = {},
+                        detail::PointTraitsNotSpecialisedForThesePoints = {}) =
+        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     // A copy shares the cage and the functions kept. So does what is moved: neither is ever empty.
     HarmonicCoordinates(const HarmonicCoordinates&) noexcept = default;

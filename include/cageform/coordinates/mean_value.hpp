@@ -45,6 +45,9 @@ public:
         requires(range_dimension<R> == 2)
     explicit MeanValueCoordinates(const R& vertices)
         : Base(Polygon<T>(vertices)) {}
+    template <UnknownPointRange R>
+    explicit MeanValueCoordinates(const R&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
+        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// Loops alone: interior_cells_not_supported where there are cells inside.
     explicit MeanValueCoordinates(const CellComplex<T, 2>& cage)

@@ -48,6 +48,9 @@ public:
         requires(range_dimension<R> == 3)
     MeanValueCoordinates(const R& vertices, const F& faces)
         : Base(TriangleMesh<T>(vertices, faces)) {}
+    template <UnknownPointRange R, FaceRange F>
+    MeanValueCoordinates(const R&, const F&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
+        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// Shells alone: interior_cells_not_supported where there are cells inside.
     explicit MeanValueCoordinates(const CellComplex<T, 3>& cage)

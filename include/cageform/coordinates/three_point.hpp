@@ -85,6 +85,9 @@ public:
         requires(range_dimension<R> == 2)
     explicit ThreePointCoordinates(const R& vertices, F f = {})
         : ThreePointCoordinates(Polygon<T>(vertices), std::move(f)) {}
+    template <UnknownPointRange R>
+    explicit ThreePointCoordinates(const R&, F = {}, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
+        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// Loops alone: interior_cells_not_supported where there are cells inside.
     explicit ThreePointCoordinates(const CellComplex<T, 2>& cage, F f = {})

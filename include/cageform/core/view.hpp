@@ -83,6 +83,48 @@ concept PointRange = requires(const std::remove_reference_t<R>& r, std::size_t i
     requires Point<std::remove_cvref_t<decltype(r[i])>>; // PointTraits: core/point.hpp, adapt/*.hpp
 };
 
+/// Ranges of something that is no Point. Functions that would take points are deleted for them, so that
+/// compilers name the reason in their first line.
+template <class R>
+concept UnknownPointRange = !PointRange<R> && requires(const std::remove_reference_t<R>& r, std::size_t i) {
+    std::size(r);
+    r[i];
+};
+
+#if defined(__cpp_deleted_function)
+#if defined(__clang__) // which warns that earlier versions of C++ do not know it
+#define CAGEFORM_DETAIL_DELETE(reason)                                                                       \
+    _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wc++26-extensions\"") delete (     \
+        reason)_Pragma("clang diagnostic pop")
+#else
+#define CAGEFORM_DETAIL_DELETE(reason) delete (reason)
+#endif
+#else
+#define CAGEFORM_DETAIL_DELETE(reason) delete
+#endif
+#define CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS                                                                \
+    CAGEFORM_DETAIL_DELETE("PointTraits is not specialised for these points: core/point.hpp, adapt/")
+#define CAGEFORM_DETAIL_DELETE_DIMENSION                                                                     \
+    CAGEFORM_DETAIL_DELETE("the points have another dimension than the cage")
+#define CAGEFORM_DETAIL_DELETE_NOT_WRITTEN                                                                   \
+    CAGEFORM_DETAIL_DELETE("points that cannot be written: they are const, or their PointTraits has no set")
+
+namespace detail {
+
+/// Reasons in the signatures of deleted functions, for compilers that print no other.
+struct PointTraitsNotSpecialisedForThesePoints {};
+struct PointsOfAnotherDimensionThanTheCage {};
+struct PointsThatCannotBeWritten {};
+#if defined(__cpp_deleted_function)
+template <class Reason, class Result>
+using ReasonOr = Result;
+#else
+template <class Reason, class Result>
+using ReasonOr = Reason;
+#endif
+
+} // namespace detail
+
 /// Points that can be written by `store(i, vec)` or through a MutablePoint reference `range[i]`.
 template <class R>
 concept StoringRange = PointRange<R> && requires(const std::remove_reference_t<R>& r, std::size_t i) {
