@@ -23,6 +23,7 @@ cp "$data/puzzle.csv" pool
   sed -n 's/.*<circle.*/1/p' fish_points.svg >point_weights.txt
   printf 'v %s %s %s\n' 0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 >box.obj
   printf 'f %s %s %s %s\n' 1 3 4 2 5 6 8 7 1 2 6 5 2 4 8 6 4 3 7 8 3 1 5 7 >>box.obj
+  seq 8 >corner_weights.txt
   sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
   printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
   for time in 0 0.5; do
@@ -173,6 +174,7 @@ form coordinate_field --cage auto --figure hexagon.svg --vertex 0 --size 40 -o o
 form cage_weights --cage square.csv --points points.csv --labels labels.txt -o out.csv
 form figure_table hexagon.svg hexagon_cage.svg hexagon_pose.svg mean-value
 form contact_sheet -o out.svg --png --png-width 60 one hexagon.svg two red.png
+form deform_mesh inner.obj --cage box.obj --pose bent_box.obj --coordinates sibson --weights corner_weights.txt -o out.obj
 form make_cage hexagon.svg -o out.svg --picture picture.svg --png
 form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --picture picture.svg --png
 form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
@@ -184,7 +186,8 @@ form grid_field table.csv -o out.png --surface surface.png --size 40
 form paths --cage hexagon_cage.svg --point 250,250 -o out.svg --png --paths 10 --rays 10 --drawn 1
 form boundary_formula --cage hexagon_cage.svg --vertex 0
 form relaxation line.csv -o out.svg --png --play plays.svg
-form height_map hills.svg -o out.png -o out.pgm -o out.csv --lines lines.svg --3d surface.png --size 48
+form height_map hills.svg -o out.png -o out.pgm -o out.csv --lines lines.svg --size 48
+form height_map hills.svg -o out.png --3d surface.png --size 48
 form diffuse_colours hills.svg -o out.png --size 48
 form fit_curve --lottie curves.json --curve layers/0/ks/r/k/0:0 --pieces 2 --json out.json --plot out.svg --png
 form fit_curve --cases cases.json --json out.json
@@ -210,7 +213,7 @@ told=
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --knots --conditions --norm --blue --red"
+  --knots --conditions --norm --blue --red --from --make"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac
