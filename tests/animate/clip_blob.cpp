@@ -204,9 +204,8 @@ TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {
         CHECK(header.before == 1);
         CHECK(header.after == 2);
         CHECK(header.curves == 2);
-        CHECK(header.knots == 20);
-        CHECK(header.pieces == (quantised ? 2u : 18u));
-        CHECK(header.steps == (quantised ? 16u : 0u));
+        CHECK(header.pieces == (quantised ? 3u : 20u));
+        CHECK(header.steps == (quantised ? 17u : 0u));
         CHECK(header.begin == 0);
         CHECK(header.end == 2);
         CHECK(header.motion == 0);
@@ -220,17 +219,19 @@ TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {
             CHECK(offset >= 192);
         }
         CHECK((header.step_table != 0) == quantised);
-        CHECK(read(header.curve_table, std::uint32_t{}) == 0);
-        CHECK(read(header.curve_table + 28, std::uint32_t{}) == 3); // the first knot of y
-        CHECK(read(header.curve_table + 28 + 8, std::uint32_t{}) == (quantised ? 1u : 0u));
-        CHECK(read(header.curve_table + 28 + 16, float{}) == 6);
+        CHECK(read(header.curve_table, std::array<std::uint32_t, 2>{}) == std::array<std::uint32_t, 2>{0, 3});
+        CHECK(read(header.curve_table + 20, std::array<std::uint32_t, 2>{}) ==
+              std::array<std::uint32_t, 2>{3, 17}); // the first knot of y, and how many there are
+        CHECK(read(header.curve_table + 16, float{}) == -0.9375f);
+        CHECK(read(header.curve_table + 20 + 16, float{}) == 6);
         const float after = std::nextafter(2.0f, 3.0f);
         const auto knots = read(header.knot_table, std::array<float, 20>{});
         CHECK(knots[1] == 1.5f);
         CHECK(knots[2] == after);
         CHECK(knots[4] == 0.125f);
         CHECK(knots[19] == after);
-        CHECK(read(header.piece_table + 16, std::array<float, 4>{}) == std::array<float, 4>{-1, 0, 0.25f, 0});
+        CHECK(read(header.piece_table + 16, std::array<float, 8>{}) ==
+              std::array<float, 8>{-1, 0, 0.25f, 0, -0.9375f, 0, 0, 0});
         const auto entries = read(header.entry_table, std::array<std::array<std::uint32_t, 2>, 20>{});
         auto in_order = entries;
         std::sort(in_order.begin(), in_order.end(), [&](const auto& one, const auto& other) {
@@ -244,8 +245,8 @@ TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {
         const auto steps = read(header.step_table, std::array<std::uint16_t, 64>{});
         for (int n = 0; n < 64; ++n)
             CHECK(std::fabs(steps[std::size_t(n)] - 65535.0 * (3 * (n / 4) + n % 4) / 48) <= 0.51);
-        CHECK(read(header.curve_table + 28 + 20, float{}) == 0);
-        CHECK(read(header.curve_table + 28 + 24, float{}) == Approx(6.0 / 65535).epsilon(1e-6));
+        CHECK(read(header.curve_table + 20 + 8, float{}) == 0);
+        CHECK(read(header.curve_table + 20 + 12, float{}) == Approx(6.0 / 65535).epsilon(1e-6));
     }
 }
 
@@ -426,7 +427,7 @@ TEST_CASE("each number of a clip that contradicts the others is refused", "[anim
         refused(offsetof(ClipHeader, begin), time);
         refused(offsetof(ClipHeader, end), time);
     }
-    for (std::size_t at = offsetof(ClipHeader, curve_table); at < sizeof(ClipHeader); at += 8) {
+    for (std::size_t at = offsetof(ClipHeader, curve_table); at < offsetof(ClipHeader, padding); at += 8) {
         if (at == offsetof(ClipHeader, tracks) || at == offsetof(ClipHeader, turns)) {
             for (const std::uint64_t count : {0u, 777u, ~0u}) refused(at, count);
             continue;
@@ -439,26 +440,25 @@ TEST_CASE("each number of a clip that contradicts the others is refused", "[anim
                 infinite = std::numeric_limits<float>::infinity();
     std::size_t exact = 0, stepped = 0; // a curve of each format
     for (std::size_t k = 0; k < header.curves; ++k)
-        (quantised.clip.view().bank.curves[k].quantised != 0 ? stepped : exact) = k;
+        (quantised.clip.view().bank.is_quantised(k) ? stepped : exact) = k;
     for (const std::size_t k : {exact, stepped}) {
-        const std::size_t curve = std::size_t(header.curve_table) + k * 28;
+        const std::size_t curve = std::size_t(header.curve_table) + k * 20;
         for (const std::uint32_t x : {1u, 1u << 20, ~0u}) {
             refused(curve, x);
-            refused(curve + 4, x == 1 ? 77777u : x);
-            refused(curve + 8, x | 2u);
-            refused(curve + 12, x);
+            refused(curve + 4, x);
         }
         for (const float x : {nan, infinite}) {
+            refused(curve + 8, x);
+            refused(curve + 12, x);
             refused(curve + 16, x);
-            refused(curve + 20, x);
-            refused(curve + 24, x);
         }
     }
-    for (std::size_t n = 0; n < header.knots; ++n) {
+    const std::size_t knots = std::size_t(header.pieces + header.steps);
+    for (std::size_t n = 0; n < knots; ++n) {
         refused(std::size_t(header.knot_table) + 4 * n, nan);
         refused(std::size_t(header.knot_table) + 4 * n, -1e6f);
-        refused(std::size_t(header.entry_table) + 8 * n, std::uint32_t(header.knots));
-        refused(std::size_t(header.entry_table) + 8 * n, std::uint32_t(n == 0 ? header.knots : 0xFFFFFFFFu));
+        refused(std::size_t(header.entry_table) + 8 * n, std::uint32_t(knots));
+        refused(std::size_t(header.entry_table) + 8 * n, std::uint32_t(n == 0 ? knots : 0xFFFFFFFFu));
         refused(std::size_t(header.entry_table) + 8 * n + 4, std::uint32_t(header.curves));
     }
     for (std::size_t n = 0; n < 4 * header.pieces; n += 3)

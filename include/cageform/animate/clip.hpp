@@ -31,16 +31,10 @@ struct CageClipView {
     /// What a cursor takes: Lanes<T>, of 64 bytes each.
     std::size_t cursor_rows() const noexcept { return bank.cursor_rows() + block_count<T>(bank.size()); }
     /// Where a player of the clip is; one for every place that plays it. May throw std::bad_alloc.
-    Cursor make_cursor() const {
-        Cursor cursor(cursor_rows());
-        start(cursor);
-        return cursor;
-    }
+    Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
     /// The same in memory of the caller, `cursor_rows` at least; allocates nothing.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
-        Cursor cursor(memory);
-        start(cursor);
-        return cursor;
+        return detail::started(*this, Cursor(memory));
     }
     /// Makes a cursor one of this clip, whatever clip it was one of, if it has memory enough.
     void start(Cursor& cursor) const noexcept {

@@ -6,11 +6,14 @@
 //
 //     ClipHeader
 //     curves        #curves × BankCurve: the coordinates of a vertex side by side
-//     knots         #knots × T: of all curves, one after the other
-//     pieces        #pieces × 4 × T: c0 … c3 of the pieces of curves that are not quantised, where
-//                   c0 + u (c1 + u (c2 + u c3)) is the value at the time u after the piece's knot
-//     steps         #steps × 4 × uint16: Bernstein coefficients of the pieces of curves that are;
-//                   n stands for low + n · step of the curve
+//     knots         (#pieces + #steps) × T: those of the curves that are not quantised, one curve after
+//                   the other, then those of the curves that are
+//     pieces        #pieces × 4 × T: c0 … c3 for each of the first knots, where
+//                   c0 + u (c1 + u (c2 + u c3)) is the value at the time u after it; constant from the
+//                   last knot of a curve on
+//     steps         #steps × 4 × uint16: Bernstein coefficients for each of the other knots, up to the
+//                   next one, where n stands for low + n · step of the curve; unused at the last knot
+//                   of a curve, from which on end_value is held
 //     entries       #knots × BankEntry: by time, knots of one time by their number
 //     ends          3 × #curves × T: the slopes at the first time, those at the last, and what the
 //                   curves rise by between them; only with an extrapolation that takes them (linear,
@@ -40,11 +43,12 @@ struct ClipHeader {
     std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
     std::uint32_t scalar_bytes = 0, dimension = 0;
     std::uint32_t before = 0, after = 0; ///< Extrapolation
-    std::uint64_t curves = 0, knots = 0, pieces = 0, steps = 0;
+    std::uint64_t curves = 0, pieces = 0, steps = 0;
     double begin = 0, end = 0; ///< times, of T
     std::uint64_t curve_table = 0, knot_table = 0, piece_table = 0, step_table = 0, entry_table = 0, ends = 0;
     std::uint64_t motion = 0, tracks = 0, turns = 0; ///< tracks: #track_pieces, turns: #rotations
     std::uint64_t track_begins = 0, track_pieces = 0, rotations = 0;
+    std::uint64_t padding = 0;
 };
 static_assert(sizeof(ClipHeader) == 192);
 
@@ -92,10 +96,10 @@ inline bool takes_ends(std::uint32_t before, std::uint32_t after) noexcept {
 template <Scalar T, std::size_t D, class Header, class Visit>
 void for_each_clip_part(Header& header, const Visit& visit) noexcept {
     visit(header.curve_table, header.curves * sizeof(BankCurve<T>));
-    visit(header.knot_table, header.knots * sizeof(T));
+    visit(header.knot_table, (header.pieces + header.steps) * sizeof(T));
     visit(header.piece_table, header.pieces * (4 * sizeof(T)));
     visit(header.step_table, header.steps * 8);
-    visit(header.entry_table, header.knots * sizeof(BankEntry));
+    visit(header.entry_table, (header.pieces + header.steps) * sizeof(BankEntry));
     visit(header.ends, takes_ends(header.before, header.after) ? header.curves * (3 * sizeof(T)) : 0);
     visit(header.motion, header.motion != 0 ? sizeof(PackedMotion<T, D>) : 0);
     visit(header.track_begins, header.tracks * sizeof(T));
@@ -110,10 +114,10 @@ CageClipView<T, D> view_clip(const std::byte* data, const ClipHeader& header) no
         if (offset != 0) part = {reinterpret_cast<const X*>(data + offset), static_cast<std::size_t>(count)};
     };
     find(view.bank.curves, header.curve_table, header.curves);
-    find(view.bank.knots, header.knot_table, header.knots);
+    find(view.bank.knots, header.knot_table, header.pieces + header.steps);
     find(view.bank.pieces, header.piece_table, header.pieces);
     find(view.bank.steps, header.step_table, header.steps);
-    find(view.bank.entries, header.entry_table, header.knots);
+    find(view.bank.entries, header.entry_table, header.pieces + header.steps);
     find(view.ends, header.ends, 3 * header.curves);
     view.first_time = static_cast<T>(header.begin);
     view.last_time = static_cast<T>(header.end);
@@ -144,32 +148,29 @@ bool is_finite_piece(const CubicPiece<T>& p) noexcept {
     return is_finite(p.begin) && is_finite(p.c0) && is_finite(p.c1) && is_finite(p.c2) && is_finite(p.c3);
 }
 
-/// Whether the pieces of a table are shared out among its curves, one after the other, and are
-/// finite numbers, also as decoded.
+/// Whether the knots of a bank are shared out among its curves, those of either format one after the
+/// other, ascend, and all is finite numbers, also as decoded.
 template <Scalar T>
 bool is_sound(const CurveBankView<T>& bank) noexcept {
-    std::size_t knot = 0;
-    std::array<std::size_t, 2> piece{}; // of either format
+    std::array<std::size_t, 2> next{0, bank.pieces.size()}, end{bank.pieces.size(), bank.knots.size()};
     for (std::size_t k = 0; k < bank.size(); ++k) {
         const BankCurve<T>& curve = bank.curves[k];
-        const std::size_t next = k + 1 < bank.size() ? bank.curves[k + 1].first_knot : bank.knots.size();
-        if (curve.quantised > 1 || curve.reserved != 0 || curve.first_knot != knot ||
-            curve.first_piece != piece[curve.quantised] || next < knot + 2 || next > bank.knots.size() ||
+        const std::size_t format = bank.is_quantised(k) ? 1 : 0, first = next[format];
+        if (curve.first_knot != first || curve.knots < 2 || curve.knots > end[format] - first ||
             !is_finite(curve.end_value) || !is_finite(curve.low) || !is_finite(curve.step))
             return false;
-        piece[curve.quantised] += next - knot - 1;
-        if (piece[0] > bank.pieces.size() || piece[1] > bank.steps.size()) return false;
-        for (std::size_t n = knot; n < next; ++n) {
-            if (!is_finite(bank.knots[n])) return false;
-            if (n + 2 < next && !(bank.knots[n] < bank.knots[n + 1])) return false;
-            if (n + 2 == next && !(bank.knots[n] <= bank.knots[n + 1])) return false;
+        next[format] += curve.knots;
+        for (std::size_t n = 0; n < curve.knots; ++n) {
+            if (!is_finite(bank.knots[first + n]) || !is_finite_piece(bank.piece(k, n))) return false;
         }
-        for (std::size_t n = 1; n < next - knot; ++n) {
-            if (!is_finite_piece(bank.piece(k, n))) return false;
+        for (std::size_t n = 1; n < curve.knots; ++n) {
+            const T before = bank.knots[first + n - 1], knot = bank.knots[first + n];
+            if (!(n + 1 < curve.knots ? before < knot : before <= knot)) return false;
         }
-        knot = next;
+        const auto [begin, c0, c1, c2, c3] = bank.piece(k, curve.knots - 1);
+        if (c0 != curve.end_value || c1 != 0 || c2 != 0 || c3 != 0) return false;
     }
-    return knot == bank.knots.size() && piece[0] == bank.pieces.size() && piece[1] == bank.steps.size();
+    return next == end;
 }
 
 /// Whether the entries of a sound bank are all of its knots, in order, and agree with the times.
@@ -182,7 +183,7 @@ bool is_in_order(const CageClipView<T, D>& clip) noexcept {
     for (std::size_t n = 0; n < count; ++n) {
         const auto [knot, curve] = bank.entries[n];
         if (curve >= bank.size() || knot < bank.curves[curve].first_knot ||
-            knot - bank.curves[curve].first_knot > bank.piece_count(curve))
+            knot - bank.curves[curve].first_knot >= bank.curves[curve].knots)
             return false;
         if (n == 0 || time(n - 1) < time(n)) continue;
         if (time(n - 1) > time(n) || bank.entries[n - 1].knot >= knot) return false;
@@ -234,7 +235,7 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
                  header.curves % D == 0 && (D == 3 || header.turns == 0) &&
                  (header.motion != 0 || (header.tracks == 0 && header.turns == 0));
     for (const std::uint64_t count :
-         {header.curves, header.knots, header.pieces, header.steps, header.tracks, header.turns})
+         {header.curves, header.pieces, header.steps, header.tracks, header.turns})
         sound = sound && count <= 0xFFFFFFFFu;
     for (const double time : {header.begin, header.end})
         sound = sound && is_finite(time) && std::fabs(time) <= double((std::numeric_limits<T>::max)()) &&
@@ -303,7 +304,6 @@ public:
         header.before = std::uint32_t(clip.before);
         header.after = std::uint32_t(clip.after);
         header.curves = clip.bank.size();
-        header.knots = clip.bank.knots.size();
         header.pieces = clip.bank.pieces.size();
         header.steps = clip.bank.steps.size();
         header.begin = double(clip.first_time);

@@ -14,12 +14,10 @@ namespace cageform::inline CAGEFORM_ABI {
 /// A curve of a bank. Its knots are where its pieces begin, and where the last one ends.
 template <Scalar T>
 struct BankCurve {
-    std::uint32_t first_knot = 0;  ///< #pieces + 1, up to the first one of the next curve
-    std::uint32_t first_piece = 0; ///< among the pieces of its format
-    std::uint32_t quantised = 0;   ///< 1: its pieces are in 16 bits a coefficient
-    std::uint32_t reserved = 0;
-    T end_value = 0;     ///< held from the last knot on
-    T low = 0, step = 0; ///< of 16 bits: coefficient n stands for low + n · step
+    std::uint32_t first_knot = 0;
+    std::uint32_t knots = 0; ///< #pieces + 1
+    T low = 0, step = 0;     ///< of 16 bits: coefficient n stands for low + n · step
+    T end_value = 0;         ///< held from the last knot on
 };
 
 /// A curve enters a piece at a knot.
@@ -54,6 +52,16 @@ private:
     std::size_t entered_ = 0; ///< entries up to the time
 };
 
+namespace detail {
+
+template <class Player, class Cursor>
+Cursor started(const Player& player, Cursor cursor) noexcept {
+    player.start(cursor);
+    return cursor;
+}
+
+} // namespace detail
+
 /// A bank that lies elsewhere: in a `CurveBank`, or in a packed clip.
 template <Scalar T>
 struct CurveBankView {
@@ -61,41 +69,31 @@ struct CurveBankView {
     using Cursor = CurveCursor<T>;
 
     std::span<const BankCurve<T>> curves;
-    std::span<const T> knots;                            ///< of all curves, one after the other
-    std::span<const std::array<T, 4>> pieces;            ///< c0 … c3 of CubicPiece
-    std::span<const std::array<std::uint16_t, 4>> steps; ///< Bernstein coefficients, of quantised curves
-    std::span<const BankEntry> entries;                  ///< #knots: by time, then by knot
+    /// Of the curves in pieces as they are, one after the other, then of those in 16 bits.
+    std::span<const T> knots;
+    std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from a knot on, of the first knots
+    /// Of the other knots: Bernstein coefficients from a knot on; at the last of a curve unused.
+    std::span<const std::array<std::uint16_t, 4>> steps;
+    std::span<const BankEntry> entries; ///< #knots: by time, then by knot
 
     std::size_t size() const noexcept { return curves.size(); } ///< curves
     std::size_t bytes() const noexcept {
         return curves.size_bytes() + knots.size_bytes() + pieces.size_bytes() + steps.size_bytes() +
                entries.size_bytes();
     }
-    std::size_t piece_count(std::size_t curve) const noexcept {
-        const std::size_t end = curve + 1 < size() ? curves[curve + 1].first_knot : knots.size();
-        return end - curves[curve].first_knot - 1;
-    }
-    /// A piece of a curve; before the first one (0) and after the last (#pieces + 1) a constant.
-    CubicPiece<T> piece(std::size_t curve, std::size_t place) const noexcept {
-        const BankCurve<T>& c = curves[curve];
-        if (place > piece_count(curve)) return constant(c.end_value);
-        const std::size_t n = place > 0 ? place - 1 : 0;
-        const auto piece = c.quantised != 0 ? decoded(c, n) : stored(c, n);
-        return place > 0 ? piece : constant(piece.c0);
+    std::size_t piece_count(std::size_t curve) const noexcept { return curves[curve].knots - 1; }
+    bool is_quantised(std::size_t curve) const noexcept { return curves[curve].first_knot >= pieces.size(); }
+    /// A piece of a curve; the last one (#pieces) is the constant after it.
+    CubicPiece<T> piece(std::size_t curve, std::size_t n) const noexcept {
+        return piece_at(curve, curves[curve].first_knot + n);
     }
 
     /// What a cursor takes: Lanes<T>.
     std::size_t cursor_rows() const noexcept { return rows * block_count<T>(size()); }
-    Cursor make_cursor() const {
-        Cursor cursor(cursor_rows());
-        start(cursor);
-        return cursor;
-    }
+    Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
     /// In memory of the caller, `cursor_rows` at least; allocates nothing.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
-        Cursor cursor(memory);
-        start(cursor);
-        return cursor;
+        return detail::started(*this, Cursor(memory));
     }
     /// Makes a cursor one of this bank, at the time before all curves, whatever it was one of.
     void start(Cursor& cursor) const noexcept {
@@ -104,7 +102,7 @@ struct CurveBankView {
             for (std::size_t lane = 0; lane < lane_count<T>; ++lane) // zero beyond the last curve
                 set(block(cursor, b), lane, constant(T(0)));
         }
-        for (std::size_t k = 0; k < size(); ++k) load(cursor, k, 0);
+        for (std::size_t k = 0; k < size(); ++k) load(cursor, k, constant(piece(k, 0).c0));
         cursor.entered_ = 0;
     }
 
@@ -117,9 +115,9 @@ struct CurveBankView {
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "a cursor of this bank");
         move_to(x, cursor);
         constexpr std::size_t lanes = lane_count<T>;
-        for (std::size_t b = 0; b < block_count<T>(size()); ++b) {
-            const Lanes<T>* const at = block(cursor, b);
-            const std::size_t first = b * lanes, count = size() - first < lanes ? size() - first : lanes;
+        const Lanes<T>* at = block(cursor, 0);
+        for (std::size_t first = 0; first < size(); first += lanes, at += rows) {
+            const std::size_t count = size() - first < lanes ? size() - first : lanes;
             Lanes<T> value;
             for (std::size_t lane = 0; lane < lanes; ++lane) value[lane] = get(at, lane)(x);
             store(value, count, out.data() + first);
@@ -153,21 +151,28 @@ private:
         }
     }
     static CubicPiece<T> constant(T value) noexcept { return {T(0), value, T(0), T(0), T(0)}; }
-    CubicPiece<T> stored(const BankCurve<T>& c, std::size_t n) const noexcept {
-        const auto& p = pieces[c.first_piece + n];
-        return {knots[c.first_knot + n], p[0], p[1], p[2], p[3]};
+    CubicPiece<T> piece_at(std::size_t curve, std::size_t knot) const noexcept {
+        if (knot >= pieces.size()) return decoded(curves[curve], knot);
+        const auto& p = pieces[knot];
+        return {knots[knot], p[0], p[1], p[2], p[3]};
     }
     /// From 16 bits: the differences of whole numbers are exact.
-    CubicPiece<T> decoded(const BankCurve<T>& c, std::size_t n) const noexcept {
-        const auto& b = steps[c.first_piece + n];
-        const T begin = knots[c.first_knot + n], h = knots[c.first_knot + n + 1] - begin;
+    CubicPiece<T> decoded(const BankCurve<T>& c, std::size_t knot) const noexcept {
+        if (knot - c.first_knot + 1 == c.knots) return constant(c.end_value);
+        const auto& b = steps[knot - pieces.size()];
+        const T begin = knots[knot], h = knots[knot + 1] - begin;
         const int b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
         const T d1 = c.step * T(3 * (b1 - b0)), d2 = c.step * T(3 * (b2 - 2 * b1 + b0)),
                 d3 = c.step * T(b3 - 3 * (b2 - b1) - b0);
         return {begin, detail::multiply_add(c.step, T(b0), c.low), d1 / h, d2 / h / h, d3 / h / h / h};
     }
-    void load(Cursor& cursor, std::size_t curve, std::size_t place) const noexcept {
-        set(block(cursor, curve / lane_count<T>), curve % lane_count<T>, piece(curve, place));
+    static void load(Cursor& cursor, std::size_t curve, const CubicPiece<T>& piece) noexcept {
+        set(block(cursor, curve / lane_count<T>), curve % lane_count<T>, piece);
+    }
+    /// What a curve is just before a knot.
+    CubicPiece<T> piece_before(std::size_t curve, std::size_t knot) const noexcept {
+        return knot > curves[curve].first_knot ? piece_at(curve, knot - 1)
+                                               : constant(piece_at(curve, knot).c0);
     }
 
     void move_to(T x, Cursor& cursor) const noexcept {
@@ -181,19 +186,22 @@ private:
             for (std::size_t k = 0; k < size(); ++k) load(cursor, k, locate(k, x));
             return;
         }
-        const auto place = [&](const BankEntry& entry) {
-            return entry.knot - curves[entry.curve].first_knot;
-        };
-        for (; e < count && time(e) <= x; ++e) load(cursor, entries[e].curve, place(entries[e]) + 1);
-        for (; e > 0 && time(e - 1) > x; --e) load(cursor, entries[e - 1].curve, place(entries[e - 1]));
+        for (; e < count && time(e) <= x; ++e) {
+            const auto [knot, curve] = entries[e];
+            load(cursor, curve, piece_at(curve, knot));
+        }
+        for (; e > 0 && time(e - 1) > x; --e) {
+            const auto [knot, curve] = entries[e - 1];
+            load(cursor, curve, piece_before(curve, knot));
+        }
     }
-    /// The place of a curve's piece at a time, which may be one of the two constants.
-    std::size_t locate(std::size_t curve, T x) const noexcept {
-        const T* const of_curve = knots.data() + curves[curve].first_knot;
-        const std::size_t pieces_of_curve = piece_count(curve);
-        if (x >= of_curve[pieces_of_curve]) return pieces_of_curve + 1;
-        if (x < of_curve[0]) return 0;
-        return detail::last_up_to(x, pieces_of_curve, [of_curve](std::size_t i) { return of_curve[i]; }) + 1;
+    /// The piece of a curve at a time.
+    CubicPiece<T> locate(std::size_t curve, T x) const noexcept {
+        const BankCurve<T>& c = curves[curve];
+        const T* const of_curve = knots.data() + c.first_knot;
+        if (x < of_curve[0]) return piece_before(curve, c.first_knot);
+        return piece(curve,
+                     detail::last_up_to(x, c.knots, [of_curve](std::size_t i) { return of_curve[i]; }));
     }
 };
 
@@ -224,7 +232,7 @@ public:
             };
             BankCurve<T> made;
             made.first_knot = std::uint32_t(knots_.size());
-            made.first_piece = std::uint32_t(pieces_.size());
+            made.knots = std::uint32_t(curve.pieces().size() + 1);
             made.end_value = curve.end_value();
             for (const auto& piece : curve.pieces()) {
                 add_knot(piece.begin);
@@ -233,6 +241,7 @@ public:
             // At the end itself still in the last piece, for its slope, unless the value jumps.
             const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
             add_knot(jumps ? curve.end() : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
+            pieces_.push_back({curve.end_value(), T(0), T(0), T(0)});
             curves_.push_back(made);
         }
         if (entries.empty()) return;

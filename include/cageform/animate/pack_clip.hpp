@@ -59,34 +59,43 @@ inline double largest_of_cubic(const std::array<double, 4>& c, double h) noexcep
     return most;
 }
 
-/// A bank with a curve in 16 bits where chosen, in the order of the curves.
+/// A bank with the chosen curves in 16 bits.
 template <Scalar T>
 struct QuantisedBank {
     std::vector<BankCurve<T>> curves;
+    std::vector<T> knots;
     std::vector<std::array<T, 4>> pieces;
     std::vector<std::array<std::uint16_t, 4>> steps;
+    std::vector<BankEntry> entries;
 
     QuantisedBank(const CurveBankView<T>& from, std::span<const QuantisedCubic<T>> quantised,
-                  std::span<const char> chosen) {
-        for (std::size_t k = 0; k < from.size(); ++k) {
-            BankCurve<T> curve = from.curves[k];
-            curve.quantised = chosen[k] != 0 ? 1 : 0;
-            curve.first_piece = std::uint32_t(chosen[k] != 0 ? steps.size() : pieces.size());
-            curve.low = chosen[k] != 0 ? quantised[k].low() : T(0);
-            curve.step = chosen[k] != 0 ? quantised[k].step() : T(0);
-            curves.push_back(curve);
-            for (std::size_t n = 0; n < from.piece_count(k); ++n) {
-                const CubicPiece<T> p = from.piece(k, n + 1);
-                if (chosen[k] != 0)
-                    steps.push_back(quantised[k].coefficients(n));
-                else
-                    pieces.push_back({p.c0, p.c1, p.c2, p.c3});
+                  std::span<const char> chosen)
+        : curves(from.curves.begin(), from.curves.end()) {
+        for (const bool in_steps : {false, true}) {
+            for (std::size_t k = 0; k < from.size(); ++k) {
+                if ((chosen[k] != 0) != in_steps) continue;
+                const std::uint32_t first = from.curves[k].first_knot;
+                curves[k].first_knot = std::uint32_t(knots.size());
+                curves[k].low = in_steps ? quantised[k].low() : T(0);
+                curves[k].step = in_steps ? quantised[k].step() : T(0);
+                for (std::uint32_t n = 0; n < curves[k].knots; ++n) {
+                    entries.push_back({std::uint32_t(knots.size()), std::uint32_t(k)});
+                    knots.push_back(from.knots[first + n]);
+                    const CubicPiece<T> p = from.piece(k, n);
+                    if (!in_steps)
+                        pieces.push_back({p.c0, p.c1, p.c2, p.c3});
+                    else if (n + 1 < curves[k].knots)
+                        steps.push_back(quantised[k].coefficients(n));
+                    else
+                        steps.push_back({});
+                }
             }
         }
+        std::sort(entries.begin(), entries.end(), [this](const BankEntry& a, const BankEntry& b) {
+            return knots[a.knot] != knots[b.knot] ? knots[a.knot] < knots[b.knot] : a.knot < b.knot;
+        });
     }
-    CurveBankView<T> view(const CurveBankView<T>& from) const noexcept {
-        return {curves, from.knots, pieces, steps, from.entries};
-    }
+    CurveBankView<T> view() const noexcept { return {curves, knots, pieces, steps, entries}; }
 };
 
 /// The largest difference of a curve of two banks with the same knots; infinite where one of them
@@ -95,7 +104,7 @@ template <Scalar T>
 double largest_difference(const CurveBankView<T>& a, const CurveBankView<T>& b, std::size_t curve) noexcept {
     double most = 0;
     for (std::size_t n = 0; n < a.piece_count(curve); ++n) {
-        const CubicPiece<T> p = a.piece(curve, n + 1), q = b.piece(curve, n + 1);
+        const CubicPiece<T> p = a.piece(curve, n), q = b.piece(curve, n);
         if (!is_finite_piece(p) || !is_finite_piece(q)) return std::numeric_limits<double>::infinity();
         const T* const knot = a.knots.data() + a.curves[curve].first_knot + n;
         most = std::fmax(most, largest_of_cubic({double(p.c0) - double(q.c0), double(p.c1) - double(q.c1),
@@ -112,7 +121,7 @@ double size_of_cage(const CurveBankView<T>& bank) noexcept {
     for (std::size_t axis = 0; axis < D; ++axis) {
         double low = std::numeric_limits<double>::infinity(), high = -low;
         for (std::size_t k = axis; k < bank.size(); k += D) {
-            for (std::size_t n = 1; n <= bank.piece_count(k) + 1; ++n) {
+            for (std::size_t n = 0; n <= bank.piece_count(k); ++n) {
                 low = std::fmin(low, double(bank.piece(k, n).c0));
                 high = std::fmax(high, double(bank.piece(k, n).c0));
             }
@@ -158,15 +167,14 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
     if (options.tolerance > 0 || options.share > 0) {
         for (std::size_t k = 0; k < bank.size(); ++k) {
             std::vector<CubicPiece<T>> pieces;
-            for (std::size_t n = 1; n <= bank.piece_count(k); ++n) pieces.push_back(bank.piece(k, n));
+            for (std::size_t n = 0; n < bank.piece_count(k); ++n) pieces.push_back(bank.piece(k, n));
             const T end = bank.knots[bank.curves[k].first_knot + bank.piece_count(k)];
             quantised[k] = QuantisedCubic<T>(PiecewiseCubic<T>(std::move(pieces), end));
         }
         const QuantisedBank<T> all(bank, quantised, std::vector<char>(bank.size(), 1));
         for (std::size_t v = 0; v < report.vertices; ++v) {
             std::array<double, D> errors{};
-            for (std::size_t k = 0; k < D; ++k)
-                errors[k] = largest_difference(bank, all.view(bank), v * D + k);
+            for (std::size_t k = 0; k < D; ++k) errors[k] = largest_difference(bank, all.view(), v * D + k);
             const double distance = choose_curves<D>(errors, tolerance, std::span(chosen).subspan(v * D, D));
             if (distance > report.distance) report.distance_vertex = v;
             report.distance = std::fmax(report.distance, distance);
@@ -176,7 +184,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
     report.unquantised_bytes = packed.bytes().size();
     const QuantisedBank<T> mixed(bank, quantised, chosen);
     CageClipView<T, D> made = clip;
-    made.bank = mixed.view(bank);
+    made.bank = mixed.view();
     PackedClip<T, D> smaller(made);
     if (smaller.bytes().size() < packed.bytes().size()) { // or it is a few constants
         packed = std::move(smaller);
