@@ -204,7 +204,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
 /// Slopes and rises of the extrapolations, jumps and the rigid motion stay exact.
 ///
 ///   returns  the packed clip and its report; fails with value_not_finite, out_of_memory
-///   cost     O(#pieces): about 1 ms for 10,000
+///   cost     O(#pieces): some 10 ms for 10,000
 template <Scalar T, std::size_t D>
 ClipPackResult<T, D> pack_clip(const CageClipView<T, D>& clip, const ClipPackOptions& options = {}) {
     ClipPackResult<T, D> result;
