@@ -47,6 +47,13 @@ int main() {
     Eigen::MatrixXd rows(2, 2);
     if (cageform::clone(binding, pose, cageform::points_in_rows<2>(rows)) != cageform::Status::ok) return 1;
     std::printf("%g %g\n%g %g\n", rows(0, 0), rows(0, 1), rows(1, 0), rows(1, 1));
+
+    // A cage in space from a vertex and a flat index buffer, three indices a triangle.
+    const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const std::vector<std::uint16_t> indices{0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
+    const cageform::TriangleMesh mesh(cageform::StridedPoints<const float, 3>(corners.data(), 4),
+                                      cageform::faces_of(indices));
+    std::printf("%zu faces: %s\n", mesh.given_faces(), cageform::to_string(check(mesh).status));
 }
 
 // The pose stretches the triangle to twice its width, so x doubles.
@@ -55,3 +62,4 @@ int main() {
 //> 4 1  (u v: 0.5 0.25)
 //> 2 1
 //> 4 1
+//> 4 faces: ok

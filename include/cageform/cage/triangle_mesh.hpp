@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/faces_of.hpp>
 #include <cageform/cage/facet_pairs.hpp>
 #include <cageform/cage/gaps.hpp>
 #include <cageform/cage/report.hpp>
@@ -16,9 +17,6 @@ concept FaceRange = requires(const F& faces, std::size_t i) {
     { std::size(faces) } -> std::convertible_to<std::size_t>;
     requires std::integral<std::remove_cvref_t<decltype(faces[i][i])>>;
 };
-
-/// What stands for the index of a vertex that there is not.
-inline constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
 
 namespace detail {
 
