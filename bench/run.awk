@@ -120,8 +120,8 @@ function second_table(group, part,    n, name, key, time, cell) {
          time[4] > 0 ? sprintf("%.2fx", time[1] / time[4]) : "")
 }
 # Clones as compilers make them at -O2, beside -O3.
-function level_cells(group, text, object, what,    fast, slow) {
-    fast = slow = text
+function level_cells(group, names, object, what,    fast, slow) {
+    fast = slow = names
     sub(/%/, object "-O3", fast)
     sub(/%/, object "-O2", slow)
     fast = group SUBSEP fast
