@@ -77,10 +77,10 @@ SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::sp
         auto& move = moves.emplace_back();
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto keys = keys_of(control, axis, file.length);
-            cageform::TrackOptions options; // a long way to a millionth of it
+            double tolerance = cageform::screen_tolerance; // a long way to a millionth of it
             for (const cageform::Key& key : keys)
-                options.tolerance = std::max(options.tolerance, 1e-6 * std::fabs(key.value));
-            const auto compiled = cageform::compile_track<double>(keys, options);
+                tolerance = std::max(tolerance, 1e-6 * std::fabs(key.value));
+            const auto compiled = cageform::compile_track<double>(keys, {.tolerance = tolerance});
             if (compiled.status != cageform::Status::ok) {
                 // Of the keys that are repeated: a time in the file.
                 const std::size_t row = compiled.culprit % (control.rows.size() - 1);

@@ -185,6 +185,55 @@ TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their
     }
 }
 
+TEST_CASE("the default tolerance of a clip goes with its size, one that is given does not",
+          "[animate][clip][property]") {
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    std::vector<std::vector<Key>> keys(2 * 3);
+    Vec<double, 2> lower{1e9, 1e9}, upper{-1e9, -1e9};
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        for (int n = 0; n < 4; ++n) {
+            Key at = key(n, random.uniform(-1, 1), KeyKind::bezier);
+            at.in_handle = {n - 0.3 * random.uniform(0.2, 1), random.uniform(-1, 1)};
+            at.out_handle = {n + 0.3 * random.uniform(0.2, 1), random.uniform(-1, 1)};
+            lower[k % 2] = std::min(lower[k % 2], at.value);
+            upper[k % 2] = std::max(upper[k % 2], at.value);
+            keys[k].push_back(at);
+        }
+    }
+    const double diagonal = distance(lower, upper);
+    const auto compiled = cageform::compile_clip<double, 2>(keys);
+    REQUIRE(compiled.status == Status::ok);
+    CHECK(compiled.sup_error <= cageform::screen_tolerance * diagonal * (1 + 1e-12));
+    CHECK(compiled.sup_error > 0);
+    for (const double unit : {0x1p-20, 0x1p20}) { // in another unit
+        CAPTURE(unit);
+        auto scaled = keys;
+        for (auto& of_curve : scaled) {
+            for (Key& at : of_curve) {
+                for (double* x : {&at.value, &at.in_handle[1], &at.out_handle[1]}) *x *= unit;
+            }
+        }
+        const auto again = cageform::compile_clip<double, 2>(scaled);
+        REQUIRE(again.status == Status::ok);
+        CHECK(again.sup_error == Approx(unit * compiled.sup_error).epsilon(1e-9));
+        for (int n = 0; n <= 30; ++n) {
+            const auto pose = pose_of(compiled.clip, 0.1 * n);
+            auto other = pose_of(again.clip, 0.1 * n);
+            for (auto& p : other) p = (1 / unit) * p;
+            CHECK(largest_difference(pose, other) <= 1e-9);
+        }
+        const auto given = cageform::compile_clip<double, 2>(scaled, {.tolerance = 1e-2 * unit});
+        REQUIRE(given.status == Status::ok);
+        CHECK(given.sup_error <= 1e-2 * unit);
+    }
+    // One point at rest has no size.
+    CHECK(
+        cageform::compile_clip<double, 2>(std::vector<std::vector<Key>>(2, {key(0, 3), key(1, 3)})).status ==
+        Status::ok);
+}
+
 TEST_CASE("key frames that make no clip are refused, with the curve and the key",
           "[animate][clip][refused]") {
     std::vector<std::vector<Key>> keys(6, {key(0, 1), key(1, 2), key(2, 0)});

@@ -4,6 +4,10 @@
 #include <cageform/animate/clip.hpp>
 #include <cageform/animate/compile_track.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T, std::size_t D>
@@ -15,10 +19,32 @@ struct CompiledClip {
     double seconds = 0;
 };
 
+namespace detail {
+
+/// A pixel of a screen that shows all that the keys reach; of keys that do not move, any tolerance is met.
+template <std::size_t D>
+double pixel_of_clip(std::span<const std::vector<Key>> keys) noexcept {
+    double diagonal = 0;
+    for (std::size_t axis = 0; axis < D; ++axis) {
+        double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+        for (std::size_t curve = axis; curve < keys.size(); curve += D) {
+            for (const Key& key : keys[curve]) {
+                lower = std::min(lower, key.value);
+                upper = std::max(upper, key.value);
+            }
+        }
+        if (lower < upper) diagonal = std::hypot(diagonal, upper - lower);
+    }
+    return screen_tolerance * (diagonal > 0 ? diagonal : 1);
+}
+
+} // namespace detail
+
 /// Compiles key frames to a clip, one curve after the other, in parallel where asked.
 ///
 ///   keys     #vertices · D, of each coordinate; the coordinates of a vertex side by side
-///   options  the extrapolation is that of the clip as a whole
+///   options  the extrapolation is that of the clip as a whole. Without a tolerance, what the clip
+///            looks like does not depend on the unit; of a figure that goes far, give one
 ///   fails    input_malformed where the number of curves is no multiple of D; as `compile_track`,
 ///            of the first curve that is refused
 template <Scalar T, std::size_t D>
@@ -28,16 +54,19 @@ CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const Tr
     detail::run_into(result, [&] {
         if (keys.size() % D != 0) return Status::input_malformed;
         std::vector<CompiledTrack<T>> tracks(keys.size());
+        TrackOptions of_tracks = options;
+        of_tracks.tolerance = options.tolerance.value_or(detail::pixel_of_clip<D>(keys));
         // A track may take seconds, where its pieces are tied.
         const std::size_t step = std::max<std::size_t>(keys.size() / 50, 16);
         for (std::size_t begin = 0; begin < keys.size(); begin += step) {
             const std::size_t count = (std::min)(step, keys.size() - begin);
             detail::in_parallel(running, count, 1, [&](std::size_t b, std::size_t e) {
                 for (std::size_t k = begin + b; k < begin + e; ++k)
-                    tracks[k] = compile_track<T>(keys[k], options);
+                    tracks[k] = compile_track<T>(keys[k], of_tracks);
             });
             if (!running.keep_going(double(begin + count) / double(keys.size()))) return Status::cancelled;
         }
+        if (keys.empty() && !running.keep_going(1)) return Status::cancelled;
         std::vector<PiecewiseCubic<T>> curves;
         for (std::size_t k = 0; k < keys.size(); ++k) {
             if (tracks[k].status != Status::ok) {

@@ -6,6 +6,8 @@
 #include <cageform/animate/track.hpp>
 #include <cageform/core/running.hpp>
 
+#include <optional>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A piece of degree 3 of a fit as it is at run time; from times as T rounds them, so that it still
@@ -22,8 +24,10 @@ CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
 }
 
 struct TrackOptions {
-    double tolerance = screen_tolerance; ///< of a value, in its units
-    FitOptions fit{};                    ///< the degree is 3 whatever it says
+    /// Of a value, in its units. Not given: screen_tolerance; of a clip (`compile_clip`), that share of
+    /// the diagonal of the box that holds the values of all its keys.
+    std::optional<double> tolerance{};
+    FitOptions fit{}; ///< the degree is 3 whatever it says
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
 };
 
@@ -45,7 +49,7 @@ class TrackCompiler {
 public:
     TrackCompiler(std::span<const Key> keys, const TrackOptions& options, CompiledTrack<T>& result)
         : keys_(keys)
-        , tolerance_(options.tolerance)
+        , tolerance_(options.tolerance.value_or(screen_tolerance))
         , fit_(options.fit)
         , result_(result) {
         fit_.degree = 3;
