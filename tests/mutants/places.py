@@ -1,4 +1,4 @@
-"""The places of the headers that can be changed, found by libclang, and headers with changes; run.py uses this."""
+"""The places of the headers that can be changed, found by libclang, and headers with changes: for run.py."""
 import pathlib
 import re
 import sys
@@ -10,14 +10,21 @@ OPERATORS = {"&&": "||", "||": "&&", "<": "<=", "<=": "<", ">": ">=", ">=": ">",
              "+": "-", "-": "+", "*": "/", "/": "*"}
 
 class Mutant:
-    """The text of a header from begin to end, in bytes, and the C++ that stands there instead: `code`, with N for the
-    number and {} for the original, in which other mutants may lie."""
+    """The text of a header from begin to end, in bytes, and the C++ that stands there instead: `code`, with N
+    for the number and {} for the original, in which other mutants may lie."""
 
-    def __init__(self, path, begin, end, code, what, line):
-        self.path, self.begin, self.end, self.code, self.what, self.line = path, begin, end, code, what, line
-        self.place = f"{path.relative_to(HEADERS)}:{line}"
-        self.folder = self.place.split("/")[0]
+    def __init__(self, path, begin, end, code, what):
+        self.path, self.begin, self.end, self.code, self.what = path, begin, end, code, what
+        self.folder = path.relative_to(HEADERS).parts[0]
         self.number = 0
+
+    def found_in(self, text):
+        """Names the place, from the text of the header."""
+        before = text[:self.begin]
+        self.line = before.count(b"\n") + 1
+        self.place = f"{self.path.relative_to(HEADERS)}:{self.line}"
+        self.column = self.begin - before.rfind(b"\n")
+        return self
 
     def key(self):
         return (self.path, self.begin, -self.end, self.what)
@@ -39,7 +46,8 @@ class Finder:
         headers = sorted(str(p.relative_to(ROOT / "include")) for p in HEADERS.rglob("*.hpp"))
         source = "".join(f"#include <{header}>\n" for header in headers)
         record = self.cindex.TranslationUnit.PARSE_DETAILED_PROCESSING_RECORD
-        unit = index.parse("all.cpp", ["-std=c++20", "-I", str(ROOT / "include"), *EIGEN], [("all.cpp", source)], record)
+        flags = ["-std=c++20", "-I", str(ROOT / "include"), *EIGEN]
+        unit = index.parse("all.cpp", flags, [("all.cpp", source)], record)
         errors = [str(d) for d in unit.diagnostics if d.severity >= self.cindex.Diagnostic.Error]
         if errors:
             sys.exit("\n".join(errors))
@@ -48,8 +56,8 @@ class Finder:
                   if c.location.file and c.location.file.name.startswith(str(HEADERS))]
         for cursor in inside:
             if cursor.kind == self.kinds.MACRO_INSTANTIATION:
-                extent = cursor.extent
-                self.macros.setdefault(cursor.location.file.name, []).append((extent.start.offset, extent.end.offset))
+                extent = (cursor.extent.start.offset, cursor.extent.end.offset)
+                self.macros.setdefault(cursor.location.file.name, []).append(extent)
         for cursor in inside:
             if cursor.kind.is_declaration():
                 self.declarations(cursor)
@@ -73,11 +81,11 @@ class Finder:
         self.found.append(self.mutant(path, begin, end, code, " ".join(what.split())))
 
     def mutant(self, path, begin, end, code, what):
-        line = self.text(path)[:begin].count(b"\n") + 1
-        return Mutant(pathlib.Path(path), begin, end, code, what, line)
+        return Mutant(pathlib.Path(path), begin, end, code, what).found_in(self.text(path))
 
     def source(self, cursor):
-        return self.text(cursor.extent.start.file.name)[cursor.extent.start.offset:cursor.extent.end.offset].decode()
+        begin, end = cursor.extent.start, cursor.extent.end
+        return self.text(begin.file.name)[begin.offset:end.offset].decode()
 
     def declarations(self, cursor):
         kinds = self.kinds
@@ -99,7 +107,7 @@ class Finder:
                 self.declarations(child)
 
     def body(self, cursor, result):
-        """Adds what a statement or an expression offers, and goes on with its parts, but for what is constant."""
+        """Adds what a statement or an expression offers, and goes on with its parts, but for constants."""
         kinds, kind = self.kinds, cursor.kind
         if not cursor.extent.start.file:  # made by the compiler
             return
@@ -112,8 +120,9 @@ class Finder:
             if b"constexpr" in head or b"static" in head:
                 return
             children = [c for c in children if c.extent.start.offset > cursor.location.offset]
-        elif kind in (kinds.DECL_REF_EXPR, kinds.STATIC_ASSERT, kinds.TYPE_REF, kinds.TEMPLATE_REF, kinds.PARM_DECL,
-                      kinds.TYPE_ALIAS_DECL, kinds.CONCEPT_SPECIALIZATION_EXPR, kinds.REQUIRES_EXPR):
+        elif kind in (kinds.DECL_REF_EXPR, kinds.STATIC_ASSERT, kinds.TYPE_REF, kinds.TEMPLATE_REF,
+                      kinds.PARM_DECL, kinds.TYPE_ALIAS_DECL, kinds.CONCEPT_SPECIALIZATION_EXPR,
+                      kinds.REQUIRES_EXPR):
             return
         elif kind == kinds.MEMBER_REF_EXPR:
             children = [c for c in children if c.extent.start.offset == cursor.extent.start.offset]
@@ -135,7 +144,7 @@ class Finder:
             if result == "bool" and value not in ("true", "false"):
                 self.add(children[0], "(cageform_mutant(N) != static_cast<bool>({}))", f"return !({value})")
             elif result == "Status" and value != "Status::ok":
-                self.add(children[0], "(cageform_mutant(N) ? Status::ok : ({}))", f"return Status::ok, not {value}")
+                self.add(children[0], "(cageform_mutant(N) ? Status::ok : ({}))", f"Status::ok, not {value}")
         if kind in (kinds.COMPOUND_STMT, kinds.IF_STMT, kinds.FOR_STMT, kinds.CXX_FOR_RANGE_STMT):
             for child in children if kind == kinds.COMPOUND_STMT else children[-2:]:
                 self.statement(child)
@@ -149,7 +158,8 @@ class Finder:
             ternary = cursor.kind == self.kinds.CONDITIONAL_OPERATOR
             before, after = text[:begin].rstrip()[-1:], text[end:end + 20].lstrip()[:1]
             if ternary or (before in b"(;" and after == b")"):
-                return self.add(child, "(cageform_mutant(N) != static_cast<bool>({}))", f"!({self.source(child)})")
+                code = "(cageform_mutant(N) != static_cast<bool>({}))"
+                return self.add(child, code, f"!({self.source(child)})")
 
     def operator(self, cursor, children):
         """An operator of any type is what stands between two parts, and nothing else."""

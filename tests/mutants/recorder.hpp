@@ -1,5 +1,5 @@
-// Writes of each test case, to the file that MUTANTS_RECORD names: its name, its seconds, whether it passed, and the
-// mutants that it reached.
+// Writes a line for each test case to the file that MUTANTS_RECORD names: its name, its seconds, whether it
+// passed, and the mutants that it reached.
 #pragma once
 
 #include "../catch.hpp"
