@@ -6,12 +6,12 @@ Changes the headers at random places and tells which changes no test notices, an
 than one statement) no test calls. Not part of CI: 200 mutants take about 40 minutes of a processor.
 Installs what it needs, on Debian 12.
 
-One build holds all mutants of a run. A copy of the headers has `(cageform_mutant(17) ? (a <= b) : (a <
-b))` in the place of `a < b`; the environment says at run time which one is alive. What does not compile
-is dropped. Each test program runs once without a mutant, which records the time of each test case and the
-mutants that it reaches. Then each mutant of the program's folders runs against the cases that reach it,
-each a process, short ones first, until one fails. Survivors run against the other programs' cases too. A
-case that takes more than five times as long as without the mutant, and two seconds, has failed.
+One build holds all mutants of a run. In a copy of the headers `(cageform_mutant(17) ? (a <= b) : (a < b))`
+stands for `a < b`; the environment says at run time which mutant is alive. What does not compile is dropped.
+Each test program runs once without a mutant, which records the time of each test case and the mutants that it
+reaches. Then each mutant of the program's folders runs against the cases that reach it, each a process, short
+ones first, until one fails. Survivors run against the other programs' cases too. A case that takes more than
+five times as long as without the mutant, and two seconds, has failed.
 
   --count    how many mutants are drawn from all places
   --seed     of the draw; it is printed, so that a run can be repeated
