@@ -29,8 +29,8 @@ double pixel_of_clip(std::span<const std::vector<Key>> keys) noexcept {
         double lower = std::numeric_limits<double>::infinity(), upper = -lower;
         for (std::size_t curve = axis; curve < keys.size(); curve += D) {
             for (const Key& key : keys[curve]) {
-                lower = std::min(lower, key.value);
-                upper = std::max(upper, key.value);
+                lower = (std::min)(lower, key.value);
+                upper = (std::max)(upper, key.value);
             }
         }
         if (lower < upper) diagonal = std::hypot(diagonal, upper - lower);

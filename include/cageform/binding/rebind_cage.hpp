@@ -61,7 +61,7 @@ PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
     for (std::size_t n = 0; n < binding.points; ++n) places[binding.order[n]] = static_cast<std::uint32_t>(n);
     return {binding.points, [rest, places = std::move(places)](std::size_t block, Lanes<T>* rows) {
                 for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
-                    const std::size_t i = std::min(block * lane_count<T> + lane, places.size() - 1);
+                    const std::size_t i = (std::min)(block * lane_count<T> + lane, places.size() - 1);
                     for (std::size_t k = 0; k < D; ++k) rows[k][lane] = rest(places[i], k);
                 }
             }};
