@@ -71,9 +71,13 @@ void AtomicFile::open() {
         target_ = fs::canonical(path_, error);
         if (error) return refuse(error.message());
         if (refuse_input()) return;
-    } else if (const fs::path folder = fs::weakly_canonical(fs::absolute(path_).parent_path(), error);
-               !error) {
-        target_ = folder / path_.filename();
+    } else {
+        fs::path place = fs::absolute(path_);
+        for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(place, error)); ++links) {
+            place = place.parent_path() / fs::read_symlink(place, error); // which leads nowhere as yet
+        }
+        const fs::path folder = fs::weakly_canonical(place.parent_path(), error);
+        if (!error) target_ = folder / place.filename();
     }
     catch_signals();
     std::random_device random;

@@ -945,6 +945,8 @@ works "a slice" "$grid" --cage box.obj --figure inner.obj --accuracy 0.02 --slic
 refuses 'cells inside' "$programs/convergence" --cage "$data/cat_cage_head.csv" -o out.svg
 refuses '--cage or --oracle is required' "$programs/convergence" -o out.svg
 printf '{"cage": {"vertices": [[0, 0], [1, 0], [0, 1]], "loops": [[0, 1, 2]]}, "points": [[0.25, 0.25]], "coordinates": [[0.5, 0.25, 0.25]]}' >triangle.json
+cp triangle.json "$(printf 'a < b & \377.json')"
+works "errors of a file with signs in its name" "$programs/convergence" --oracle "$(printf 'a < b & \377.json')" -o errors.svg --png
 works "errors of known weights" "$programs/convergence" --oracle triangle.json -o errors.svg
 grep -q 'triangle, 32 cells: [0-9]* unknowns, 0.[0-9]* s, error ' log && grep -q 'triangle, accuracy 1e-03: ' log && ok=yes || ok=no
 report $ok "they are said of both grids"
@@ -972,6 +974,13 @@ refuses 'nowhere.png: no such file' "$programs/contact_sheet" -o out.svg caption
 works "a caption with signs" "$programs/contact_sheet" -o sheet.svg "a < b & c" "$cat"
 grep -q 'a &lt; b &amp; c' sheet.svg && ok=yes || ok=no
 report $ok "a caption is escaped"
+for caption in 'bad\377' 'bad\033[7m' 'bad\001'; do
+  # shellcheck disable=SC2059 # the caption is meant to be a format
+  caption=$(printf "$caption")
+  refuses 'the caption "bad\x' "$programs/contact_sheet" -o out.svg "$caption" "$cat"
+  grep -q 'holds control characters, or is no UTF-8' log && ok=yes || ok=no
+  report $ok "and why is said"
+done
 works "help of the table" "$table" --help
 refuses 'outside the cage' "$table" "$cat" "$data/man_cage.svg" "$data/man_pose.svg" mean-value
 refuses 'alternate' "$programs/contact_sheet" -o out.svg lonely
@@ -1008,6 +1017,10 @@ done
 works "a vertical tangent" "$curve" --css 0,1,1,0 --tolerance 0.01 --json fit.json
 grep -q '"w12_error": null' fit.json && ok=yes || ok=no
 report $ok "an infinite error is null"
+cp "$cases" "$(printf 'cases \377.json')"
+works "cases whose file has a name that is no UTF-8" "$curve" --cases "$(printf 'cases \377.json')" --json results.json
+grep -qF 'results of fit_curve for cases \\xff.json' results.json && ok=yes || ok=no
+report $ok "the name is escaped"
 works "the cases" "$curve" --cases "$cases" --json results.json
 [ "$(grep -c '"result"' results.json)" = "$(grep -c '"expected"' "$cases")" ] && ok=yes || ok=no
 report $ok "a result for every case"

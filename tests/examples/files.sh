@@ -1,3 +1,4 @@
+# shellcheck shell=sh disable=SC2013,SC2086,SC2154 # lists of names are meant to be split; command_line.sh has set the rest
 # Sourced by command_line.sh. What holds of every program that takes files, and of every option that takes one:
 #   no input is written over, by whatever name;
 #   no name of a file commands the terminal;
@@ -124,11 +125,11 @@ form() { # PROGRAM WORD…
     for input in $inputs; do
       fresh $inputs
       (cd run && $link "$input" "$output")
-      link=ln
+      link="ln -P"
       run "$@"
       [ $? -eq 1 ] && grep -qF "cannot write $output: it is the same file as $input, which is read" log && ok=yes || ok=no
       for name in $inputs; do cmp -s "pool/$name" "run/$name" || { ok=no; echo "$name is written over" >>log; }; done
-      (cd run && [ "$input" -ef "$output" ] && [ "$(echo *)" = "$(printf '%s\n' $inputs "$output" | sort -u | xargs)" ]) ||
+      (cd run && cmp -s "$input" "$output" && [ "$(echo *)" = "$(printf '%s\n' $inputs "$output" | sort -u | xargs)" ]) ||
         { ok=no; echo "left: $(ls run)" >>log; }
       report $ok "$output is $input: $program $*"
     done
@@ -137,13 +138,13 @@ form() { # PROGRAM WORD…
   # Names that hold commands for a terminal: where all goes well, and where one of the files is missing.
   if [ -z "$told" ]; then
     fresh $inputs
-    for name in $inputs; do cp "run/$name" "run/$escape[7m$name"; done
-    run_renamed "$escape[7m" "$names" "$@" && says_plainly '' && ok=yes || ok=no
+    for name in $inputs; do cp "run/$name" "run/${escape}[7m$name"; done
+    run_renamed "${escape}[7m" "$names" "$@" && says_plainly '' && ok=yes || ok=no
     report $ok "names that command the terminal: $program $*"
   fi
   for word in $names; do
     fresh $inputs
-    if run_renamed "$escape[7m/" "$word" "$@"; then ok=no; else says_plainly "\\x1b[7m/$word" && ok=yes || ok=no; fi
+    if run_renamed "${escape}[7m/" "$word" "$@"; then ok=no; else says_plainly "\\x1b[7m/$word" && ok=yes || ok=no; fi
     report $ok "$word is missing, and commands the terminal: $program $*"
   done
 
@@ -152,10 +153,10 @@ form() { # PROGRAM WORD…
   for input in $inputs; do
     case $input in *.svg) ;; *) continue ;; esac
     fresh $inputs
-    sed 's|</svg>|<image width="400" height="400" href="red.png"/></svg>|' "pool/$input" >"run/$input"
+    sed 's|</svg>|<image width="400" height="400" href="linked.png"/></svg>|' "pool/$input" >"run/$input"
     run "$@" && ok=yes || ok=no
     for output in $outputs; do mv "run/$output" "run/old_$output"; done
-    cp pool/red.png run
+    cp pool/red.png run/linked.png
     run "$@" || ok=no
     for output in $outputs; do cmp -s "run/$output" "run/old_$output" || { ok=no; echo "$output shows it" >>log; }; done
     report $ok "$input links to a picture: $program $*"
@@ -217,17 +218,18 @@ words="--slice --zoom --margin --mirror --move --turn --scale --bend --twist --s
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac
-  [ -f "$file" ] && [ -x "$file" ] || continue
+  if [ ! -f "$file" ] || [ ! -x "$file" ]; then continue; fi
   "$file" --help >log 2>&1
+  ok=yes
   case " $without_inputs " in
-    *" $program "*) ok=yes ;;
-    *) grep -qx "$program" formed && ok=yes || { ok=no; echo "no form of it is in files.sh" >>log; } ;;
+    *" $program "*) ;;
+    *) grep -qx "$program" formed || { ok=no; echo "no form of it is in files.sh" >>log; } ;;
   esac
   for option in $(sed -n 's/^ *\(-[^ ]*\) TEXT\( .*\)*$/\1/p' log); do
     known=no
     for name in $(echo "$option" | tr , ' '); do
       grep -qxF -- "$program $name" covered && known=yes
-      case " $(echo $words) " in *" $name "*) known=yes ;; esac
+      for word in $words; do [ "$word" != "$name" ] || known=yes; done
     done
     [ $known = yes ] || { ok=no; echo "$option: no form in files.sh gives it a file" >>log; }
   done

@@ -741,6 +741,17 @@ TEST_CASE("saving replaces the whole file or nothing", "[examples][svg_document]
         CHECK_FALSE(write_file_atomically(folder.path() / "link.svg", "new"));
         CHECK(fs::is_symlink(folder.path() / "link.svg"));
         CHECK(content_of(file) == "new");
+        fs::remove(file);
+        CHECK_FALSE(write_file_atomically(folder.path() / "link.svg", rich)); // where it leads nowhere
+        CHECK(fs::is_symlink(folder.path() / "link.svg"));
+        CHECK(content_of(file) == rich);
+        OutputFiles outputs;
+        fs::remove(file);
+        outputs.add(file).write("one");
+        outputs.add(folder.path() / "link.svg").write("two");
+        CHECK(outputs.commit());
+        CHECK_FALSE(fs::exists(file));
+        put(file, rich);
         fs::remove(folder.path() / "link.svg");
     }
 
