@@ -33,8 +33,7 @@ struct AffineFit {
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < K; ++k) {
             Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
-            CAGEFORM_DETAIL_UNROLL
-            for (std::size_t r = 0; r <= D; ++r)
+            for (std::size_t r = 0; r <= D; ++r) // unrolled, GNU would fuse another product with its sum
                 sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(part[r][k]), sum);
             sum.store(sums[k]);
         }
