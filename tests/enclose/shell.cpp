@@ -2,6 +2,7 @@
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
+#include "../support/meshes.hpp"
 
 #include <cageform/enclose/reduce_shell.hpp>
 #include <cageform/enclose/relax_shell.hpp>
@@ -18,7 +19,62 @@ Point random_place(Random& random) {
     return {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
 }
 
+/// A sphere of 66 vertices between 0.9 and 1.4 off the middle.
+detail::Shell random_shell(Random& random) {
+    const auto sphere = cageform_tests::sphere(2);
+    detail::Shell shell;
+    for (const auto& p : sphere.vertices)
+        shell.points.push_back((random.uniform(0.9, 1.4) / detail::length(p)) * p);
+    for (const auto& face : sphere.faces)
+        shell.faces.push_back({std::uint32_t(face[0]), std::uint32_t(face[1]), std::uint32_t(face[2])});
+    shell.on_rim.assign(shell.points.size(), false);
+    shell.link();
+    return shell;
+}
+
 } // namespace
+
+TEST_CASE("a vertex changes the energy of its star and of the whole shell by the same",
+          "[enclose][property]") {
+    Random random(4);
+    detail::Shell shell = random_shell(random);
+    const detail::ShellEnergy energy(shell.six_volumes(), shell.points.size(), 12, 1);
+    std::vector<std::uint32_t> all(shell.faces.size());
+    std::iota(all.begin(), all.end(), 0U);
+    for (int n = 0; n < 100; ++n) {
+        CAPTURE(n);
+        const auto v = std::uint32_t(random.below(shell.points.size()));
+        const double before = energy.of(shell, all), here = energy.of(shell, shell.star[v]);
+        shell.points[v] = shell.points[v] + 0.3 * random_place(random);
+        CHECK(std::fabs((energy.of(shell, all) - before) - (energy.of(shell, shell.star[v]) - here)) <=
+              1e-11);
+    }
+}
+
+TEST_CASE("relaxed shells are tighter, and clear of the figure", "[enclose][property]") {
+    detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
+    for (std::size_t node = 0; node < lattice.size(); ++node)
+        lattice[node] = float(detail::length(lattice.place(node)) - 0.5);
+    const detail::ShellObstacles obstacles(lattice, 0.1);
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        detail::Shell shell = random_shell(random);
+        const double six = shell.six_volumes();
+        std::vector<std::uint32_t> all(shell.faces.size());
+        std::iota(all.begin(), all.end(), 0U);
+        const detail::ShellEnergy energy(six, shell.points.size(), 12, 1);
+        const double before = energy.of(shell, all);
+        REQUIRE(detail::ShellRelaxation(shell, obstacles, energy).relax(24, {}));
+        CHECK(energy.of(shell, all) < 0.5 * before);
+        CHECK(shell.six_volumes() < 0.5 * six);
+        CHECK(shell.six_volumes() > 6 * std::numbers::pi / 6); // of the ball
+        std::size_t edges = 0;
+        for (std::uint32_t v = 0; v < shell.points.size(); ++v) edges += shell.neighbours(v).size();
+        CHECK(edges == 3 * shell.faces.size());
+        for (const auto& face : shell.faces) CHECK(is_clear(lattice, shell.corners(face)));
+    }
+}
 
 TEST_CASE("a quick look at two faces gives the verdict of a full one", "[enclose][property]") {
     Random random(1);
