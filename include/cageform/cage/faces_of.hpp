@@ -1,7 +1,7 @@
 // Triangles in a flat index buffer, as engines keep them.
 #pragma once
 
-#include <cageform/config.hpp>
+#include <cageform/core/vec.hpp>
 
 #include <array>
 #include <concepts>
