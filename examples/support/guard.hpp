@@ -1,6 +1,6 @@
 #pragma once
 
-// What programs say on stderr: none ends without a word, and no word of theirs commands a terminal.
+// Messages of the programs on stderr: no program ends without one, and none of them commands a terminal.
 
 #include <functional>
 #include <string>

@@ -28,11 +28,11 @@ struct CageClipView {
     T begin() const noexcept { return first_time; }
     T end() const noexcept { return last_time; }
 
-    /// What a cursor takes: Lanes<T>, of 64 bytes each.
+    /// The memory of a cursor, in Lanes<T> of 64 bytes each.
     std::size_t cursor_rows() const noexcept { return bank.cursor_rows() + block_count<T>(bank.size()); }
     /// Where a player of the clip is; one for every place that plays it. May throw std::bad_alloc.
     Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
-    /// The same in memory of the caller, `cursor_rows` at least; allocates nothing.
+    /// Makes a cursor in memory of the caller, `cursor_rows` at least; allocates nothing.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
         return detail::started(*this, Cursor(memory));
     }

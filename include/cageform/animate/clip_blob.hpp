@@ -349,7 +349,7 @@ public:
         memory_.seal();
     }
 
-    /// What to write to a file, and what `open_clip` takes: aligned to 64 bytes.
+    /// The bytes to write to a file and to give to `open_clip`, aligned to 64 bytes.
     std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
     CageClipView<T, D> view() const noexcept {
         if (bytes().empty()) return {};

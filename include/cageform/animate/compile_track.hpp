@@ -24,8 +24,8 @@ CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
 }
 
 struct TrackOptions {
-    /// Of a value, in its units. Not given: screen_tolerance; of a clip (`compile_clip`), that share of
-    /// the diagonal of the box that holds the values of all its keys.
+    /// The largest error of a value, in its units. Where it is not given, it is screen_tolerance for a track; for a
+    /// clip (`compile_clip`) it is that share of the diagonal of the box that holds the values of all its keys.
     std::optional<double> tolerance{};
     FitOptions fit{}; ///< the degree is 3 whatever it says
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;

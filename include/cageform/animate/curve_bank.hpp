@@ -69,10 +69,10 @@ struct CurveBankView {
     using Cursor = CurveCursor<T>;
 
     std::span<const BankCurve<T>> curves;
-    /// Of the curves in pieces as they are, one after the other, then of those in 16 bits.
+    /// The knots of the curves in pieces as they are, one after the other, then of those in 16 bits.
     std::span<const T> knots;
     std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from a knot on, of the first knots
-    /// Of the other knots: Bernstein coefficients from a knot on; at the last of a curve unused.
+    /// Bernstein coefficients from a knot on, for the other knots; unused at the last one of a curve.
     std::span<const std::array<std::uint16_t, 4>> steps;
     std::span<const BankEntry> entries; ///< #knots: by time, then by knot
 
@@ -88,7 +88,7 @@ struct CurveBankView {
         return piece_at(curve, curves[curve].first_knot + n);
     }
 
-    /// What a cursor takes: Lanes<T>.
+    /// The memory of a cursor, in Lanes<T>.
     std::size_t cursor_rows() const noexcept { return rows * block_count<T>(size()); }
     Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
     /// In memory of the caller, `cursor_rows` at least; allocates nothing.
@@ -169,7 +169,7 @@ private:
     static void load(Cursor& cursor, std::size_t curve, const CubicPiece<T>& piece) noexcept {
         set(block(cursor, curve / lane_count<T>), curve % lane_count<T>, piece);
     }
-    /// What a curve is just before a knot.
+    /// The piece of a curve just before a knot.
     CubicPiece<T> piece_before(std::size_t curve, std::size_t knot) const noexcept {
         return knot > curves[curve].first_knot ? piece_at(curve, knot - 1)
                                                : constant(piece_at(curve, knot).c0);

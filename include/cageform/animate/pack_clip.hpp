@@ -16,8 +16,8 @@ struct ClipPackOptions {
     /// The largest distance that any vertex may have, in the units of the cage. Curves are put into
     /// 16 bits a coefficient as long as it is kept. 0: no promise in these units.
     double tolerance = 0;
-    /// The same as a part of the cage's size (ClipPackReport::size): the smaller of both counts. With
-    /// neither, nothing is quantised, and the packed clip gives the same bits as the clip.
+    /// The largest distance as a part of the cage's size (ClipPackReport::size): the smaller of both counts.
+    /// With neither, nothing is quantised, and the packed clip gives the same bits as the clip.
     double share = 0;
 };
 

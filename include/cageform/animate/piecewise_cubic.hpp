@@ -61,7 +61,7 @@ struct PiecewiseCubicView {
     std::size_t locate(T x) const noexcept {
         return detail::last_up_to(x, pieces.size(), [begin = begins](std::size_t i) { return begin[i]; });
     }
-    /// The same where it is likely to be `hint` or the next piece, as in forward play: O(1) then.
+    /// Finds the piece in O(1) where it is `hint` or the next one, as in forward play.
     std::size_t locate(T x, std::size_t hint) const noexcept {
         if (hint < pieces.size() && pieces[hint].begin <= x) {
             if (hint + 1 == pieces.size() || x < pieces[hint + 1].begin) return hint;

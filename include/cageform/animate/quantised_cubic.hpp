@@ -51,7 +51,7 @@ public:
     std::size_t size() const noexcept { return pieces_.size(); }
     T error_bound() const noexcept { return step_ / 2; } ///< apart from roundings of T
     std::size_t bytes() const noexcept { return pieces_.size() * sizeof(Piece) + 4 * sizeof(T); }
-    /// Of a piece; coefficient n stands for low + n · step.
+    /// The coefficients of a piece: n stands for low + n · step.
     const std::array<std::uint16_t, 4>& coefficients(std::size_t piece) const noexcept {
         return pieces_[piece].b;
     }

@@ -303,7 +303,7 @@ struct Bind {
                            std::forward<Recycled>(recycled), running);
     }
 
-    // What else might be given, for the reason in the first line that compilers print.
+    // Other arguments are taken too, so that the first line that compilers print names the reason.
     template <CageCoordinates C, UnknownPointRange R, class... More>
     ReasonOr<PointTraitsNotSpecialisedForThesePoints, BindResult<typename C::scalar, C::dimension>>
     operator()(const C&, const R&, const More&...) const = CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;

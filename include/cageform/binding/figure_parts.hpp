@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What a part of a figure is found by: four characters.
+/// A part of a figure is found by a tag of four characters.
 struct FigureTag {
     std::uint32_t number = 0;
 
@@ -30,7 +30,7 @@ struct FigureTags {
                                labels = "LABL", clips = "CLPS";
     static constexpr std::size_t most_levels = 9;
 
-    /// Of a level of less detail, from 1 on.
+    /// The tag of a level of less detail, from 1 on.
     static constexpr FigureTag level(std::size_t n) noexcept {
         FigureTag tag = "LVL0";
         tag.number += static_cast<std::uint32_t>(n) << 24;

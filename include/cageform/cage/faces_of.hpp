@@ -13,7 +13,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What stands for the index of a vertex that there is not.
+/// Stands for the index of a vertex that does not exist.
 inline constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
 
 /// A view of triangles over a flat index buffer, three indices a face. Owns nothing and copies nothing.

@@ -99,7 +99,7 @@ Status clone(const B& binding, const Pose& pose, Out&& out,
     return Status::ok;
 }
 
-// What else might be given, for the reason in the first line that compilers print.
+// Other arguments are taken too, so that the first line that compilers print names the reason.
 template <AnyBinding B, class Pose, class Out, class... More>
     requires(UnknownPointRange<Pose> || UnknownPointRange<Out>)
 detail::ReasonOr<detail::PointTraitsNotSpecialisedForThesePoints, Status> clone(const B&, const Pose&, Out&&,

@@ -1,4 +1,4 @@
-// What all packed data has in common, whatever is in it: how it begins, its checksum, its owner.
+// All packed data has this in common, whatever is in it: how it begins, its checksum, its owner.
 #pragma once
 
 #include <cageform/core/blocks.hpp>
@@ -42,7 +42,7 @@ inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t
     return hash;
 }
 
-/// The same of anything that lies in a row: the vertices of a cage, the faces of a figure.
+/// The hash of anything that lies in a row: the vertices of a cage, the faces of a figure.
 template <class X>
     requires std::is_trivially_copyable_v<X> std::uint64_t hash_memory(std::span<const X> values,
                                                                        std::uint64_t seed = 0)
@@ -75,7 +75,7 @@ struct PackedPrefix {
 };
 static_assert(sizeof(PackedPrefix) == 32);
 
-/// What the header of a kind begins with.
+/// Returns what the header of a kind begins with.
 template <class Header>
 PackedPrefix prefix_of(const Header& header) noexcept {
     return {header.magic, header.version, header.endian, header.bytes, header.checksum};

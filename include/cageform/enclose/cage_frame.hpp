@@ -59,7 +59,7 @@ bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
     return margin > 4 * double(std::numeric_limits<T>::epsilon()) * farthest;
 }
 
-/// What make_cage promises of the cage that a report is about.
+/// Whether the cage that a report is about keeps what make_cage promises.
 inline bool holds_figure(const MakeCageReport& report) noexcept {
     return report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin;
 }

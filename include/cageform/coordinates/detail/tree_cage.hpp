@@ -250,7 +250,7 @@ private:
         return found;
     }
 
-    /// Of a leaf: how far values are linear from the boundary. In the plane, where they are of order four beyond it,
+    /// How far from the boundary values are linear, as a share of the leaf. In the plane, where they are of order four beyond it,
     /// so near that what is not linear is below every accuracy; in space where that is the better of the two.
     static constexpr double layer_share = D == 2 ? 0.01 : 0.3;
 

@@ -280,7 +280,7 @@ public:
         for (const std::uint32_t n : facets) meet(facets_[n], normals_[n], from, along, met);
         return meeting_of(met, from, along);
     }
-    /// The same among all facets, not rounded.
+    /// Finds the first among all facets, not rounded.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
         boxes_->for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
