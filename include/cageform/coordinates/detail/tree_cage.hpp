@@ -190,8 +190,8 @@ private:
     Vec<double, D> placed(const Vec<T, D>& p) const noexcept {
         return boundary_.in_units(vec_cast<double>(p));
     }
-    /// Next to the boundary, where the facets of the tree are rounded and what a leaf sees of them is not all that
-    /// shapes the function, a value is linear between the nearest place of the boundary, as it is, and a place
+    /// Next to the boundary the facets of the tree are rounded, and a leaf does not see all that shapes the
+    /// function. There a value is linear between the nearest place of the boundary, as it is, and a place
     /// farther inside: with the distance it tends to the data.
     void set_stencil(const Vec<double, D>& p, const Cell& leaf, grid::CutStencil<D>& stencil) const {
         double layer = layer_share * leaf.size;
@@ -250,8 +250,9 @@ private:
         return found;
     }
 
-    /// How far from the boundary values are linear, as a share of the leaf. In the plane, where they are of order four beyond it,
-    /// so near that what is not linear is below every accuracy; in space where that is the better of the two.
+    /// How far from the boundary values are linear, as a share of the leaf. In the plane, where they are of
+    /// order four beyond it, so near that what is not linear is below every accuracy; in space where that is
+    /// the better of the two.
     static constexpr double layer_share = D == 2 ? 0.01 : 0.3;
 
     const C& cage_;
