@@ -17,8 +17,8 @@ namespace cageform_examples {
 /// SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program.
 ///
 ///   path    replaced if it is a regular file, whose permissions are kept; a link is followed; a folder,
-///           pipe or device is refused, and so is a file that the program reads (input_at() names it), be that before
-///           or after the output is opened
+///           pipe or device is refused, and so is a file that the program reads (input_at() names it), be
+///           that before or after the output is opened
 ///   not     forced to the disk: a power cut may lose the new contents
 class AtomicFile {
 public:
@@ -91,8 +91,8 @@ private:
     std::deque<AtomicFile> files_;
 };
 
-/// Why one of these files cannot be written, for a program that asks before it computes for long: after it has opened what
-/// it reads. Empty paths are left out; nothing is written.
+/// Why one of these files cannot be written, for a program that asks before it computes for long: after it
+/// has opened what it reads. Empty paths are left out; nothing is written.
 std::optional<std::string> fault_of_outputs(std::initializer_list<std::filesystem::path> paths);
 
 /// Writes all of `contents` to `path`; returns nothing, or the reason of the failure.

@@ -17,7 +17,7 @@ namespace {
 
 std::string program_name; // set once, before a program reads its options
 
-/// The bytes of the character that a text begins with, which may stand in a terminal and in XML; 0 of any other.
+/// The bytes of the character that a text begins with, where it may stand in a terminal and in XML; else 0.
 std::size_t printable_bytes(std::string_view text) {
     const auto byte = [&](std::size_t k) { return k < text.size() ? unsigned(std::uint8_t(text[k])) : 0; };
     if (byte(0) < 0x80) return text.starts_with('\t') || (byte(0) >= 0x20 && byte(0) != 0x7f) ? 1 : 0;
@@ -33,8 +33,8 @@ std::size_t printable_bytes(std::string_view text) {
     return is_character && byte(0) >= 0xc0 && byte(0) < 0xf8 ? count : 0;
 }
 
-/// In the place of a standard stream that is closed, one that fails: else the next file to be opened would be that stream,
-/// and what is printed would go into it.
+/// Puts one that fails in the place of a standard stream that is closed: else the next file to be opened would
+/// be that stream, and what is printed would go into it.
 void keep_streams_apart() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (fcntl(stream, F_GETFD) < 0) (void)open("/dev/null", O_RDONLY); // takes the lowest number

@@ -8,8 +8,9 @@
 
 namespace cageform_examples {
 
-/// Text as it may be printed and written to a file: control characters, what is no character of Unicode, and bytes that
-/// are no UTF-8, become such as \x1b. A tab stays, and a line break before two spaces: our lists have these.
+/// Text as it may be printed and written to a file: control characters, what is no character of Unicode, and
+/// bytes that are no UTF-8, become such as \x1b. A tab stays, and a line break before two spaces: our lists
+/// have these.
 std::string printable(std::string_view text);
 
 /// "program: message", printable; 1, the exit code of a failure.

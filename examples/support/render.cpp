@@ -19,8 +19,8 @@
 
 namespace cageform_examples {
 
-/// Starts a program that is found on the PATH, of a Debian package; -1 for an output that stays ours. The fault, or
-/// nothing.
+/// Starts a program that is found on the PATH, of a Debian package; -1 for an output that stays ours. The
+/// fault, or nothing.
 static std::string start(std::vector<std::string> words, const char* package, int input, int output,
                          pid_t& child) {
     std::vector<char*> arguments;
