@@ -225,7 +225,8 @@ TEST_CASE("tcb: Kochanek and Bartels' slopes where keys are equally far apart",
     const auto pieces = compiled.track.curve.pieces();
     REQUIRE(pieces.size() == 5);
     for (std::size_t i = 1; i < 5; ++i) {
-        const auto& [time, value, kind, in, out, in_slope, out_slope, t, c, b] = keys[i];
+        const double time = keys[i].time, value = keys[i].value;
+        const double t = keys[i].tension, c = keys[i].continuity, b = keys[i].bias;
         const double before = value - keys[i - 1].value, after = keys[i + 1].value - value;
         const double leaves =
             ((1 - t) * (1 + b) * (1 + c) * before + (1 - t) * (1 - b) * (1 - c) * after) / 2;
