@@ -156,6 +156,7 @@ inline BezierFit fit(const BezierCurve& curve, double tolerance, const FitOption
     BezierFit result = search.find(running);
     const bool nothing = result.status == Status::tolerance_not_met && result.knots.empty();
     if (nothing) result = search.nearest(running.part(1, 1));
+    result.status = running.end(result.status);
     return result;
 }
 

@@ -200,6 +200,7 @@ inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double>
     search = fitter.decoupled() ? detail::cheapest_path(fitter, candidates, pieces, running)
                                 : detail::try_all(fitter, candidates, pieces, options.max_trials, running);
     search.objective = fitter.in_units(search.objective);
+    search.status = running.end(search.status);
     return search;
 }
 
@@ -242,6 +243,7 @@ inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, co
         if (detail::polish(fitter, search) < 1e-8) break;
     }
     search.objective = SobolevFitter(curve, options.fit).objective(search.parameters);
+    search.status = running.end(Status::ok);
     return search;
 }
 

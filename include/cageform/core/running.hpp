@@ -7,6 +7,7 @@
 #include <cageform/core/status.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <ctime>
 #include <functional>
@@ -24,7 +25,8 @@ namespace cageform::inline CAGEFORM_ABI {
 using RangeBody = std::function<void(std::size_t, std::size_t)>;
 /// parallel_for(count, grain, body); see core/parallel.hpp.
 using ParallelFor = std::function<void(std::size_t, std::size_t, const RangeBody&)>;
-/// Called on the calling thread with the fraction done, in [0, 1] and never falling; false cancels.
+/// Called on the calling thread with the fraction done, in [0, 1] and never falling; false cancels. What ends
+/// with Status::ok has told 1.
 using Progress = std::function<bool(double)>;
 
 /// How a computation runs. Its result does not depend on it, unless the progress cancels.
@@ -36,10 +38,14 @@ struct Running {
     /// to this, which has to outlive it.
     Running part(double from, double to) const {
         if (!progress) return {parallel, {}};
-        return {parallel, [this, from, to](double done) { return progress(from + (to - from) * done); }};
+        return {parallel, [this, from, to](double done) { return progress(std::lerp(from, to, done)); }};
     }
     /// Tells the progress; false when to stop.
     bool keep_going(double done) const { return !progress || progress(done); }
+    /// The status of a computation at its end: where it is ok the progress is told 1, and may still cancel.
+    Status end(Status status) const {
+        return status == Status::ok && !keep_going(1) ? Status::cancelled : status;
+    }
 };
 
 namespace detail {
@@ -60,6 +66,7 @@ template <class Body>
 Status for_each_block(std::size_t blocks, const Running& running, const Body& body) {
     constexpr std::size_t grain = 16;
     const std::size_t step = running.progress ? std::max<std::size_t>(blocks / 50, 16 * grain) : blocks;
+    if (blocks == 0) return running.end(Status::ok);
     for (std::size_t begin = 0; begin < blocks; begin += step) {
         const std::size_t count = (std::min)(step, blocks - begin);
         in_parallel(running, count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });

@@ -253,8 +253,9 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
         }
         detail::GraphEquations equations(graph, given);
         status = detail::prepare(equations, report);
-        if (status != Status::ok || equations.nodes().empty()) return status;
+        if (status != Status::ok) return status;
         const auto nodes = equations.nodes();
+        if (nodes.empty()) return running.end(Status::ok);
         std::vector<T> solved(values.size() / size * nodes.size());
         constexpr std::size_t most = 16; // fields at a time: the factors are read once for all
         for (std::size_t begin = 0; begin < values.size(); begin += most * size) {
@@ -276,6 +277,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
             }
             report.solves += fields;
         }
+        if (!running.keep_going(1)) return Status::cancelled;
         for (std::size_t field = 0; field < values.size() / size; ++field) {
             for (std::size_t row = 0; row < nodes.size(); ++row)
                 values[field * size + nodes[row]] = solved[field * nodes.size() + row];

@@ -179,7 +179,7 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
                             threads.help();
                         });
     report.seconds += detail::seconds_now() - start;
-    return status;
+    return running.end(status);
 }
 
 } // namespace grid

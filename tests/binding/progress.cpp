@@ -1,0 +1,110 @@
+// What functions that bind tell of their progress; core/running.cpp has the others.
+#include "../support/progress.hpp"
+#include "../catch.hpp"
+#include "../support/bindings.hpp"
+#include "../support/figures.hpp"
+
+#include <cageform/binding/bind_bones.hpp>
+#include <cageform/binding/bind_packed.hpp>
+#include <cageform/binding/compose.hpp>
+#include <cageform/binding/rebind.hpp>
+#include <cageform/binding/rebind_cage.hpp>
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/blended.hpp>
+#include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/sibson.hpp>
+#include <cageform/coordinates/three_point.hpp>
+
+namespace binding_progress_tests {
+
+using namespace cageform_tests;
+
+namespace {
+
+template <class C, class Points>
+void check_bind(const char* what, const C& coordinates, const Points& points) {
+    CAPTURE(what);
+    check_progress("bind", [&](const Running& r) { return cageform::bind(coordinates, points, {}, r); });
+    check_progress("bind no points",
+                   [&](const Running& r) { return cageform::bind(coordinates, Points{}, {}, r); });
+}
+
+/// All that can be done with points in a cage.
+template <class C, class Points>
+void check_binds(const char* what, const C& coordinates, const Points& points) {
+    check_bind(what, coordinates, points);
+    CAPTURE(what);
+    check_progress("bind_packed", [&](const Running& r) { return bind_packed(coordinates, points, {}, r); });
+    if constexpr (cageform::GradientCoordinates<C>) {
+        check_progress("bind_jacobians",
+                       [&](const Running& r) { return bind_jacobians(coordinates, points, {}, r); });
+        check_progress("bind_figure", [&](const Running& r) {
+            return bind_figure(coordinates, cageform::FigurePoints{points, points}, {}, r);
+        });
+    }
+    if constexpr (requires(C solved) { solved.solve(); }) {
+        check_progress("solve", [&](const Running& r) {
+            C fresh = coordinates;
+            return fresh.solve(r);
+        });
+    }
+}
+
+} // namespace
+
+TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[core][running][progress]") {
+    Random random(1);
+    const auto star = random_star<double>(3);
+    const cageform::Polygon<double> polygon(star);
+    std::vector<Vec<double, 2>> points;
+    for (int i = 0; i < 700; ++i) points.push_back(random_inside(polygon, random, 0));
+    const cageform::MeanValueCoordinates<double, 2> plane(polygon);
+    check_binds("mean value, plane", plane, points);
+    check_bind("Green", cageform::GreenCoordinates<double, 2>(polygon), points);
+    check_bind("Sibson", cageform::SibsonCoordinates<double, 2>(star), points);
+    check_bind("blended", cageform::BlendedCoordinates(std::vector{plane, plane}), points);
+    const std::vector<Vec<double, 2>> triangle{{-20, -20}, {30, -20}, {-5, 40}};
+    const cageform::BarycentricCoordinates<double, 2> simple(triangle);
+    check_bind("barycentric", simple, points);
+    check_bind("Wachspress", cageform::WachspressCoordinates<double>(cageform::Polygon<double>(triangle)),
+               points);
+    using Harmonic = cageform::HarmonicCoordinates<double, 2>;
+    check_binds("harmonic", Harmonic(polygon, {.resolution = 32}), points);
+
+    const auto fine = cageform::bind(plane, points).binding, coarse = cageform::bind(simple, star).binding;
+    check_progress("pack", [&](const Running& r) { return pack(fine, {.largest = 4}, r); });
+    check_progress("pack to a distance", [&](const Running& r) { return pack(fine, {.tolerance = 0.1}, r); });
+    check_progress("compose", [&](const Running& r) { return compose(fine, coarse, r); });
+    check_progress("rebind", [&](const Running& r) { return rebind(fine, points, {}, r); });
+    check_progress("skin_weights", [&](const Running& r) { return skin_weights(fine, {}, r); });
+    const std::vector<double> shares(2 * points.size(), 0.5);
+    check_progress("skin_weights of shares", [&](const Running& r) {
+        return cageform::skin_weights(std::span<const double>(shares), 2, {}, r);
+    });
+    const cageform::Transform<double, 2> bone{{{{1, 0}, {0, 1}}}, {0, 0}};
+    const std::vector<cageform::Transform<double, 2>> bones{bone, bone};
+    check_progress("bind_bones", [&](const Running& r) {
+        return bind_bones(points, std::span<const cageform::Transform<double, 2>>(bones),
+                          std::span<const double>(shares), {}, r);
+    });
+}
+
+TEST_CASE("progress never falls and ends with 1: in space", "[core][running][progress]") {
+    const auto data = sphere(1);
+    const auto mesh = data.mesh<double>();
+    const auto points = points_in(mesh, 100, 4);
+    const cageform::MeanValueCoordinates<double, 3> closed_form(mesh);
+    check_bind("mean value, space", closed_form, points);
+    check_binds("harmonic, uniform", cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 16}),
+                points);
+    const auto figure = bind_figure(closed_form, cageform::FigurePoints{points, points}).figure;
+    check_progress("pack_figure", [&](const Running& r) { return pack_figure(figure, {}, r); });
+    check_progress("rebind_cage",
+                   [&](const Running& r) { return rebind_cage(figure, closed_form, {}, {}, r); });
+}
+
+} // namespace binding_progress_tests
