@@ -73,7 +73,8 @@ TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[co
     check_bind("Wachspress", cageform::WachspressCoordinates<double>(cageform::Polygon<double>(triangle)),
                points);
     using Harmonic = cageform::HarmonicCoordinates<double, 2>;
-    check_binds("harmonic", Harmonic(polygon, {.resolution = 32}), points);
+    check_binds("harmonic, uniform", Harmonic(polygon, {.resolution = 32}), points);
+    check_bind("harmonic, adaptive", Harmonic(polygon, {.accuracy = 0.05}), points);
 
     const auto fine = cageform::bind(plane, points).binding, coarse = cageform::bind(simple, star).binding;
     check_progress("pack", [&](const Running& r) { return pack(fine, {.largest = 4}, r); });
