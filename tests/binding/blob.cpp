@@ -61,6 +61,15 @@ TEST_CASE("blobs one after the other in a file are opened in turn", "[blob]") {
     CHECK(one.bytes + two.bytes == file.size());
 }
 
+TEST_CASE("a blob of nothing is opened as any other", "[blob]") {
+    const auto packed = cageform::pack(cageform::Binding<float, 3>());
+    REQUIRE(packed.report.status == Status::ok);
+    CHECK(packed.binding.bytes().size() == sizeof(BlobHeader));
+    const auto opened = open_blob<float, 3>(packed.binding.bytes());
+    CHECK(opened.status == Status::ok);
+    CHECK(opened.binding.points == 0);
+}
+
 TEST_CASE("a blob of another cage or figure is refused by name", "[blob][status]") {
     auto result = cageform::pack(random_binding<float, 3>(5, 9, 1), {.cage_hash = 11, .figure_hash = 12});
     const auto bytes = result.binding.bytes();

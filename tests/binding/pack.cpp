@@ -638,4 +638,68 @@ TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
     CHECK(cloned(packed.binding, pose)[0] == points[0]);
 }
 
+TEST_CASE("rows that are kept restore the sums of all, and lose the least square", "[pack][property]") {
+    constexpr std::size_t D = 2, L = 4;
+    using cageform::detail::RowPursuit;
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 800);
+    const std::size_t handles = 7 + random.below(6);
+    std::vector<Vec<double, D>> rest(handles);
+    for (auto& p : rest) p = {random.uniform(-1, 1), random.uniform(-1, 1)};
+    const cageform::HandleView<double, D> view(rest);
+    std::vector<double> places(3 * handles * D);
+    for (double& x : places) x = random.uniform(-1, 1);
+    PackOptions options;
+    options.poses = places;
+    cageform::detail::WeightLoss<D> poses;
+    std::size_t culprit = 0;
+    REQUIRE(poses.load(view, options, culprit) == Status::ok);
+    const cageform::detail::Moments<D> moments(view);
+    const cageform::detail::SquareLoss<D> loss(moments, poses);
+    std::vector<double> weights(handles * L);
+    for (double& w : weights) w = random.uniform(0, 1);
+    RowPursuit<D, L> pursuit(loss, weights);
+    while (pursuit.order().size() < handles) pursuit.add(pursuit.best());
+
+    std::vector<double> column(handles);
+    const auto lost = [&](const std::vector<double>& change) {
+        double sum = 0;
+        for (std::size_t h = 0; h < handles; ++h) {
+            loss.column(h, column);
+            for (std::size_t other = 0; other < handles; ++other)
+                sum += change[h] * column[other] * change[other];
+        }
+        return sum;
+    };
+    for (std::size_t count = D + 2; count <= handles; ++count) {
+        CAPTURE(count);
+        const auto kept = pursuit.solution(count);
+        for (std::size_t lane = 0; lane < L; ++lane) {
+            std::vector<double> change(handles);
+            for (std::size_t h = 0; h < handles; ++h) change[h] = -weights[h * L + lane];
+            for (std::size_t j = 0; j < count; ++j) change[pursuit.order()[j]] += kept[j][lane];
+            Vec<double, D + 1> missing{};
+            for (std::size_t h = 0; h < handles; ++h) missing = missing + change[h] * moments[h];
+            for (const double x : missing.v) CHECK(std::fabs(x) <= 1e-9);
+            // Another choice of the same rows with the same sums: a random step without its affine part.
+            std::vector<double> step(handles);
+            for (std::size_t j = 0; j < count; ++j) step[pursuit.order()[j]] = random.uniform(-1, 1);
+            Vec<double, D + 1> sums{};
+            for (std::size_t h = 0; h < handles; ++h) sums = sums + step[h] * moments[h];
+            const auto inverse = cageform::detail::Moments<D>::power(
+                moments.sum_of_squares([&](std::size_t h) { return step[h] != 0; }), -1);
+            const auto part = cageform::detail::product(inverse, sums);
+            for (std::size_t h = 0; h < handles; ++h) {
+                if (step[h] != 0) step[h] -= dot(part, moments[h]);
+            }
+            for (const double size : {0.1, -0.1}) {
+                auto other = change;
+                for (std::size_t h = 0; h < handles; ++h) other[h] += size * step[h];
+                CHECK(lost(other) >= lost(change) - 1e-9);
+            }
+        }
+    }
+}
+
 } // namespace pack_tests

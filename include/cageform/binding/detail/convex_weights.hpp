@@ -33,7 +33,6 @@ public:
         given_.resize(handles.count);
         weights_.assign(handles.count, 0.0);
         support_.resize(handles.count);
-        trial_.resize(handles.count);
         needed_.assign(handles.count, 0);
         for (std::size_t i = 0; i < handles.count; ++i) {
             const auto row = frame.row(handles, i);
