@@ -12,8 +12,8 @@
 #define CAGEFORM_DETAIL_INLINE __attribute__((always_inline))
 #define CAGEFORM_DETAIL_FLATTEN __attribute__((flatten))
 #define CAGEFORM_DETAIL_NO_INLINE __attribute__((noinline))
-// A loop of a few steps, known as it is compiled, becomes those steps: at -O2 GNU would keep it, and what it indexes in
-// memory.
+// A loop of a few steps, whose number is known as it is compiled, becomes those steps: at -O2 GNU would
+// keep it, and what it indexes in memory.
 #define CAGEFORM_DETAIL_UNROLL _Pragma("GCC unroll 16")
 #else
 #define CAGEFORM_DETAIL_INLINE
