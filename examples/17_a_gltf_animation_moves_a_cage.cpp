@@ -20,7 +20,6 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     const auto [figure, bound] =
         bind_figure(cageform::MeanValueCoordinates3f(box, faces), cageform::FigurePoints{points});
     if (bound.status != Status::ok) return bound.status;
-
     // As they lie in the file: times, and of each key an in-tangent, a value and an out-tangent.
     const float times[] = {0, 1, 2};
     const float swing[] = {0, 0, 0, 1, 1, 1, 0, 2.5f, 0, // node 7 swings up and comes back
@@ -37,7 +36,6 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     const cageform::TrackOptions options{.after = cageform::Extrapolation::cycle};
     const auto compiled = cageform::compile_clip<float, 3>(keys, options);
     if (compiled.status != Status::ok) return compiled.status;
-
     // No vertex off by more than 0.0001: curves that allow it take 16 bits a coefficient.
     const auto [clip, report] = pack_clip(compiled.clip, {.tolerance = 0.0001});
     std::printf("%zu of %zu curves in 16 bits: %zu bytes in place of %zu\n", report.quantised, report.curves,
@@ -53,7 +51,9 @@ Status play(std::span<const std::byte> file) {
     const auto opened = cageform::open_figure<float, 3>(file);
     if (opened.status != Status::ok) return opened.status;
     const auto& figure = opened.figure;
-    const auto swing = figure.clip(figure.find_clip("swing"));
+    const std::size_t found = figure.find_clip("swing");
+    if (found == figure.clip_count()) return Status::not_a_clip;
+    const auto swing = figure.clip(found);
     auto cursor = swing.make_cursor();
     std::vector<cageform::Vec<float, 3>> pose(figure.handle_count()), out(figure.point_count());
     for (const float time : {0.0f, 1.0f, 2.5f}) {

@@ -320,6 +320,23 @@ TEST_CASE("a tolerance that is no number is refused", "[animate][clip_blob][refu
     }
 }
 
+TEST_CASE("a clip that could not be opened is not packed", "[animate][clip_blob][refused]") {
+    Random random(7);
+    for (const bool turns : {false, true}) {
+        auto clip = random_clip<float, 3>(random, 2);
+        cageform::RigidMotion<float, 3> motion;
+        if (turns)
+            motion.rotations = {{0, 0, 0, 0}};
+        else
+            motion.pivot[1] = std::numeric_limits<float>::quiet_NaN();
+        clip.set_rigid_motion(motion);
+        const auto [packed, report] = pack_clip(clip);
+        CHECK(report.status == Status::value_not_finite);
+        CHECK(packed.bytes().empty());
+        CHECK(status_of(PackedClip<float, 3>(clip.view()).bytes()) == Status::blob_malformed);
+    }
+}
+
 TEST_CASE("a clip without vertices, and one of a single key, are shipped too", "[animate][clip_blob]") {
     const auto none = pack_clip(CageClip<float, 3>{}, {.tolerance = 1});
     REQUIRE(none.report.status == Status::ok);

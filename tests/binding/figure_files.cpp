@@ -260,6 +260,54 @@ TEST_CASE("figures without clips and levels are of version 1; parts of its users
     REQUIRE(opened.status == Status::ok);
     CHECK(opened.figure.clip_count() == 0);
     CHECK(opened.figure.part(FigureTags::clips).size() == 2);
+    const FigurePartData named_as_level[] = {{FigureTags::points, points.bytes()},
+                                             {FigureTags::level(1), note}};
+    Aligned older(cageform::PackedFigure<float, 3>(named_as_level).bytes());
+    older.set(offsetof(FigureHeader, version), std::uint32_t(1));
+    older.seal();
+    const auto opened_older = open_figure<float, 3>(older.bytes());
+    REQUIRE(opened_older.status == Status::ok);
+    CHECK(opened_older.figure.level_count() == 0);
+    CHECK(open_level(opened_older.figure, 1).status == Status::not_a_figure);
+}
+
+// Else a small file could ask for the same clip to be read a thousand times.
+TEST_CASE("clips of a figure lie one after the other", "[figure][clips][refused]") {
+    const auto& figure = small_figure();
+    const auto clip = pack_clip(random_clip(figure.points.handle_count(), 1)).clip;
+    const FigureClipData named[] = {{"walk", clip.bytes()}, {"run", clip.bytes()}};
+    const auto made = pack_figure(figure, {.clips = named});
+    REQUIRE(made.report.status == Status::ok);
+    Aligned file(made.figure.bytes());
+    const auto opened = open_figure<float, 3>(file.bytes());
+    REQUIRE(opened.status == Status::ok);
+    CHECK(same_bytes(opened.figure.clip_bytes(1), clip.bytes()));
+    const auto first = opened.figure.clips[0];
+    file.set(offset_of(file, FigureTags::clips) + sizeof(std::uint64_t) + sizeof(cageform::FigureClip),
+             first);
+    file.seal();
+    CHECK(status_of(file.bytes()) == Status::blob_malformed);
+}
+
+TEST_CASE("a figure with a handedness for other points is not bound anew", "[figure][rebind][refused]") {
+    auto figure = small_figure();
+    figure.handedness.push_back(1);
+    CHECK(rebind_cage(figure, Mean3(cage())).report.status == Status::vectors_do_not_match);
+}
+
+// The vector of an edge may have the numbers of a vertex.
+TEST_CASE("after an edit points are matched with points and vectors with vectors", "[figure][rebind]") {
+    using Point = Vec<double, 2>;
+    const std::vector<Point> before{{0, 0}, {1, 0}, {0, 1}, {1, 0}},
+        after{{0, 0}, {1, 0}, {0, 1}, {2, 2}, {1, 0}};
+    using cageform::HandleKind;
+    const std::vector<HandleKind> kinds_before{HandleKind::point, HandleKind::point, HandleKind::point,
+                                               HandleKind::vector};
+    const std::vector<HandleKind> kinds_after{HandleKind::point, HandleKind::point, HandleKind::point,
+                                              HandleKind::point, HandleKind::vector};
+    const auto matched = cageform::match_handles<double, 2>({before.data(), 4, kinds_before.data(), nullptr},
+                                                            {after.data(), 5, kinds_after.data(), nullptr});
+    CHECK(matched == std::vector<std::size_t>{0, 1, 2, cageform::new_handle, 3});
 }
 
 TEST_CASE("levels of less detail follow one pose", "[figure][levels]") {

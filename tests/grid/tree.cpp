@@ -250,6 +250,24 @@ Polygon<double> tessellated_wedge(int edges, double height) {
     for (int n = edges; n > 0; --n) points.push_back({double(n) / edges, height * n / edges});
     return Polygon<double>(points);
 }
+// Between the corner as it is and as the tree rounds it, a part of 2^-30 of the cube.
+TEST_CASE("rays meet facets as they are, also where the rounded ones end short of them", "[grid][tree]") {
+    const Polygon<double> cage(std::vector<Vec<double, 2>>{{0, 0}, {1, 0}, {1, 1}, {0.3, 1}, {0, 1}});
+    const TreeBoundary<2> boundary(cage, 20);
+    const double exact = boundary.in_units(Vec<double, 2>{0.3, 1})[0];
+    const double rounded =
+        std::ldexp(std::round(std::ldexp(exact, boundary.fraction())), -boundary.fraction());
+    REQUIRE(exact != rounded);
+    const double top = boundary.in_units(Vec<double, 2>{0, 1})[1];
+    for (int n = 0; n <= 10; ++n) {
+        const Vec<double, 2> from{exact + 0.1 * n * (rounded - exact), top - 100};
+        CHECK(boundary.free_distance({from, 1, true, 200}) == Approx(100).epsilon(1e-9));
+        const auto met = boundary.first_met(from, Vec<double, 2>{0, 200});
+        REQUIRE(met);
+        CHECK(met->part == Approx(0.5).epsilon(1e-9));
+    }
+}
+
 TEST_CASE("sizes are bounded at wedges and narrow gaps", "[grid][tree][sizing]") {
     const SizingOptions options;
     for (const double height : {0.3, 0.01, 1e-4, 1e-6}) {

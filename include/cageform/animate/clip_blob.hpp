@@ -189,8 +189,8 @@ bool is_in_order(const CageClipView<T, D>& clip) noexcept {
         if (time(n - 1) > time(n) || bank.entries[n - 1].knot >= knot) return false;
     }
     const T last = clip.last_time, after = std::nextafter(last, (std::numeric_limits<T>::max)());
-    return clip.first_time == time(0) && (last == time(count - 1) || after == time(count - 1)) &&
-           clip.first_time <= last;
+    return is_finite(last - clip.first_time) && clip.first_time == time(0) &&
+           (last == time(count - 1) || after == time(count - 1)) && clip.first_time <= last;
 }
 
 /// Whether the tracks of a motion share its pieces out, one after the other, and end at finite numbers.
@@ -211,7 +211,7 @@ template <Scalar T>
 bool is_sound(const TrackView<T>& track) noexcept {
     const auto pieces = track.curve.pieces;
     const T *const begins = track.curve.begins, end = track.curve.end;
-    bool sound = true;
+    bool sound = pieces.empty() || is_finite(end - begins[0]);
     for (std::size_t n = 0; n < pieces.size() && sound; ++n) {
         sound = is_finite_piece(pieces[n]) && pieces[n].begin == begins[n] &&
                 (n + 1 < pieces.size() ? begins[n] < begins[n + 1] : begins[n] <= end);
@@ -223,7 +223,9 @@ bool is_sound(const RigidMotionView<T, D>& motion) noexcept {
     bool sound = is_finite(motion.pivot) && is_sound(motion.turn);
     for (const TrackView<T>& track : motion.translation) sound = sound && is_sound(track);
     for (const Quaternion<T>& turn : motion.rotations) {
-        for (const T x : turn) sound = sound && is_finite(x);
+        T square = 0;
+        for (const T x : turn) square += x * x;
+        sound = sound && square > T(0.98) && square < T(1.02); // of length 1 up to rounding
     }
     return sound;
 }
@@ -265,7 +267,7 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
 ///   data     at least the clip, aligned to 64 bytes; what follows it is left alone
 ///   check    BlobCheck::structure leaves the checksum out
 ///   returns  not_a_clip, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
-///            blob_malformed, or ok: then times ascend, and all numbers are finite. What was opened
+///            blob_malformed, or ok: then times ascend, all numbers are finite and rotations of length 1. What was opened
 ///            never reads or writes out of bounds, whatever the bytes, and gives the same bits as
 ///            the clip that was packed, where nothing was quantised
 ///   cost     no allocation; O(#pieces), some 50 ns each; with BlobCheck::all reads everything twice

@@ -191,9 +191,12 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
         report.quantised = std::size_t(std::count(chosen.begin(), chosen.end(), char(1)));
     } else {
         report.distance = 0;
+        report.distance_vertex = 0;
     }
     report.bytes = packed.bytes().size();
-    return Status::ok;
+    if (open_clip<T, D>(packed.bytes(), BlobCheck::structure).status == Status::ok) return Status::ok;
+    packed = {};
+    return Status::value_not_finite;
 }
 
 } // namespace detail
@@ -203,7 +206,8 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
 /// distance, else it stays as it is; what is promised is measured on the coefficients as stored.
 /// Slopes and rises of the extrapolations, jumps and the rigid motion stay exact.
 ///
-///   returns  the packed clip and its report; fails with value_not_finite, out_of_memory
+///   returns  the packed clip and its report; fails with value_not_finite, also where a number of the
+///            clip is not finite or a rotation is not of length 1; out_of_memory
 ///   cost     O(#pieces): some 10 ms for 10,000
 template <Scalar T, std::size_t D>
 ClipPackResult<T, D> pack_clip(const CageClipView<T, D>& clip, const ClipPackOptions& options = {}) {

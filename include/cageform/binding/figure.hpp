@@ -20,7 +20,8 @@
 //     …        the user's, under tags of their own
 //
 // The blobs are of the same points in the same order, and of the same handles. Version 1 has no
-// clips and levels, and is what figures without them still are: a part CLPS of it is the user's.
+// clips and levels, and is what figures without them still are: its parts CLPS and LVL1 … LVL9 are
+// the user's.
 #pragma once
 
 #include <cageform/animate/clip_blob.hpp>
@@ -64,6 +65,7 @@ struct PackedFigureView {
     std::span<const FigurePart> table; ///< of a packed figure
     const std::byte* data = nullptr;   ///< where that begins
     std::span<const FigureClip> clips; ///< of a packed figure
+    std::size_t levels = 0;            ///< of less detail, of a packed figure
 
     std::size_t handle_count() const noexcept { return points.handle_count(); }
     std::size_t point_count() const noexcept { return points.point_count(); }
@@ -87,12 +89,18 @@ struct PackedFigureView {
     /// those handles that are points where there are vectors (clone/pose_handles.hpp).
     std::size_t clip_count() const noexcept { return clips.size(); }
     std::string_view clip_name(std::size_t clip) const noexcept {
+        CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
         const auto bytes = part(FigureTags::clips).subspan(clips[clip].name, clips[clip].name_bytes);
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }
+    /// The bytes of a clip, as `open_clip` and `pack_figure` take them.
+    std::span<const std::byte> clip_bytes(std::size_t clip) const noexcept {
+        CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
+        return part(FigureTags::clips).subspan(clips[clip].offset, clips[clip].bytes);
+    }
     /// As `open_clip` gives it.
     CageClipView<T, D> clip(std::size_t clip) const noexcept {
-        const std::byte* const begin = part(FigureTags::clips).data() + clips[clip].offset;
+        const std::byte* const begin = clip_bytes(clip).data();
         ClipHeader header;
         std::memcpy(&header, begin, sizeof(header));
         return detail::view_clip<T, D>(begin, header);
@@ -105,12 +113,7 @@ struct PackedFigureView {
     }
 
     /// How many levels of less detail a packed figure has; `open_level` opens them.
-    std::size_t level_count() const noexcept {
-        std::size_t count = 0;
-        while (count < FigureTags::most_levels && part(FigureTags::level(count + 1)).data() != nullptr)
-            ++count;
-        return count;
-    }
+    std::size_t level_count() const noexcept { return levels; }
 
     /// The bytes of a part, at a multiple of 64; none where there is no such part.
     std::span<const std::byte> part(FigureTag tag) const noexcept {
@@ -244,10 +247,12 @@ Status open_clips(OpenedFigure<T, D>& opened) noexcept {
     if (count > (bytes.size() - sizeof(count)) / sizeof(FigureClip)) return Status::blob_malformed;
     opened.figure.clips = {reinterpret_cast<const FigureClip*>(bytes.data() + sizeof(count)),
                            static_cast<std::size_t>(count)};
+    std::uint64_t end = sizeof(count) + count * sizeof(FigureClip); // clips lie one after the other
     for (const FigureClip& clip : opened.figure.clips) {
-        if (clip.name > bytes.size() || clip.name_bytes > bytes.size() - clip.name ||
+        if (clip.name > bytes.size() || clip.name_bytes > bytes.size() - clip.name || clip.offset < end ||
             clip.offset > bytes.size() || clip.bytes > bytes.size() - clip.offset)
             return Status::blob_malformed;
+        end = clip.offset + clip.bytes;
         const auto packed = bytes.subspan(std::size_t(clip.offset), std::size_t(clip.bytes));
         const Status status =
             check_clip_of(open_clip<T, D>(packed, BlobCheck::structure), opened.figure.handle_view());
@@ -267,18 +272,15 @@ Status open_levels(OpenedFigure<T, D>& opened, bool may_have_levels) noexcept {
         opened.culprit = FigureTags::level(n);
         const auto bytes = opened.figure.part(opened.culprit);
         if (bytes.data() == nullptr) continue;
-        if (!may_have_levels || opened.figure.level_count() < n) return Status::blob_malformed;
+        if (!may_have_levels || opened.figure.levels + 1 < n) return Status::blob_malformed;
         const auto level = open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
         if (level.status != Status::ok) return level.status;
         if (!same_handles(level.figure.handle_view(), opened.figure.handle_view()))
             return Status::blob_of_another_cage;
+        opened.figure.levels = n;
     }
     return Status::ok;
 }
-
-} // namespace detail
-
-namespace detail {
 
 template <Scalar T, std::size_t D>
 OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const BlobExpectation& expected,
@@ -319,7 +321,7 @@ OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const Blo
 ///
 ///   data      at least the figure, aligned to 64 bytes; what follows it is left alone
 ///   expected  as for `open_blob`; the hashes are those of the points' blob
-///   returns   not_a_figure; blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
+///   returns   not_a_figure, not_a_blob, not_a_clip; blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
 ///             blob_malformed, blob_of_another_cage, blob_of_another_figure, of the figure or of
 ///             the part `culprit`; bindings_differ, where a part is of other points or handles than
 ///             the first, or in another order; or ok. A clip is of another cage where it has another

@@ -23,8 +23,8 @@ inline constexpr std::size_t new_handle = ~std::size_t{0};
 /// `new_handle`.
 ///
 ///   as many       handles after it: each is the one of the same number, wherever it has moved
-///   more or less  the one that stood at the same place, to the bit; `new_handle` where none did. Of
-///                 several at one place the first
+///   more or less  the one of the same kind that stood at the same place; `new_handle` where none
+///                 did. Of several at one place the first; vectors, which have none, by their value
 ///   cost          O(#handles log #handles); may throw std::bad_alloc
 template <Scalar T, std::size_t D>
 std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const HandleView<T, D>& after) {
@@ -33,15 +33,17 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
         for (std::size_t i = 0; i < after.count; ++i) numbers[i] = i;
         return numbers;
     }
-    std::map<std::array<T, D>, std::size_t> places;
-    const auto place = [](const Vec<T, D>& p) {
+    std::map<std::pair<bool, std::array<T, D>>, std::size_t> places;
+    const auto place = [](const HandleView<T, D>& handles, std::size_t i) {
         std::array<T, D> key{};
-        for (std::size_t k = 0; k < D; ++k) key[k] = p[k];
-        return key;
+        for (std::size_t k = 0; k < D; ++k) key[k] = handles.rest[i][k];
+        return std::pair(handles.is_point(i), key);
     };
-    for (std::size_t i = before.count; i-- > 0;) places[place(before.rest[i])] = i;
+    for (std::size_t i = before.count; i-- > 0;) { // of packed data, where they may be no numbers
+        if (is_finite(before.rest[i])) places[place(before, i)] = i;
+    }
     for (std::size_t i = 0; i < after.count; ++i) {
-        if (const auto found = places.find(place(after.rest[i])); found != places.end())
+        if (const auto found = places.find(place(after, i)); found != places.end())
             numbers[i] = found->second;
     }
     return numbers;
@@ -93,7 +95,8 @@ Status take_labels_over(const HandleLabels& before, std::span<const std::size_t>
 ///                added for a move. Used for labels alone
 ///   options      as for `bind`
 ///   returns      the figure and its report; fails as `bind_figure`; labels_do_not_match, where
-///                old_handles are not as many as the handles, or name one that there was not
+///                old_handles are not as many as the handles, or name one that there was not;
+///                vectors_do_not_match, where there is not one handedness for every point
 template <CageCoordinates C>
     requires GradientCoordinates<C> CageRebindResult<typename C::scalar, C::dimension>
     rebind_cage(const PackedFigureView<typename C::scalar, C::dimension>& figure, const C& coordinates,
@@ -134,6 +137,11 @@ template <CageCoordinates C>
     rebind_cage(const FigureBinding<typename C::scalar, C::dimension>& figure, const C& coordinates,
                 std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
                 const Running& running = {}) {
+        if (!figure.handedness.empty() && figure.handedness.size() != figure.points.point_count()) {
+            CageRebindResult<typename C::scalar, C::dimension> refused;
+            refused.report.points.status = refused.report.status = Status::vectors_do_not_match;
+            return refused;
+        }
         return rebind_cage(figure.view(), coordinates, old_handles, options, running);
     }
 

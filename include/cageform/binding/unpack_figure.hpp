@@ -25,7 +25,9 @@ Binding<T, D> copy_binding(const BindingView<T, D>& view) {
 
 } // namespace detail
 
-/// The figure that was packed, to the bit: bindings, handedness and labels. What `pack_figure` makes
+/// The figure that was packed, to the bit: bindings, handedness and labels. Clips, levels and parts of the
+/// user are read from the packed figure itself, and so are the faces of the cage, where they were shipped as
+/// such a part: a binding knows the handles alone. What `pack_figure` makes
 /// of a figure without further options is dense; an editor saves such a file beside the one for the
 /// game, and packs what it has opened anew.
 ///
@@ -76,14 +78,14 @@ FigureComposeResult<T, D> compose(const FigureBinding<T, D>& fine, const Binding
     FigureComposeResult<T, D> result;
     FigureBinding<T, D> made;
     const std::size_t parts = fine.has_normals() ? D : 1;
-    for (std::size_t n = 0; n < parts; ++n) {
-        auto composed = compose(n == 0 ? fine.points : fine.tangents[n - 1], coarse,
-                                running.part(double(n) / double(parts), double(n + 1) / double(parts)));
-        if (composed.status != Status::ok) return {{}, composed.status, {}};
-        if (n == 0) result.still = std::move(composed.still);
-        (n == 0 ? made.points : made.tangents[n - 1]) = std::move(composed.binding);
-    }
     result.status = detail::guard_memory([&] {
+        for (std::size_t n = 0; n < parts; ++n) {
+            auto composed = compose(n == 0 ? fine.points : fine.tangents[n - 1], coarse,
+                                    running.part(double(n) / double(parts), double(n + 1) / double(parts)));
+            if (composed.status != Status::ok) return composed.status;
+            if (n == 0) result.still = std::move(composed.still);
+            (n == 0 ? made.points : made.tangents[n - 1]) = std::move(composed.binding);
+        }
         made.handedness = fine.handedness;
         return Status::ok;
     });

@@ -195,11 +195,10 @@ private:
     /// farther inside: with the distance it tends to the data.
     void set_stencil(const Vec<double, D>& p, const Cell& leaf, grid::CutStencil<D>& stencil) const {
         double layer = layer_share * leaf.size;
-        const auto facets = tree_.facets(leaf.number);
-        if (!facets.empty() && facets.back() >= boundary_.size()) { // a bone, which the place stays out of
+        const auto nearest = boundary_.nearest(tree_.facets(leaf.number), p, false);
+        if (nearest.distance < layer) { // the place farther inside stays out of bones
             if (const auto bone = boundary_.bones().nearest(p, layer)) layer = bone->distance;
         }
-        const auto nearest = boundary_.nearest(facets, p, false);
         if (!(nearest.distance < layer)) return set_stencil_inside(p, leaf, stencil);
         if (nearest.distance > grid::on_facet_distance) {
             const auto along = (layer / nearest.distance - 1) * (p - nearest.place);

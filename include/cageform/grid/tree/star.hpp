@@ -142,7 +142,6 @@ private:
     const Nodes& nodes_;
     double size_ = 0;
     Vec<double, 2> centre_{};
-    std::vector<std::pair<double, Index>> corners_;
     std::vector<Place> places_;
 };
 

@@ -13,7 +13,9 @@ namespace detail {
 template <std::size_t D>
 class FacetBoxes {
 public:
-    explicit FacetBoxes(const Buffer<PlacedFacet<D>>& facets) {
+    ///   slack  how far the facets asked for may be from these: those not rounded
+    FacetBoxes(const Buffer<PlacedFacet<D>>& facets, double slack)
+        : slack_(slack) {
         for (std::uint32_t n = 0; n < facets.size(); ++n) order_.push_back(n);
         if (!order_.empty()) divide(facets, 0, std::uint32_t(order_.size()));
     }
@@ -47,11 +49,11 @@ private:
         std::uint32_t second; ///< node of the second half, the first follows; 0: not halved
     };
     ///   inverse  1 / the direction; 0 where it is 0
-    static bool meets(const Bounds<double, D>& box, const Vec<double, D>& from, const Vec<double, D>& inverse,
-                      double length) noexcept {
+    bool meets(const Bounds<double, D>& box, const Vec<double, D>& from, const Vec<double, D>& inverse,
+               double length) const noexcept {
         double begin = 0, end = length;
         for (std::size_t k = 0; k < D; ++k) {
-            const double low = box.lower[k] - slack - from[k], high = box.upper[k] + slack - from[k];
+            const double low = box.lower[k] - slack_ - from[k], high = box.upper[k] + slack_ - from[k];
             if (inverse[k] == 0) {
                 if (low > 0 || high < 0) return false;
                 continue;
@@ -93,7 +95,7 @@ private:
         return number;
     }
 
-    static constexpr double slack = 1e-6;
+    double slack_;
     Buffer<std::uint32_t> order_;
     Buffer<Node> nodes_;
 };
@@ -193,7 +195,7 @@ public:
         };
         for_each_facet(boundary_of(cage), [&](const auto& facet) { add(facet, true); });
         for (const auto& facet : interior_cells(cage).facets) add(facet, false);
-        boxes_.emplace(facets_);
+        boxes_.emplace(facets_, rounding + std::ldexp(1.0, -fraction_));
         bones_ = GridBones<D>(interior_cells(cage).bones, std::span<const Vec<double, D>>(placed),
                               Lattice<double, D>{{}, origin_, unit_});
         for (const Facet& facet : facets_) {
