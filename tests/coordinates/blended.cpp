@@ -77,6 +77,15 @@ TEST_CASE("the depth of meshes and boxes", "[cage][depth]") {
                  nearer = depth(Vec<double, 3>{0.975, 0.02, 0.01});
     CHECK(near > nearer);
     CHECK(nearer > 0);
+    // A cube with a dent, on the line of an edge beyond its end, where the edge is seen as a point.
+    const Points3<double> corners{{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1},
+                                  {1, -1, 1},   {1, 1, 1},   {-1, 1, 1}, {0, 0, 0}};
+    const Faces faces{{0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
+                      {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {4, 5, 8}, {5, 6, 8}, {6, 7, 8}, {7, 4, 8}};
+    const Depth<cageform::TriangleMesh<double>> dented(cageform::TriangleMesh<double>(corners, faces));
+    const Vec<double, 3> beyond{-0.25, -0.25, -0.25};
+    CHECK(dented(beyond) > 0.01);
+    CHECK(dented(beyond) == Approx(dented(beyond + Vec<double, 3>{1e-8, -2e-8, 1e-8})).epsilon(1e-6));
     const Depth<cageform::Box<double>> box(cageform::Box<double>({0, 0, 0}, {2, 2, 2}));
     CHECK(std::fabs(box(Vec<double, 3>{1, 1, 1}) - 1.0 / 6) <= 1e-15);
     CHECK(std::fabs(box(Vec<double, 3>{1e-6, 1, 1}) / 1e-6 - 1) <= 1e-5);
@@ -180,6 +189,8 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
     const BlendedCoordinates<Mean> nothing{std::vector<Mean>{}};
     const Points2<double> points{{0.5, 0.5}};
     CHECK(cageform::bind(nothing, points).report.status == Status::too_few_vertices);
+    REQUIRE(nothing.cage_report().faults.size() == 1);
+    CHECK(nothing.cage_report().faults[0].a == 0);
     const Polygon<double> good(rectangle<double>(0, 0, 1, 1)),
         bad(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});
     const BlendedCoordinates<Mean> coordinates({Mean(good), Mean(bad)});
@@ -204,8 +215,18 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
     using Harmonic = HarmonicCoordinates<double, 2>;
     CHECK(cageform::bind(pair_of_cages<Harmonic>(), points, {}, until_half).report.status ==
           Status::cancelled);
+    std::vector<double> told;
+    cageform::Running to_the_end;
+    to_the_end.progress = [&](double done) {
+        told.push_back(done);
+        return true;
+    };
     BlendedCoordinates<Harmonic> solved = pair_of_cages<Harmonic>();
-    CHECK(solved.solve().status == Status::ok);
+    CHECK(solved.solve(to_the_end).status == Status::ok);
+    REQUIRE(told.size() > 2);
+    CHECK(std::is_sorted(told.begin(), told.end()));
+    CHECK((told.front() < 0.5 && told.back() <= 1));
+    CHECK(std::any_of(told.begin(), told.end(), [](double done) { return done > 0 && done < 0.5; }));
     CHECK(cageform::bind(solved, points).report.solver.solves == 8);
 }
 

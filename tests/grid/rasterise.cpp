@@ -370,6 +370,18 @@ TEMPLATE_TEST_CASE("rasterise: a cage smaller than a cell", "[grid][rasterise]",
     CHECK(domain.crowded_cells == 0); // in a triangle each edge meets both others
 }
 
+TEMPLATE_TEST_CASE("rasterise: a corner of the lattice that the cage cuts off", "[grid][rasterise]",
+                   CAGEFORM_SCALARS) {
+    const auto at = [](double x, double y) { return Vec<TestType, 2>{TestType(x), TestType(y)}; };
+    for (const double side : {0.0, 5.0}) { // the first cell, the last cell
+        const auto place = [&](double x, double y) { return side > 0 ? at(side - x, side - y) : at(x, y); };
+        const Polygon<TestType> cage(Points2<TestType>{place(0.5, 1.875), place(1.875, 0.5), place(4, 4)});
+        const auto domain = rasterise(cage, unit_lattice<TestType>(5, 5));
+        check_domain(cage, domain);
+        CHECK(domain.tags[side > 0 ? 24 : 0] == CellTag::exterior);
+    }
+}
+
 // ---- in space ----------------------------------------------------------------------------------
 
 namespace {
