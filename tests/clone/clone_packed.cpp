@@ -26,6 +26,16 @@ std::vector<Vec<T, D>> cloned(const PackedBindingView<T, D>& binding, const std:
 
 } // namespace
 
+TEST_CASE("a view in order clones points in the order of the binding", "[clone][packed]") {
+    const auto packed = cageform::pack(random_binding<float, 3>(100, 9, 1), {.largest = 4});
+    REQUIRE(packed.report.status == Status::ok);
+    const auto view = packed.binding.view();
+    REQUIRE(view.order != nullptr);
+    const auto pose = random_points<float, 3>(9, 10, 2);
+    const auto as_bound = cloned(view, pose), in_order = cloned(view.in_order(), pose);
+    for (std::size_t n = 0; n < as_bound.size(); ++n) CHECK(in_order[n] == as_bound[view.order[n]]);
+}
+
 TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whatever its format and size",
                    "[clone][packed][oracle]", CAGEFORM_SCALARS) {
     // Handles fit into a table up to 512, dense rows come in groups of 256, blocks are of 8 or 16 points.

@@ -661,6 +661,20 @@ TEST_CASE("adaptive weights take the data of every kind of face", "[coordinates]
           3e-2); // next to kinks of its data
 }
 
+TEST_CASE("the cells of an adaptive grid can be as small as a quarter of any bone's radius",
+          "[coordinates][harmonic][tree][complex]") {
+    const auto box = divided_box({2, 2, 2}, 1).mesh<double>();
+    const double longest = 2;
+    for (const double radius : {0.3, 1e-3, 1e-4, 3e-5, 1e-5}) {
+        CAPTURE(radius);
+        CellComplex<double, 3> cage(box);
+        (void)cage.add_bone(Vec<double, 3>{0.7, 1, 1}, Vec<double, 3>{1.3, 1, 1}, radius);
+        const unsigned depth = cageform::detail::TreeCage<CellComplex<double, 3>>::depth_of(cage, 1e-12);
+        CHECK(std::ldexp(longest, -int(depth)) <= 0.25 * radius);
+        CHECK((depth == 16 || std::ldexp(longest, 1 - int(depth)) > 0.25 * radius));
+    }
+}
+
 TEST_CASE("adaptive weights go up to bones, as those of a fine uniform grid",
           "[coordinates][harmonic][tree][complex]") {
     const auto compare = [](const auto& cage, const auto& points, std::size_t resolution, double most) {

@@ -54,7 +54,8 @@ template <class T, std::size_t D>
 void check_weights(const SibsonCoordinates<T, D>& sibson, const Points<D>& sites,
                    const nlohmann::json& entry) {
     const auto p = read_points<D>(nlohmann::json::array({entry["point"]}));
-    const double close = double(coincidence_tolerance(bounds_of(std::span<const Vec<double, D>>(sites)))) *
+    const double close = double(coincidence_tolerance(
+                             bounds_of(std::span<const Vec<double, D>>(sites.data(), sites.size())))) *
                          double(epsilon<T> / epsilon<double>);
     for (const auto& site : sites) {
         if (site != p[0] && distance(site, p[0]) <= close) return;
@@ -110,7 +111,8 @@ void check_parts(const std::string& file) {
         const auto sites = read_points<D>(set["sites"]);
         const std::size_t n = sites.size();
         const detail::NaturalNeighbours<D> neighbours(
-            sites, coincidence_tolerance(bounds_of(std::span<const Vec<double, D>>(sites))));
+            sites,
+            coincidence_tolerance(bounds_of(std::span<const Vec<double, D>>(sites.data(), sites.size()))));
         const detail::SiteGradientRows<D> rows(neighbours, SiteGradients::facets,
                                                set["on_hull"].get<std::vector<bool>>());
         for (const auto& expected : set["gradient_rows"]) {
@@ -132,7 +134,8 @@ void check_parts(const std::string& file) {
             const auto row =
                 evaluate_all(tips, read_points<D>(nlohmann::json::array({entry["point"]}))).rows[0];
             const auto expected = read_points<D>(entry["gradient_weights"]);
-            const double size = bounds_of(std::span<const Vec<double, D>>(sites)).diagonal();
+            const double size =
+                bounds_of(std::span<const Vec<double, D>>(sites.data(), sites.size())).diagonal();
             for (std::size_t i = 0; i < n; ++i) {
                 double value = row[i];
                 for (std::size_t k = 0; k < D; ++k) {
@@ -290,7 +293,8 @@ void check_support(std::uint64_t seed) {
     const auto sites = random_sites<D>(4 * seed); // in general position: balls hold points or not, clearly
     const auto points = mixtures(sites, seed);
     const auto rows = rows_of(SibsonCoordinates<double, D>(sites), points);
-    const detail::SiteLattice<D> lattice(bounds_of(std::span<const Vec<double, D>>(sites)));
+    const detail::SiteLattice<D> lattice(
+        bounds_of(std::span<const Vec<double, D>>(sites.data(), sites.size())));
     std::vector<detail::Place<D>> places;
     for (const auto& s : sites) places.push_back(lattice.place(s));
     const Delaunay<D> delaunay(places);
@@ -753,6 +757,33 @@ TEST_CASE("gradients of sibson are one on both sides of a Delaunay circle", "[co
         for (std::size_t i = 0; i < sites.size(); ++i)
             CHECK(distance(found.rows[0][i], found.rows[1][i]) <= 1e-7);
     }
+}
+
+TEST_CASE("gradients of sibson at sites and on the hull are those somewhat inside", "[coordinates][sibson]") {
+    const auto check = []<std::size_t D>(const Points<D>& sites, const Points<D>& points) {
+        const SibsonCoordinates<double, D> sibson(sites);
+        const auto found = gradients_of<double, D>(sibson, points);
+        REQUIRE(found.evaluation.status == Status::ok);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CAPTURE(D, i);
+            CHECK(law_error<double, D>(std::span<const Vec<double, D>>(sites.data(), sites.size()), points[i],
+                                       found.rows[i]) <= 1e-6);
+        }
+    };
+    Random random(5);
+    Points<2> plane{{0, 0}, {4, 0}, {4, 3}, {0, 3}};
+    Points<3> space;
+    for (int n = 0; n < 8; ++n) space.push_back({4.0 * (n & 1), 3.0 * (n >> 1 & 1), 2.0 * (n >> 2)});
+    for (int n = 0; n < 8; ++n) {
+        plane.push_back({random.uniform(0.5, 3.5), random.uniform(0.5, 2.5)});
+        space.push_back({random.uniform(0.5, 3.5), random.uniform(0.5, 2.5), random.uniform(0.5, 1.5)});
+    }
+    auto in_plane = plane; // every site, and places between neighbours on the hull
+    in_plane.insert(in_plane.end(), {{1, 0}, {4, 1.5}, {2.5, 3}});
+    auto in_space = space;
+    in_space.insert(in_space.end(), {{1, 0, 0}, {1, 1, 0}, {4, 1.5, 0.5}});
+    check(plane, in_plane);
+    check(space, in_space);
 }
 
 TEST_CASE("degree 3 has the estimated gradient at a site, from every side", "[coordinates][sibson]") {
