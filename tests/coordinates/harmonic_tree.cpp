@@ -668,7 +668,7 @@ TEST_CASE("the cells of an adaptive grid can be as small as a quarter of any bon
     for (const double radius : {0.3, 1e-3, 1e-4, 3e-5, 1e-5}) {
         CAPTURE(radius);
         CellComplex<double, 3> cage(box);
-        (void)cage.add_bone(Vec<double, 3>{0.7, 1, 1}, Vec<double, 3>{1.3, 1, 1}, radius);
+        (void)cage.add_chain(Points3<double>{{0.7, 1, 1}, {1.3, 1, 1}}, radius);
         const unsigned depth = cageform::detail::TreeCage<CellComplex<double, 3>>::depth_of(cage, 1e-12);
         CHECK(std::ldexp(longest, -int(depth)) <= 0.25 * radius);
         CHECK((depth == 16 || std::ldexp(longest, 1 - int(depth)) > 0.25 * radius));
