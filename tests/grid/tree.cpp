@@ -183,6 +183,8 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
             typename CellTree<D>::Index doubled{};
             for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.place[k]));
             CHECK(tree.cells().leaf_at(doubled).size <= std::max(1.0, sample.size));
+            if (sample.reason == cageform::SizeReason::thickness)
+                CHECK(locate(cage, boundary.in_cage(sample.place), 0.0) != PointState::outside);
         }
     } else {
         FinestCells<3> finest;
