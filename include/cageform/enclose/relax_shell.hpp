@@ -57,8 +57,8 @@ private:
     double regular_;
 };
 
-/// Where a vertex may go: along the unit normal both ways, across, towards the middle of its neighbours, which is
-/// `to_middle` away, and slanted inwards. Of length 1, the last at most.
+/// Where a vertex may go: along the unit normal both ways, across, towards the middle of its neighbours, which
+/// is `to_middle` away, and slanted inwards. Steps are of about length 1.
 inline std::array<Vec<double, 3>, 10> step_directions(const Vec<double, 3>& normal,
                                                       const Vec<double, 3>& to_middle) noexcept {
     using Point = Vec<double, 3>;
