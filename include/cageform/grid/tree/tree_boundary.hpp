@@ -285,7 +285,7 @@ public:
     /// Finds the first among all facets, not rounded.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
-        boxes_->for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
+        boxes().for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
             const auto normal = normal_of(exact_[n]);
             meet(exact_[n], dot(normal, normals_[n]) < 0 ? -1.0 * normal : normal, from, along, met);
             return met.part;
