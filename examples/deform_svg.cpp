@@ -17,31 +17,18 @@
 #include "cage_file.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
+#include "figure_motion.hpp"
 #include "guard.hpp"
 #include "pose_choice.hpp"
-#include "progress_bar.hpp"
 #include "render.hpp"
 #include "svg_document.hpp"
 #include "svg_text.hpp"
 
-#include <cageform/clone/clone.hpp>
-#include <cageform/clone/clone_rational.hpp>
-
-#include <functional>
 #include <iostream>
 
 namespace {
 
 using namespace cageform_examples;
-
-/// What moves the figure: coordinates, and the pose of their handles.
-struct Control {
-    std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
-    std::vector<Point2> pose;
-    std::vector<double> weights;  // of sites, or none
-    std::vector<CageBlock> drawn; // the pose
-    std::function<std::string(const cageform::BindReport&)> describe_faults;
-};
 
 /// All that bounds what a document draws.
 SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
@@ -63,32 +50,47 @@ struct CagePaths {
     PoseChoice operations;
 };
 
+/// What moves the figure, and the pose to be drawn.
+struct Control {
+    FigureControl control;
+    std::vector<CageBlock> drawn;
+    std::string fault; // of the pose, to warn of
+};
+
+SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& paths,
+                              const SiteChoice& of_sites, const SvgDocument& figure) {
+    if (paths.pose.empty()) return SvgError{"--pose is required, of points"};
+    auto posed =
+        load_posed_sites<2>(paths.cage, paths.pose, of_sites, [&] { return control_points(figure); });
+    if (!posed) return posed.error();
+    auto& [sites, pose, weights] = *posed;
+    Control result;
+    for (const Point2& p : pose.points) result.drawn.push_back({CageBlock::Kind::point, 0, {p}});
+    FigureControl& control = result.control;
+    control.coordinates = make_coordinates<double>(choice, sites);
+    control.name = paths.cage;
+    control.pose_name = paths.pose;
+    control.poses = {std::move(pose.points)};
+    control.weights = std::move(weights);
+    control.weights_name = of_sites.weights;
+    control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
+        return describe_site_faults(known, report);
+    };
+    return result;
+}
+
 SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
                                 const SiteChoice& of_sites, const SvgDocument& figure) {
-    const auto& [cage_path, pose_path, operations] = paths;
-    if (choice.takes_sites()) {
-        if (pose_path.empty()) return SvgError{"--pose is required, of points"};
-        auto posed =
-            load_posed_sites<2>(cage_path, pose_path, of_sites, [&] { return control_points(figure); });
-        if (!posed) return posed.error();
-        auto& [sites, pose, weights] = *posed;
-        std::vector<CageBlock> drawn;
-        for (const Point2& p : pose.points) drawn.push_back({CageBlock::Kind::point, 0, {p}});
-        return Control{make_coordinates<double>(choice, sites), std::move(pose.points), std::move(weights),
-                       std::move(drawn), [known = std::move(sites)](const cageform::BindReport& report) {
-                           return describe_site_faults(known, report);
-                       }};
-    }
-    const auto cage = load_or_make_cage(cage_path, figure);
+    if (choice.takes_sites()) return read_sites(choice, paths, of_sites, figure);
+    const auto cage = load_or_make_cage(paths.cage, figure);
     if (!cage) return cage.error();
-    auto pose = read_pose(pose_path, operations, *cage, CageWord::of(cage_path).is_auto);
+    auto pose = read_pose(paths.pose, paths.operations, *cage, CageWord::of(paths.cage).is_auto);
     if (!pose) return pose.error();
-    return Control{
-        make_coordinates<double>(choice, *cage),
-        std::move(pose->vertices),
-        {},
-        std::move(pose->blocks),
-        [name = cage->name](const cageform::BindReport& report) { return describe_faults(name, report); }};
+    Control result{control_of(choice, *cage), std::move(pose->blocks), {}};
+    result.control.pose_name = paths.pose.empty() ? "the pose" : paths.pose;
+    result.control.poses = {std::move(pose->vertices)};
+    result.fault = pose_faults(result.control, *cage);
+    return result;
 }
 
 /// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the document.
@@ -174,79 +176,30 @@ int run_program(int argc, char** argv) {
     if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
 
     if (pose_path.empty() && operations.operations.empty()) options.fit = true;
-    auto document = load_svg(figure_path);
+    auto document = load_figure(figure_path);
     if (!document) return fail(to_string(document.error()));
-    const auto control = read_control(choice, paths, of_sites, *document);
-    if (!control) return fail(to_string(control.error()));
-
     if (text_as_paths) {
         std::vector<std::string> warnings;
         const auto count = text_to_paths(*document, warnings);
         if (!count) return fail(to_string(count.error()));
         for (const std::string& text : warnings) warn(text);
     }
+    const auto posed = read_control(choice, paths, of_sites, *document);
+    if (!posed) return fail(to_string(posed.error()));
+    const std::string png_path = png ? png_of(out_path).string() : "";
+    if (const auto fault = fault_of_outputs({out_path, png_path})) return fail(*fault);
+
     const std::string rest = show_rest ? to_text(*document) : "";
     const auto rest_view = view_box(*document);
-    const auto& coordinates = control->coordinates;
-    cageform::BindReport last;
-    if (!coordinates->closed_form) {
-        // The points come in several batches; the functions are solved once.
-        ProgressBar bar("solving");
-        const auto evaluation = coordinates->solve({.progress = bar.callback()});
-        last.status = evaluation.status;
-        last.cage = coordinates->cage_report;
-        last.solver = evaluation.solver;
-        if (evaluation.status != cageform::Status::ok) return fail(control->describe_faults(last));
-        warn_of_coarse_grid(cage_path, last.solver);
-    }
-    cageform::BindOptions bind_options;
-    bind_options.outside = outside.policy(*coordinates);
-    const std::string pose_name = !pose_path.empty()                ? pose_path
-                                  : CageWord::of(cage_path).is_auto ? figure_path
-                                                                    : cage_path;
-    std::string failure, warning, pose_warning;
-    const Deformer deformer = [&](std::span<const Point2> in, std::span<Point2> moved) {
-        const auto [binding, bound] = coordinates->bind(in, bind_options);
-        if (bound.status != cageform::Status::ok) {
-            failure = control->describe_faults(bound);
-            return false;
-        }
-        auto verdict = outside.judge(*coordinates, bound, in, figure_path, cage_path);
-        failure = std::move(verdict.fault);
-        if (!failure.empty()) return false;
-        if (warning.empty()) warning = std::move(verdict.warning); // of all points, not of those between them
-        const auto pose = pose_of_handles(binding, control->pose, pose_name, pose_warning);
-        if (!pose) {
-            failure = to_string(pose.error());
-            return false;
-        }
-        const auto& weights = control->weights;
-        const auto status = weights.empty()
-                                ? cageform::clone(binding, *pose, moved)
-                                : cageform::clone_rational(binding, *pose, std::span(weights), moved);
-        if (status != cageform::Status::ok)
-            failure = (weights.empty() ? pose_name : of_sites.weights) + ": " + cageform::to_string(status);
-        if (last.points == 0) last = bound;
-        return status == cageform::Status::ok;
-    };
-    const auto deformed = deform(*document, deformer, options);
-    if (!deformed) return fail(failure.empty() ? to_string(deformed.error()) : failure);
-    for (const std::string& each : {warning, pose_warning}) {
-        if (!each.empty()) warn(each);
-    }
-    print_warnings(deformed->warnings);
-    if (deformed->cut_off > 0) {
-        warn(std::to_string(deformed->cut_off) + (deformed->cut_off == 1 ? " shape is" : " shapes are") +
-             " cut off at the edge of the picture; --fit grows it");
-    }
-    if (deformed->coarse > 0) {
-        warn(std::to_string(deformed->coarse) + " of " + std::to_string(deformed->segments) +
-             " segments miss the --flatness asked for");
-    }
+    outside.cage_is_made = CageWord::of(cage_path).is_auto;
+    auto moved = move_figure(*document, figure_path, posed->control, outside, options);
+    if (!moved) return fail(to_string(moved.error()));
+    if (!posed->fault.empty()) warn(posed->fault);
+    document = std::move(moved->drawing.document);
     if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
     if (show_cage) {
         const auto view = view_box(*document);
-        draw_cage(*document, control->drawn, view ? std::hypot(view->width, view->height) : 100, "#c2377a");
+        draw_cage(*document, posed->drawn, view ? std::hypot(view->width, view->height) : 100, "#c2377a");
     }
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(out_path);
@@ -254,10 +207,11 @@ int run_program(int argc, char** argv) {
     if (png) add_png(outputs, svg, png_width);
     if (const auto error = outputs.commit()) return fail(*error);
     if (report) {
-        std::cout << "shapes: " << deformed->shapes << ", segments written: " << deformed->segments
-                  << ", points bound: " << deformed->points << " in " << deformed->batches
+        const DeformReport& deformed = moved->drawing.report;
+        std::cout << "shapes: " << deformed.shapes << ", segments written: " << deformed.segments
+                  << ", points bound: " << deformed.points << " in " << deformed.batches
                   << " batches\nfirst batch:\n"
-                  << describe(last);
+                  << describe(moved->bound);
     }
     return 0;
 }

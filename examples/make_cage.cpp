@@ -16,6 +16,7 @@
 #include "mesh_picture.hpp"
 #include "progress_bar.hpp"
 #include "render.hpp"
+#include "svg_text.hpp"
 
 #include <cmath>
 #include <iostream>
@@ -67,7 +68,7 @@ ViewBox view_about(const CageFile& cage, const ViewBox& view) {
 
 int cage_in_plane(const Arguments& given) {
     if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
-    const auto figure = load_svg(given.figure);
+    const auto figure = load_figure(given.figure);
     if (!figure) return fail(to_string(figure.error()));
     const auto view = view_box(*figure);
     if (!view) return fail(to_string(view.error()));

@@ -175,6 +175,8 @@ OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordina
                 {}};
     }
     if (!some || word != "auto") return {};
+    if (2 * report.outside.size() > report.points && !coordinates.takes_sites && !cage_is_made)
+        return {found + ": is it the cage of another figure? --outside says what to do with them", {}};
     const auto done = policy(coordinates);
     return {
         {},

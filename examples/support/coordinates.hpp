@@ -176,8 +176,9 @@ SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding
 struct OutsideChoice {
     std::string word =
         "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
-    bool with_sites = false; // whether the program takes control points without a cage
-    bool can_extend = true;  // whether the program can do with weights of points outside
+    bool with_sites = false;   // whether the program takes control points without a cage
+    bool can_extend = true;    // whether the program can do with weights of points outside
+    bool cage_is_made = false; // for the figure: it holds what is seen of it
 
     void add_option(CommandLine& line);
 
@@ -186,7 +187,9 @@ struct OutsideChoice {
 
     /// What there is to say after a bind.
     struct Verdict {
-        std::string fault;   ///< why the program has to end; empty where it has not
+        std::string
+            fault; ///< why the program has to end; empty where it has not. So it has where most points are
+                   ///< outside and nothing was said about them: they may be of another figure
         std::string warning; ///< of points outside that nothing was said about; empty where there are none
     };
     ///   figure, cage   names of their files

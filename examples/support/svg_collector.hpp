@@ -97,6 +97,12 @@ private:
     static void straighten(Path& path);
     bool add(pugi::xml_node node, Path path, const Place& place, bool is_box = false);
     bool add_fixed(pugi::xml_node node, const std::string& kind, const Place& place);
+    /// The paths that a text's letters stand on, which are shapes: where one is not drawn in the text's own user space,
+    /// the text gets a copy.
+    bool add_text_paths(pugi::xml_node text, const Place& place);
+    bool add_text_path(pugi::xml_node text_path, const Place& place);
+    /// Whether an element is drawn where it stands, under this transform.
+    bool is_drawn_under(pugi::xml_node node, const Affine2& to_root) const;
     Box image_box(pugi::xml_node node, const Place& place);
     /// Where a text is about: letters are taken to be 0.6 em wide.
     Box text_box(pugi::xml_node text, const Place& place);

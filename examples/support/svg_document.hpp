@@ -27,6 +27,7 @@
 
 #include <pugixml.hpp>
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -43,6 +44,8 @@ struct SvgDocument {
     pugi::xml_document xml;
     std::string name;                                   // for messages: the file's name
     std::unordered_map<std::size_t, std::size_t> lines; // xml_node::hash_value() -> line in the file
+    /// The boxes of texts in their own user space, as far as they were measured: xml_node::hash_value() -> x0, y0, x1, y1
+    std::unordered_map<std::size_t, std::array<double, 4>> text_boxes;
 };
 
 struct ViewBox {
@@ -63,12 +66,20 @@ struct SvgShape {
 /// a pure function of the point: curves meet because the same point always goes to the same place.
 using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
 
+/// As Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
+///
+///   layers   of each point, as DeformOptions::layers has them
+using FrameDeformer = std::function<bool(std::span<const Point2> in, std::span<const std::size_t> layers,
+                                         std::span<Point2> out)>;
+
 struct DeformOptions {
     double tolerance =
         0; // user units of the root; 0 takes 2e-5 of the viewBox's diagonal, which is invisible
     int max_halvings = 8; // of a piece that misses the tolerance
     bool fit = false;     // grow the viewBox, and the size, to what has moved
     int decimals = -1;    // written; negative takes what makes rounding a twentieth of the tolerance
+    /// Identifiers of elements: what is drawn in the first is layer 1, and so on; all else is layer 0.
+    std::vector<std::string> layers = {};
 };
 
 struct DeformReport {
@@ -137,6 +148,7 @@ struct DrawnShape {
     int level = 0;                // of clip paths and masks that it stands in; 0 is the picture itself
     bool clips = false;           // stands in a clip path
     bool is_box = false;          // text or an image
+    bool is_extent = false; // about where letters stand on a path: says how far they reach, is not written
 };
 
 /// What is drawn, in document order. The document is changed on the way, without changing what it shows: every `use`
@@ -176,6 +188,39 @@ SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///   fails      on malformed attributes of a drawn shape, cyclic uses, points out of range, or when the
 ///              deformer returns false
 SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
+                               const DeformOptions& options = {});
+
+/// A document whose attributes change from frame to frame. It shows the first.
+struct AnimatedSvg {
+    /// An attribute in every frame: as text, or as a transform.
+    struct Track {
+        pugi::xml_node node;
+        std::string attribute;
+        std::vector<std::string> texts;
+        std::vector<Affine2> maps;
+    };
+
+    SvgDocument document;
+    std::vector<Track> tracks;
+    DeformReport report;
+
+    /// Writes the attributes of a frame.
+    void show(std::size_t frame);
+
+    /// Adds the animations that play all frames, equally far apart, again and again: the first comes after the last.
+    void play(double seconds);
+
+    /// Adds one animation, without end, to an element.
+    ///   type     of a transform: translate, or rotate, skewX or scale, which then follow those before; else empty
+    ///   values   with semicolons between them
+    static void append_animation(pugi::xml_node node, const std::string& attribute, const std::string& type,
+                                 double seconds, const std::string& values);
+};
+
+/// As deform(), in several frames. The pieces of a path are the same in all; the picture fits all frames.
+///
+///   frames   at least one
+SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
                                const DeformOptions& options = {});
 
 } // namespace cageform_examples

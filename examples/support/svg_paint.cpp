@@ -28,6 +28,13 @@ std::string reference_name(pugi::xml_node root) {
     return attribute_text(root, "xmlns:xlink") == space ? "xlink:href" : "href";
 }
 
+/// For a key: transforms in all frames.
+std::string written(const std::vector<Affine2>& transforms) {
+    std::string text;
+    for (const Affine2& transform : transforms) text += ' ' + write_transform(transform);
+    return text;
+}
+
 double fraction_or_number(const std::string& text, double otherwise) {
     const auto value = parse_length(text, 1);
     return value ? *value : otherwise;
@@ -42,8 +49,11 @@ std::string PaintFollower::chain_text(const Server& server, const char* name) co
     return {};
 }
 
-void PaintFollower::follow(const DrawnShape& shape, const Affine2& best, const Box& rest, const Box& moved) {
-    const Affine2 local = compose(compose(shape.from_root, best), shape.to_root);
+void PaintFollower::follow(const DrawnShape& shape, const std::vector<Affine2>& best, const Box& rest,
+                           const std::vector<Box>& moved) {
+    std::vector<Affine2> local;
+    local.reserve(best.size());
+    for (const Affine2& map : best) local.push_back(compose(compose(shape.from_root, map), shape.to_root));
     follow(shape, "fill", shape.fill, local, rest, moved);
     follow(shape, "stroke", shape.stroke, local, rest, moved);
 }
@@ -76,51 +86,44 @@ std::optional<PaintServer> PaintFollower::find(const std::string& value) {
 }
 
 void PaintFollower::follow(const DrawnShape& shape, const char* property, const std::string& value,
-                           const Affine2& local, const Box& rest, const Box& moved) {
+                           const std::vector<Affine2>& local, const Box& rest,
+                           const std::vector<Box>& moved) {
     const auto server = find(value);
     if (!server) return;
-    if (rest.empty() || moved.empty()) return;
+    if (rest.empty() || moved.front().empty()) return;
 
     // Where the paint goes by itself: nowhere, or with the box.
     const auto from_rest = inverse(from_unit_square(rest));
     if (server->of_box && !from_rest) return;
-    const Affine2 by_itself = server->of_box ? compose(from_unit_square(moved), *from_rest) : Affine2();
     double missed = 0;
-    for (const Point2& p : rest.corners()) {
-        const Point2 a = apply(shape.to_root, apply(local, p));
-        const Point2 b = apply(shape.to_root, apply(by_itself, p));
-        missed = std::max(missed, std::hypot(a.x - b.x, a.y - b.y));
+    for (std::size_t f = 0; f < local.size(); ++f) {
+        const Affine2 by_itself =
+            server->of_box ? compose(from_unit_square(moved[f]), *from_rest) : Affine2();
+        for (const Point2& p : rest.corners()) {
+            const Point2 a = apply(shape.to_root, apply(local[f], p));
+            const Point2 b = apply(shape.to_root, apply(by_itself, p));
+            missed = std::max(missed, std::hypot(a.x - b.x, a.y - b.y));
+        }
     }
     if (!(missed > tolerance_)) return;
 
-    std::string fresh;
-    if (server->is_pattern) {
-        fresh = copy_of_pattern(*server, compose(local, server->transform), rest);
-    } else if (const auto transform = moved_gradient(*server, local, rest, moved)) {
-        fresh = copy_of_gradient(*server, *transform);
+    std::vector<Affine2> transforms;
+    for (std::size_t f = 0; f < local.size(); ++f) {
+        Affine2 map = local[f];
+        if (!server->is_pattern && server->of_box) {
+            const auto from_moved = inverse(from_unit_square(moved[f])); // nothing without an area
+            if (!from_moved && transforms.empty()) return;
+            if (!from_moved) {
+                transforms.push_back(transforms.back());
+                continue;
+            }
+            map = compose(*from_moved, compose(map, from_unit_square(rest)));
+        }
+        transforms.push_back(compose(map, server->transform));
     }
+    const std::string fresh = server->is_pattern ? copy_of_pattern(*server, std::move(transforms), rest)
+                                                 : copy_of_gradient(*server, std::move(transforms));
     if (!fresh.empty()) styles_.set(shape.node, property, with_referenced_id(value, fresh));
-}
-
-std::optional<Affine2> moved_gradient(const PaintServer& gradient, const Affine2& local, const Box& rest,
-                                      const Box& moved) {
-    if (!gradient.of_box) return compose(local, gradient.transform);
-    const auto from_moved = inverse(from_unit_square(moved)); // nothing without an area
-    if (!from_moved) return std::nullopt;
-    return compose(compose(*from_moved, compose(local, from_unit_square(rest))), gradient.transform);
-}
-
-std::optional<PaintServer> PaintFollower::own_gradient(const DrawnShape& shape, const char* property) {
-    const std::string& value = property == std::string_view("fill") ? shape.fill : shape.stroke;
-    auto server = find(value);
-    if (server && server->is_pattern) {
-        warnings.push_back(label(document_, shape.node) + ": its pattern stays where it is");
-    }
-    if (!server || server->is_pattern) return std::nullopt;
-    const pugi::xml_node copy = add_copy(server->chain.front());
-    styles_.set(shape.node, property, with_referenced_id(value, attribute_text(copy, "id")));
-    server->chain.insert(server->chain.begin(), copy);
-    return server;
 }
 
 pugi::xml_node PaintFollower::add_copy(pugi::xml_node original) {
@@ -131,24 +134,22 @@ pugi::xml_node PaintFollower::add_copy(pugi::xml_node original) {
     return copy;
 }
 
-std::string PaintFollower::copy_of_gradient(const Server& gradient, const Affine2& transform) {
+std::string PaintFollower::copy_of_gradient(const Server& gradient, std::vector<Affine2> transforms) {
     pugi::xml_node original = gradient.chain.front();
-    const std::string id = attribute_text(original, "id");
-    const std::string map = write_transform(transform);
-    std::string& copy_id = copies_[id + ' ' + map];
+    std::string& copy_id = copies_[attribute_text(original, "id") + written(transforms)];
     if (!copy_id.empty()) return copy_id;
-    pugi::xml_node copy = add_copy(original);
+    const pugi::xml_node copy = add_copy(original);
     copy_id = attribute_text(copy, "id");
-    set_attribute(copy, "gradientTransform", map);
+    tracks_.push_back({copy, "gradientTransform", {}, std::move(transforms)});
     return copy_id;
 }
 
 /// A pattern's tile in units of the box is written in user space, where the transform applies.
-std::string PaintFollower::copy_of_pattern(const Server& pattern, const Affine2& transform, const Box& rest) {
+std::string PaintFollower::copy_of_pattern(const Server& pattern, std::vector<Affine2> transforms,
+                                           const Box& rest) {
     pugi::xml_node original = pattern.chain.front();
     const std::string id = attribute_text(original, "id");
-    const std::string map = write_transform(transform);
-    std::string key = id + ' ' + map;
+    std::string key = id + written(transforms);
     if (pattern.of_box) key += ' ' + write_transform(from_unit_square(rest));
     std::string& copy_id = copies_[key];
     if (!copy_id.empty()) return copy_id;
@@ -160,7 +161,7 @@ std::string PaintFollower::copy_of_pattern(const Server& pattern, const Affine2&
     pugi::xml_node copy = original.parent().insert_copy_after(original, original);
     for (pugi::xml_node node = copy; node; node = next_node(node, copy)) node.remove_attribute("id");
     copy_id = ids_.name(copy, id);
-    set_attribute(copy, "patternTransform", map);
+    tracks_.push_back({copy, "patternTransform", {}, std::move(transforms)});
 
     const auto number = [&](const char* name) { return fraction_or_number(chain_text(pattern, name), 0); };
     const double width = number("width");
@@ -205,8 +206,9 @@ using Regions = std::map<std::size_t, Region>; // by the hash of their element
 /// What refers to a mask or a filter, in its own user space.
 struct Subject {
     const Reference& reference;
-    Box before, after;
-    std::optional<Affine2> map; // the best for its shapes
+    const Box& before;
+    const std::vector<Box>& after;            // in every frame
+    std::vector<std::optional<Affine2>> maps; // the best for its shapes
 };
 
 Box in_user_units(const Region& region, const Box& box) {
@@ -251,25 +253,31 @@ Region region_of(pugi::xml_node node, const Viewport& viewport) {
 void grow(const SvgDocument& document, Region& region, const Subject& subject,
           std::vector<std::string>& warnings) {
     const Box& before = subject.before;
-    const Box& after = subject.after;
     const Box old = in_user_units(region, before);
     const double rounding = 1e-6 * (before.width() + before.height());
-    Box now{after.x0 - std::max(0.0, before.x0 - old.x0), after.y0 - std::max(0.0, before.y0 - old.y0),
-            after.x1 + std::max(0.0, old.x1 - before.x1), after.y1 + std::max(0.0, old.y1 - before.y1)};
-    if (!old.grown(rounding).contains(before)) {
-        if (!subject.map) return;
-        now = {};
-        for (const Point2& p : old.corners()) now.add(apply(*subject.map, p));
-        warnings.push_back(label(document, region.node) +
-                           ": cuts off what it is about at a rectangle, which stays one");
-        region.wanted = region.changed ? region.wanted : Box();
+    const bool cuts = !old.grown(rounding).contains(before);
+    const double small = 1e-3 * (region.written.width() + region.written.height());
+    bool warned = false;
+    for (std::size_t f = 0; f < subject.after.size(); ++f) {
+        const Box& after = subject.after[f];
+        Box now{after.x0 - std::max(0.0, before.x0 - old.x0), after.y0 - std::max(0.0, before.y0 - old.y0),
+                after.x1 + std::max(0.0, old.x1 - before.x1), after.y1 + std::max(0.0, old.y1 - before.y1)};
+        if (cuts) {
+            if (!subject.maps[f]) continue;
+            now = {};
+            for (const Point2& p : old.corners()) now.add(apply(*subject.maps[f], p));
+            if (!warned)
+                warnings.push_back(label(document, region.node) +
+                                   ": cuts off what it is about at a rectangle, which stays one");
+            warned = true;
+            region.wanted = region.changed ? region.wanted : Box();
+            region.changed = true;
+        }
+        const Box wanted = in_units_of(region, now, after);
+        if (!region.wanted.empty() && region.wanted.grown(small).contains(wanted)) continue;
+        region.wanted.add(wanted);
         region.changed = true;
     }
-    const Box wanted = in_units_of(region, now, after);
-    const double small = 1e-3 * (region.written.width() + region.written.height());
-    if (!region.wanted.empty() && region.wanted.grown(small).contains(wanted)) return;
-    region.wanted.add(wanted);
-    region.changed = true;
 }
 
 void write(const Region& region) {
@@ -283,17 +291,26 @@ void write(const Region& region) {
 }
 
 /// A light in user space goes where the map takes its place in the plane, and what it points at.
-void move_light(pugi::xml_node light, const Affine2& map) {
+///   maps   of every frame; where there is none, the light stays where it was in the frame before
+void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>& maps,
+                std::vector<AnimatedSvg::Track>& tracks) {
     for (const auto& [x, y] : {std::pair("x", "y"), std::pair("pointsAtX", "pointsAtY")}) {
         if (!light.attribute(x) && !light.attribute(y)) continue;
         const auto to_number = [&](const char* name) {
             const auto number = parse_length(attribute_text(light, name), 0);
             return number ? *number : 0;
         };
-        const Point2 moved = apply(map, {to_number(x), to_number(y)});
-        if (!std::isfinite(moved.x + moved.y)) return;
-        set_attribute(light, x, format_number(moved.x, 6));
-        set_attribute(light, y, format_number(moved.y, 6));
+        const Point2 rest{to_number(x), to_number(y)};
+        Point2 moved = rest;
+        AnimatedSvg::Track along{light, x, {}, {}}, down{light, y, {}, {}};
+        for (const auto& map : maps) {
+            const Point2 there = map ? apply(*map, rest) : moved;
+            if (std::isfinite(there.x + there.y)) moved = there;
+            along.texts.push_back(format_number(moved.x, 6));
+            down.texts.push_back(format_number(moved.y, 6));
+        }
+        tracks.push_back(std::move(along));
+        tracks.push_back(std::move(down));
     }
 }
 
@@ -301,7 +318,8 @@ void move_light(pugi::xml_node light, const Affine2& map) {
 ///   whole    the filter's region in user units, at rest
 ///   shared   other elements refer to the filter too
 void follow_primitives(const SvgDocument& document, const Subject& subject, const Box& whole, bool shared,
-                       Regions& regions, std::vector<std::string>& warnings) {
+                       Regions& regions, std::vector<AnimatedSvg::Track>& tracks,
+                       std::vector<std::string>& warnings) {
     const pugi::xml_node filter = subject.reference.target;
     if (attribute_text(filter, "primitiveUnits") == "objectBoundingBox") return; // they go with the box
     for (const pugi::xml_node primitive : filter.children()) {
@@ -315,10 +333,10 @@ void follow_primitives(const SvgDocument& document, const Subject& subject, cons
         for (const pugi::xml_node light : primitive.children()) {
             const std::string kind = local_name(light);
             if (kind != "fePointLight" && kind != "feSpotLight") continue;
-            if (shared || !subject.map) {
+            if (shared || !subject.maps.front()) {
                 warnings.push_back(label(document, light) + ": stays where it is");
             } else {
-                move_light(light, *subject.map);
+                move_light(light, subject.maps, tracks);
             }
         }
     }
@@ -326,37 +344,34 @@ void follow_primitives(const SvgDocument& document, const Subject& subject, cons
 
 } // namespace
 
-void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<Path>& moved,
-                    const std::vector<Motion>& motions, std::vector<std::string>& warnings) {
+void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& moved,
+                    std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings) {
     std::map<std::size_t, int> users; // by the hash of what they refer to
     for (const Reference& r : rest.references) ++users[r.target.hash_value()];
     Regions regions;
-    for (const Reference& r : rest.references) {
+    for (std::size_t i = 0; i < rest.references.size(); ++i) {
+        const Reference& r = rest.references[i];
         const std::string kind = local_name(r.target);
         if (kind == "clipPath") continue;
-        Subject subject{r, {}, {}, {}};
-        Motion motion;
-        for (std::size_t i = r.first; i < r.end; ++i) {
-            if (rest.shapes[i].level != r.level) continue;
-            subject.before.add(bounds(rest.shapes[i].path, r.from_root));
-            subject.after.add(bounds(moved[i], r.from_root));
-            motion.add(motions[i]);
-        }
+        Subject subject{r, moved[i].before, moved[i].after, {}};
         const Box& before = subject.before;
-        const Box& after = subject.after;
-        if (before.empty() || after.empty() || !motion.moved()) continue;
-        if (const auto best = motion.best_map()) {
-            subject.map = compose(compose(r.from_root, *best), r.to_root);
+        const auto all = [&](const auto& holds) {
+            return holds(before) && std::all_of(subject.after.begin(), subject.after.end(), holds);
+        };
+        if (!all([](const Box& box) { return !box.empty(); }) || !moved[i].moved) continue;
+        for (const auto& best : moved[i].maps) {
+            subject.maps.push_back(best ? std::optional(compose(compose(r.from_root, *best), r.to_root))
+                                        : std::nullopt);
         }
         Region& region =
             regions.try_emplace(r.target.hash_value(), region_of(r.target, r.viewport)).first->second;
-        const bool has_area =
-            before.width() > 0 && before.height() > 0 && after.width() > 0 && after.height() > 0;
+        const bool has_area = all([](const Box& box) { return box.width() > 0 && box.height() > 0; });
         if (region.of_box && !has_area) continue;
         const Box whole = in_user_units(region, before);
         grow(document, region, subject, warnings);
         if (kind == "filter") {
-            follow_primitives(document, subject, whole, users[r.target.hash_value()] > 1, regions, warnings);
+            follow_primitives(document, subject, whole, users[r.target.hash_value()] > 1, regions, tracks,
+                              warnings);
         }
     }
     for (const auto& [hash, region] : regions) write(region);

@@ -23,30 +23,28 @@ struct PaintServer {
     Affine2 transform;  // its own
 };
 
-/// The gradientTransform by which a gradient goes where a map takes its shape.
-///   local         the map in the shape's own user space
-///   rest, moved   the shape's box in that space, before and after; nothing where it needs an area and has none
-std::optional<Affine2> moved_gradient(const PaintServer& gradient, const Affine2& local, const Box& rest,
-                                      const Box& moved);
-
 /// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the best
 /// affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its own. A copy
 /// of a gradient refers to the original, so stops are not repeated.
 class PaintFollower {
 public:
-    PaintFollower(SvgDocument& document, const StyleSheets& styles, IdTable& ids, double tolerance)
+    using Tracks = std::vector<AnimatedSvg::Track>;
+
+    ///   tracks   gets the transforms of the copies in all frames
+    PaintFollower(SvgDocument& document, const StyleSheets& styles, IdTable& ids, double tolerance,
+                  Tracks& tracks)
         : document_(document)
         , styles_(styles)
         , ids_(ids)
-        , tolerance_(tolerance) {}
+        , tolerance_(tolerance)
+        , tracks_(tracks) {}
 
     /// The shape's fill and stroke.
-    ///   rest, moved   the shape's box in its own user space, before and after
-    void follow(const DrawnShape& shape, const Affine2& best, const Box& rest, const Box& moved);
-
-    /// A gradient with an id of its own for an animation of a shape's fill or stroke, which then refers to it;
-    /// nothing where the property has no gradient. Of a pattern there is a warning.
-    std::optional<PaintServer> own_gradient(const DrawnShape& shape, const char* property);
+    ///   best    its best map in every frame
+    ///   rest    the shape's box in its own user space
+    ///   moved   that box in every frame
+    void follow(const DrawnShape& shape, const std::vector<Affine2>& best, const Box& rest,
+                const std::vector<Box>& moved);
 
     std::vector<std::string> warnings;
 
@@ -54,26 +52,35 @@ private:
     using Server = PaintServer;
 
     std::optional<PaintServer> find(const std::string& value);
-    void follow(const DrawnShape& shape, const char* property, const std::string& value, const Affine2& local,
-                const Box& rest, const Box& moved);
-    std::string copy_of_pattern(const Server& pattern, const Affine2& transform, const Box& rest);
+    void follow(const DrawnShape& shape, const char* property, const std::string& value,
+                const std::vector<Affine2>& local, const Box& rest, const std::vector<Box>& moved);
+    std::string copy_of_pattern(const Server& pattern, std::vector<Affine2> transforms, const Box& rest);
     pugi::xml_node add_copy(pugi::xml_node original);
-    std::string copy_of_gradient(const Server& gradient, const Affine2& transform);
+    std::string copy_of_gradient(const Server& gradient, std::vector<Affine2> transforms);
     std::string chain_text(const Server& server, const char* name) const;
 
     SvgDocument& document_;
     const StyleSheets& styles_;
     IdTable& ids_;
-    double tolerance_;                          // in root user space
+    double tolerance_; // in root user space
+    Tracks& tracks_;
     std::map<std::string, std::string> copies_; // by what they are of, and how they were moved
     std::size_t copied_ = 0;                    // nodes
 };
 
-/// Makes the regions of masks and filters large enough for what they are about, moved; so the regions of primitives
-/// in user space. Lights of a filter go where the best map of its only user takes them.
-///   motions   of the shapes before, in their order
-void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<Path>& moved,
-                    const std::vector<Motion>& motions, std::vector<std::string>& warnings);
+/// What a mask or filter of a drawing lies about, in the user space of the element that refers to it.
+struct MovedRegion {
+    Box before;
+    std::vector<Box> after;                   // in every frame
+    std::vector<std::optional<Affine2>> maps; // the best for its shapes, in root user space
+    bool moved = false;
+};
+
+/// Makes the regions of masks and filters large enough for what they are about in all frames; so the regions of
+/// primitives in user space. Lights of a filter go where the best map of its only user takes them.
+///   regions   of the drawing's references
+void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
+                    std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings);
 
 } // namespace detail
 

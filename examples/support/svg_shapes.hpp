@@ -64,10 +64,8 @@ std::string write_transform(const Affine2& map, int digits = 10);
 /// the shape is not drawn because a size is zero.
 SvgResult<Path> shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport);
 
-/// Writes a path, given in root user space, to a shape's element, to a twentieth of the tolerance; false where its
-/// coordinates are out of range in the shape's own space.
-///   decimals   overrules the tolerance where it is not negative
-bool write_moved(const DrawnShape& shape, const Path& moved, double tolerance, int decimals);
+/// The decimals of a path in a shape's own user space that make rounding a twentieth of a tolerance in root user space.
+int decimals_for(const Affine2& to_root, double tolerance);
 
 } // namespace detail
 

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <utility>
 
 namespace cageform_examples {
 
@@ -185,18 +186,76 @@ void replace_text(const DrawnText& text, const std::map<std::size_t, Path>& lett
         if (place && found == letters.end()) part.remove_child(place);
         if (found != letters.end()) {
             if (!place) place = part.append_child((prefix + "path").c_str());
-            DrawnShape shape;
-            shape.node = place;
-            shape.to_root = text.to_root;
-            shape.from_root = text.from_root;
-            (void)write_moved(shape, found->second, tolerance,
-                              -1); // they come from a picture of limited size
+            write_shape(place, write_path_data(transformed(found->second, text.from_root),
+                                               decimals_for(text.to_root, tolerance)));
         }
         for (const char* name : {"x", "y", "dx", "dy", "rotate", "textLength", "lengthAdjust", "xml:space"}) {
             part.remove_attribute(name);
         }
         if (local_name(part) != "a") part.set_name((prefix + 'g').c_str());
     }
+}
+
+/// The texts of a document and their letters, as the renderer draws them.
+struct DrawnTexts {
+    std::vector<DrawnText> texts;         // drawn where they stand
+    std::vector<bool> seen;               // of each: whether it is drawn at all
+    std::map<std::size_t, Path> outlines; // in root user space, by the colours of the elements
+
+    /// The colours of a text that has outlines: first and end, equal where it has none.
+    auto outlines_of(std::size_t n) const {
+        const auto first = outlines.lower_bound(texts[n].first_colour);
+        const auto end =
+            n + 1 < texts.size() ? outlines.lower_bound(texts[n + 1].first_colour) : outlines.end();
+        return std::pair(first, seen[n] ? end : first);
+    }
+};
+
+/// Numbers the texts of a document, in an attribute that stays, and has them drawn. No texts where there are none.
+SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
+    DrawnTexts drawn;
+    for (const pugi::xml_node node : number_texts(document)) drawn.texts.push_back({node, {}, {}, 0});
+    if (drawn.texts.empty()) return drawn;
+    std::vector<std::string> ignored; // the deformation, which walks the same document, gives them again
+
+    SvgDocument probe = copy_of(document); // for the transforms: the walk changes it
+    const StyleSheets styles(root_element(probe.xml));
+    IdTable ids(root_element(probe.xml));
+    const auto drawing = walk(probe, styles, ids, {.boxes = true}, ignored);
+    if (!drawing) return drawing.error();
+    drawn.seen.resize(drawn.texts.size());
+    for (const DrawnShape& shape : drawing->shapes) {
+        const pugi::xml_attribute number = shape.node.attribute(number_attribute);
+        const std::size_t n = number ? number.as_ullong() : drawn.texts.size();
+        if (n >= drawn.texts.size() || drawn.seen[n]) continue;
+        drawn.seen[n] = true;
+        drawn.texts[n].to_root = shape.to_root;
+        drawn.texts[n].from_root = shape.from_root;
+    }
+
+    SvgDocument stripped = copy_of(document);
+    strip_to_texts(stripped, view, drawn.texts);
+    const auto written = outlines(to_text(stripped));
+    if (!written) return SvgError{document.name + ": " + written.error().message};
+    auto picture = parse_svg(*written, "rsvg-convert");
+    if (!picture) return picture.error();
+    const auto size = view_box(*picture);
+    const StyleSheets none(root_element(picture->xml));
+    IdTable its_ids(root_element(picture->xml));
+    const auto outline = walk(*picture, none, its_ids, {.follow_references = false}, ignored);
+    if (!size || !outline) return SvgError{document.name + ": rsvg-convert wrote no outlines"};
+    const Affine2 to_root{
+        3 * view.width / size->width, 0, 0, 3 * view.height / size->height, view.x - view.width,
+        view.y - view.height};
+    for (const DrawnShape& shape : outline->shapes) {
+        const auto colour = number_of(shape.fill);
+        if (!colour) continue;
+        Path path = transformed(shape.path, to_root);
+        Path& all = drawn.outlines[*colour];
+        std::copy_if(path.begin(), path.end(), std::back_inserter(all),
+                     [](const Subpath& subpath) { return !subpath.segments.empty(); });
+    }
+    return drawn;
 }
 
 } // namespace
@@ -208,71 +267,47 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
     const auto view = view_box(document);
     if (!view) return view.error();
     SvgDocument work = copy_of(document);
-    std::vector<std::string> ignored; // the deformation, which walks the same document, gives them again
     if (const auto error = expand_used_texts(work, warnings)) return *error;
     adapt_style_sheets(work, {"text", "tspan"}, warnings);
-    std::vector<DrawnText> texts;
-    for (const pugi::xml_node node : number_texts(work)) texts.push_back({node, {}, {}, 0});
-    if (texts.empty()) return std::size_t{0};
-
-    SvgDocument probe = copy_of(work); // for the transforms: the walk changes it
-    const StyleSheets styles(root_element(probe.xml));
-    IdTable ids(root_element(probe.xml));
-    const auto drawing = walk(probe, styles, ids, {.boxes = true}, ignored);
-    if (!drawing) return drawing.error();
-    std::vector<bool> seen(texts.size());
-    for (const DrawnShape& shape : drawing->shapes) {
-        const pugi::xml_attribute number = shape.node.attribute(number_attribute);
-        const std::size_t n = number ? number.as_ullong() : texts.size();
-        if (n >= texts.size() || seen[n]) continue;
-        seen[n] = true;
-        texts[n].to_root = shape.to_root;
-        texts[n].from_root = shape.from_root;
-    }
-
-    SvgDocument stripped = copy_of(work);
-    strip_to_texts(stripped, *view, texts);
-    const auto drawn = outlines(to_text(stripped));
-    if (!drawn) return SvgError{document.name + ": " + drawn.error().message};
-    auto picture = parse_svg(*drawn, "rsvg-convert");
-    if (!picture) return picture.error();
-    const auto size = view_box(*picture);
-    const StyleSheets none(root_element(picture->xml));
-    IdTable its_ids(root_element(picture->xml));
-    const auto outline = walk(*picture, none, its_ids, {.follow_references = false}, ignored);
-    if (!size || !outline) return SvgError{document.name + ": rsvg-convert wrote no outlines"};
-    const Affine2 to_root{
-        3 * view->width / size->width, 0, 0, 3 * view->height / size->height, view->x - view->width,
-        view->y - view->height};
-    std::map<std::size_t, Path> letters; // by their colours
-    for (const DrawnShape& shape : outline->shapes) {
-        const auto colour = number_of(shape.fill);
-        if (!colour) continue;
-        Path path = transformed(shape.path, to_root);
-        Path& all = letters[*colour];
-        std::copy_if(path.begin(), path.end(), std::back_inserter(all),
-                     [](const Subpath& subpath) { return !subpath.segments.empty(); });
-    }
-
+    auto drawn = draw_texts(work, *view);
+    if (!drawn) return drawn.error();
     const double tolerance = 2e-5 * std::hypot(view->width, view->height);
     std::size_t count = 0;
-    for (std::size_t n = 0; n < texts.size(); ++n) {
-        DrawnText& text = texts[n];
+    for (std::size_t n = 0; n < drawn->texts.size(); ++n) {
+        DrawnText& text = drawn->texts[n];
         text.node.remove_attribute(number_attribute);
-        if (!seen[n]) continue;
-        const std::size_t end = n + 1 < texts.size()                 ? texts[n + 1].first_colour
-                                : letters.rbegin() == letters.rend() ? 0
-                                                                     : letters.rbegin()->first + 1;
-        const auto first = letters.lower_bound(text.first_colour);
-        if (first == letters.end() || first->first >= end) {
+        const auto [first, end] = drawn->outlines_of(n);
+        if (first != end) {
+            replace_text(text, drawn->outlines, tolerance);
+            ++count;
+        } else if (drawn->seen[n]) {
             warnings.push_back(label(work, text.node) + ": rsvg-convert draws no letters of it");
-            continue;
         }
-        replace_text(text, letters, tolerance);
-        ++count;
     }
     if (count > 0) document = std::move(work);
     return count;
+}
+
+void measure_texts(SvgDocument& document) {
+    using namespace detail;
+    const auto view = view_box(document);
+    if (!view) return;
+    const auto drawn = draw_texts(document, *view);
+    for (pugi::xml_node text : number_texts(document)) {
+        const std::size_t n = text.attribute(number_attribute).as_ullong();
+        text.remove_attribute(number_attribute);
+        if (!drawn) continue;
+        Box box;
+        const auto [first, end] = drawn->outlines_of(n);
+        for (auto path = first; path != end; ++path) box.add(bounds(path->second, drawn->texts[n].from_root));
+        if (!box.empty()) document.text_boxes[text.hash_value()] = {box.x0, box.y0, box.x1, box.y1};
+    }
+}
+
+SvgResult<SvgDocument> load_figure(const std::string& path) {
+    auto document = load_svg(path);
+    if (document) measure_texts(*document);
+    return document;
 }
 
 } // namespace cageform_examples

@@ -1,6 +1,6 @@
 #pragma once
 
-// Texts as outlines, so that their letters can be deformed.
+// Texts as outlines, so that their letters can be deformed and measured.
 
 #include "svg_document.hpp"
 
@@ -17,5 +17,12 @@ namespace cageform_examples {
 ///             or of which nothing was drawn stay, the last with a warning
 ///   fails     where rsvg-convert is not installed or cannot read the document, which is then unchanged
 SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings);
+
+/// Finds how far the letters of texts reach, as rsvg-convert draws them: SvgDocument::text_boxes. Texts that are not
+/// measured (copies by <use>, where rsvg-convert is not installed or draws no letters) keep the estimate of walk().
+void measure_texts(SvgDocument& document);
+
+/// load_svg() and measure_texts(): a figure for a program that asks where its texts are.
+SvgResult<SvgDocument> load_figure(const std::string& path);
 
 } // namespace cageform_examples

@@ -86,6 +86,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
     if (kind == "use") return visit_use(node, parent);
     if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
+    if (!is_blank(node.attribute("requiredExtensions").value())) return true; // nobody draws it
 
     // Pages and hidden layers need not lie in the cage. To be read (a cage, say) a shape may be hidden.
     const Values values = styles_.values(node);
@@ -269,9 +270,10 @@ bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, boo
 }
 
 bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, const Place& place) {
-    const Box box = options_.boxes && !place.style.clips
-                        ? (kind == "text" ? text_box(node, place) : image_box(node, place))
-                        : Box();
+    const bool boxes = options_.boxes && !place.style.clips;
+    const auto on_path = [](pugi::xml_node part) { return local_name(part) == "textPath"; };
+    if (boxes && kind == "text" && node.find_node(on_path)) return add_text_paths(node, place);
+    const Box box = boxes ? (kind == "text" ? text_box(node, place) : image_box(node, place)) : Box();
     if (error_) return false;
     if (box.empty() && kind == "text" && is_blank(node.text().get()) && !node.child("tspan")) return true;
     if (box.empty()) {
@@ -289,6 +291,127 @@ bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, con
     return add(node, outline.take(), place, true);
 }
 
+// ---- text on paths ----
+
+bool ShapeCollector::is_drawn_under(pugi::xml_node node, const Affine2& to_root) const {
+    Affine2 map;
+    for (pugi::xml_node up = node; up.type() == pugi::node_element; up = up.parent()) {
+        const std::string kind = local_name(up);
+        if (up == root_element(document_.xml)) {
+            const auto undone = inverse(to_root); // up to the rounding of products in another order
+            const Affine2 m = undone ? compose(*undone, map) : Affine2{0, 0, 0, 0, 0, 0};
+            return std::abs(m.a - 1) + std::abs(m.b) + std::abs(m.c) + std::abs(m.d - 1) < 1e-9 &&
+                   std::hypot(m.e, m.f) < 1e-9 * (std::abs(to_root.e) + std::abs(to_root.f) + 1);
+        }
+        const bool draws = up == node ? is_shape(kind) : is_group(kind) && kind != "svg";
+        const auto own = parse_transform(attribute_text(up, "transform"));
+        if (!draws || !own || text_of(styles_.values(up), "display") == "none") return false;
+        map = compose(*own, map);
+    }
+    return false;
+}
+
+bool ShapeCollector::add_text_paths(pugi::xml_node text, const Place& place) {
+    std::vector<pugi::xml_node> text_paths;
+    for (pugi::xml_node node = text; node; node = next_node(node, text)) {
+        if (local_name(node) == "textPath") text_paths.push_back(node);
+    }
+    return std::all_of(text_paths.begin(), text_paths.end(),
+                       [&](pugi::xml_node each) { return add_text_path(each, place); });
+}
+
+namespace {
+
+/// The part of a path from a length along it to another, as lines.
+Path part_of(const Path& path, double from, double to) {
+    constexpr std::size_t steps = 32; // of a segment
+    PathBuilder part;
+    double along = 0;
+    bool begun = false;
+    for (const Subpath& subpath : path) {
+        Point2 start = subpath.start, last = start;
+        for (const Segment& s : subpath.segments) {
+            for (std::size_t k = 1; k <= steps; ++k) {
+                const Point2 p = place_on(start, s, static_cast<double>(k) / steps);
+                along += std::hypot(p.x - last.x, p.y - last.y);
+                if (along >= from && !begun) part.move_to(last);
+                begun = begun || along >= from;
+                if (begun) part.line_to(p);
+                if (along >= to) return part.take();
+                last = p;
+            }
+            start = s.p3;
+        }
+    }
+    return part.take();
+}
+
+double length_along(const Path& path) {
+    double length = 0;
+    for (const Subpath& subpath : path) {
+        Point2 start = subpath.start, last = start;
+        for (const Segment& s : subpath.segments) {
+            for (std::size_t k = 1; k <= 32; ++k) {
+                const Point2 p = place_on(start, s, static_cast<double>(k) / 32);
+                length += std::hypot(p.x - last.x, p.y - last.y);
+                last = p;
+            }
+            start = s.p3;
+        }
+    }
+    return length;
+}
+
+} // namespace
+
+bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place) {
+    const std::string reference = reference_of(text_path);
+    const pugi::xml_node target =
+        reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
+    if (!target || !is_shape(local_name(target))) return true; // nothing is drawn
+    const auto path = shape_path(document_, target, place.viewport);
+    const auto own = parse_transform(attribute_text(target, "transform"));
+    if (!path) error_ = path.error();
+    if (!own) return fail_in(target, "transform", own.error());
+    if (error_) return false;
+    Place there = place;
+    there.to_root = compose(place.to_root, *own);
+    there.style.fill = there.style.stroke = "none";
+    there.style.marks_ends = there.style.marks_vertices = false;
+    if (!is_drawn_under(target, there.to_root)) {
+        if (!count_copies(target)) return fail(text_path, "the texts of this file expand to too much");
+        pugi::xml_node text = text_path;
+        while (local_name(text) != "text") text = text.parent();
+        pugi::xml_node defs = text.parent().insert_child_before((name_prefix(text) + "defs").c_str(), text);
+        pugi::xml_node copy = defs.append_copy(target);
+        const std::string id = ids_.name(copy, reference.substr(1));
+        for (pugi::xml_attribute attribute : text_path.attributes()) {
+            const std::string_view name = attribute.name();
+            if (name == "href" || name.ends_with(":href")) attribute.set_value(('#' + escaped(id)).c_str());
+        }
+        if (!add(copy, *path, there)) return false;
+    }
+
+    // How far its letters reach: they are taken to be 0.6 em wide and to stand within 0.8 em of the path.
+    const std::string letters = unescaped(trimmed(text_path.text().get()));
+    const double whole = length_along(*path);
+    const double width = 0.6 * place.font_size * static_cast<double>(letters.size());
+    const auto offset = parse_length(attribute_text(text_path, "startOffset"), whole);
+    const double at = offset ? *offset : 0;
+    const double from = place.text_anchor == "end"      ? at - width
+                        : place.text_anchor == "middle" ? at - width / 2
+                                                        : at;
+    there.style.stroke = "currentColor";
+    there.style.stroke_width = 1.6 * place.font_size;
+    Path reach = letters.empty() ? part_of(*path, 0, whole)
+                                 : part_of(*path, std::max(from, 0.0), std::min(from + width, whole));
+    if (reach.empty()) return true;
+    const std::size_t before = drawing.shapes.size();
+    if (!add(text_path, std::move(reach), there)) return false;
+    for (std::size_t i = before; i < drawing.shapes.size(); ++i) drawing.shapes[i].is_extent = true;
+    return true;
+}
+
 Box ShapeCollector::image_box(pugi::xml_node node, const Place& place) {
     const double x = length(node, "x", place.viewport.width, 0);
     const double y = length(node, "y", place.viewport.height, 0);
@@ -298,6 +421,11 @@ Box ShapeCollector::image_box(pugi::xml_node node, const Place& place) {
 }
 
 Box ShapeCollector::text_box(pugi::xml_node text, const Place& place) {
+    const auto measured = document_.text_boxes.find(text.hash_value());
+    if (measured != document_.text_boxes.end()) {
+        const auto& [x0, y0, x1, y1] = measured->second;
+        return {x0, y0, x1, y1};
+    }
     Box box;
     Point2 at;
     double size = place.font_size;

@@ -167,6 +167,8 @@ SvgDocument copy_of(const SvgDocument& document) {
     for (pugi::xml_node from = document.xml; from && to; from = next_node(from, document.xml)) {
         const auto line = document.lines.find(from.hash_value());
         if (line != document.lines.end()) copy.lines[to.hash_value()] = line->second;
+        const auto box = document.text_boxes.find(from.hash_value());
+        if (box != document.text_boxes.end()) copy.text_boxes[to.hash_value()] = box->second;
         to = next_node(to, copy.xml);
     }
     return copy;

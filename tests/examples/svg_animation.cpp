@@ -1,0 +1,366 @@
+// Drawings in several frames: every frame is the still of its pose. Letters on paths go where their paths go.
+
+#include "svg_document.hpp"
+#include "svg_shapes.hpp"
+#include "svg_style.hpp"
+#include "svg_walk.hpp"
+#include "svg_xml.hpp"
+
+#include "catch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace svg_animation_tests {
+
+using namespace cageform_examples;
+
+namespace {
+
+constexpr std::size_t frame_count = 5;
+
+const std::string drawing = R"x(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">
+<linearGradient id="fade" gradientUnits="userSpaceOnUse" x1="10" x2="60"><stop stop-color="red"/></linearGradient>
+<radialGradient id="ball"><stop stop-color="blue"/></radialGradient>
+<pattern id="dots" width="0.2" height="0.25"><circle r="1"/></pattern>
+<clipPath id="window"><circle cx="50" cy="50" r="30"/></clipPath>
+<filter id="blur"><feGaussianBlur stdDeviation="1"/></filter>
+<filter id="lamp" primitiveUnits="userSpaceOnUse"><feDiffuseLighting><fePointLight x="20" y="30" z="9"/></feDiffuseLighting></filter>
+<g transform="rotate(10) translate(3 1)">
+<rect id="a" x="10" y="10" width="40" height="20" fill="url(#fade)"/>
+<circle id="b" cx="60" cy="50" r="20" fill="url(#ball)" stroke="url(#fade)"/>
+<ellipse id="c" cx="40" cy="70" rx="20" ry="9" fill="url(#dots)" filter="url(#blur)"/></g>
+<path id="d" d="M5 5C40 0 60 90 95 95L90 50z" clip-path="url(#window)" filter="url(#lamp)"/>
+<line id="e" x1="5" y1="90" x2="95" y2="80" stroke="black"/>
+<text id="f" x="20" y="60" font-size="8" transform="scale(1.5)">letters</text>
+<image id="g" x="70" y="5" width="9" height="20" href="data:,"/>
+</svg>)x";
+
+SvgDocument parsed(std::string_view text) {
+    auto document = parse_svg(text, "test.svg");
+    INFO(text);
+    REQUIRE(document);
+    return std::move(*document);
+}
+
+/// A map of the plane that is not affine, with its inverse nowhere needed.
+struct Wave {
+    Affine2 map;
+    double height = 0, pace = 0;
+
+    Point2 operator()(const Point2& p) const {
+        const Point2 q = apply(map, p);
+        return {q.x + height * std::sin(pace * q.y), q.y + height * std::cos(pace * q.x)};
+    }
+};
+
+std::vector<Wave> random_waves(unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> share(-1, 1);
+    std::vector<Wave> waves;
+    for (std::size_t f = 0; f < frame_count; ++f) {
+        waves.push_back({{1 + 0.3 * share(random), 0.3 * share(random), 0.3 * share(random),
+                          1 + 0.3 * share(random), 10 * share(random), 10 * share(random)},
+                         3 * share(random),
+                         0.1 * share(random)});
+    }
+    return waves;
+}
+
+FrameDeformer by(const std::vector<Wave>& waves) {
+    return [&waves](std::span<const Point2> in, std::span<const std::size_t>, std::span<Point2> out) {
+        for (std::size_t f = 0; f < waves.size(); ++f) {
+            std::transform(in.begin(), in.end(), out.begin() + std::ptrdiff_t(f * in.size()), waves[f]);
+        }
+        return true;
+    };
+}
+
+Deformer by(const Wave& wave) {
+    return [&wave](std::span<const Point2> in, std::span<Point2> out) {
+        std::transform(in.begin(), in.end(), out.begin(), wave);
+        return true;
+    };
+}
+
+AnimatedSvg animated(std::string_view text, const std::vector<Wave>& waves,
+                     const DeformOptions& options = {}) {
+    auto result = animate(parsed(text), by(waves), waves.size(), options);
+    INFO((result ? std::string() : to_string(result.error())));
+    REQUIRE(result);
+    return std::move(*result);
+}
+
+pugi::xml_node by_id(const SvgDocument& document, std::string_view id) {
+    return document.xml.find_node([&](pugi::xml_node n) { return n.attribute("id").value() == id; });
+}
+
+std::string letters_of(std::string_view data) {
+    std::string letters;
+    std::copy_if(data.begin(), data.end(), std::back_inserter(letters),
+                 [](char c) { return c >= 'A' && c <= 'Z'; });
+    return letters;
+}
+
+/// The farthest that places at equal parameters of a path's segments lie from another path.
+double distance_between(const Path& path, const Path& other) {
+    double farthest = 0;
+    const auto places = [](const Path& p, std::size_t steps) {
+        std::vector<Point2> all;
+        for (const Subpath& subpath : p) {
+            Point2 from = subpath.start;
+            for (const Segment& s : subpath.segments) {
+                for (std::size_t k = 0; k <= steps; ++k)
+                    all.push_back(place_on(from, s, double(k) / double(steps)));
+                from = s.p3;
+            }
+        }
+        return all;
+    };
+    const auto fine = places(other, 400); // a line between two is less than 0.001 from the curve
+    for (const Point2& p : places(path, 7)) {
+        double least = 1e9;
+        for (std::size_t i = 0; i + 1 < fine.size(); ++i) {
+            const Point2 &a = fine[i], &b = fine[i + 1];
+            const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
+            const double t =
+                square > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0) : 0;
+            least = std::min(least, std::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy));
+        }
+        farthest = std::max(farthest, least);
+    }
+    return farthest;
+}
+
+/// How far apart two transforms take the corners of a unit square.
+double difference(const std::string& a, const std::string& b) {
+    const auto one = parse_transform(a), other = parse_transform(b);
+    REQUIRE(one);
+    REQUIRE(other);
+    double most = 0;
+    for (const Point2& p : {Point2{0, 0}, Point2{1, 0}, Point2{0, 1}}) {
+        const Point2 q = apply(*one, p), r = apply(*other, p);
+        most = std::max(most, std::hypot(q.x - r.x, q.y - r.y));
+    }
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("a frame is what a still of its pose shows", "[examples][svg_document][animate][property]") {
+    const unsigned seed = GENERATE(1u, 2u, 3u, 4u);
+    CAPTURE(seed);
+    const auto waves = random_waves(seed);
+    AnimatedSvg moving = animated(drawing, waves);
+    std::vector<std::string> first_letters;
+    for (std::size_t f = 0; f < frame_count; ++f) {
+        CAPTURE(f);
+        moving.show(f);
+        SvgDocument still = parsed(drawing);
+        REQUIRE(deform(still, by(waves[f])));
+        for (const char* id : {"a", "b", "c", "d", "e"}) {
+            CAPTURE(id);
+            const auto frame = by_id(moving.document, id), alone = by_id(still, id);
+            const std::string data = frame.attribute("d").value();
+            const auto path = parse_path_data(data), other = parse_path_data(alone.attribute("d").value());
+            REQUIRE(path);
+            REQUIRE(other);
+            CHECK(distance_between(*path, *other) < 0.007); // two tolerances and that thousandth
+            CHECK(distance_between(*other, *path) < 0.007);
+            if (f == 0) {
+                first_letters.push_back(letters_of(data));
+            } else {
+                const std::size_t n = std::size_t(id[0] - 'a');
+                CHECK(letters_of(data) == first_letters[n]); // or browsers do not go from one to the other
+            }
+            for (const char* property : {"fill", "stroke"}) {
+                const auto server_of = [&](pugi::xml_node node, const SvgDocument& document) {
+                    const std::string value = node.attribute(property).value();
+                    return by_id(document, detail::referenced_id(value));
+                };
+                const auto one = server_of(frame, moving.document), two = server_of(alone, still);
+                REQUIRE(bool(one) == bool(two));
+                const char* const name =
+                    detail::local_name(one) == "pattern" ? "patternTransform" : "gradientTransform";
+                if (one) CHECK(difference(one.attribute(name).value(), two.attribute(name).value()) < 1e-3);
+            }
+        }
+        for (const char* id : {"f", "g"}) {
+            CHECK(difference(by_id(moving.document, id).attribute("transform").value(),
+                             by_id(still, id).attribute("transform").value()) < 1e-6);
+        }
+        const auto light = [](const SvgDocument& document) {
+            const auto node = document.xml.find_node(
+                [](pugi::xml_node n) { return detail::local_name(n) == "fePointLight"; });
+            return std::array{node.attribute("x").as_double(), node.attribute("y").as_double()};
+        };
+        CHECK(light(moving.document)[0] == Approx(light(still)[0]).epsilon(0).margin(1e-3));
+        CHECK(light(moving.document)[1] == Approx(light(still)[1]).epsilon(0).margin(1e-3));
+    }
+}
+
+TEST_CASE("what is played begins and ends with the first frame", "[examples][svg_document][animate]") {
+    const auto waves = random_waves(7);
+    AnimatedSvg moving = animated(drawing, waves);
+    moving.play(2.5);
+    std::size_t animations = 0;
+    for (const auto& track : moving.tracks) {
+        for (const pugi::xml_node child : track.node.children()) {
+            const std::string kind = detail::local_name(child);
+            if (!kind.starts_with("animate")) continue;
+            ++animations;
+            const std::string values = child.attribute("values").value();
+            CHECK(std::count(values.begin(), values.end(), ';') == frame_count);
+            CHECK(values.substr(0, values.find(';')) == values.substr(values.rfind(';') + 1));
+            CHECK(std::string_view(child.attribute("dur").value()) == "2.5s");
+        }
+    }
+    CHECK(animations >= moving.tracks.size());
+    CHECK(by_id(moving.document, "f").child("animateTransform"));
+    CHECK(by_id(moving.document, "g").child("animateTransform"));
+    CHECK(by_id(moving.document, "a").child("animate"));
+}
+
+TEST_CASE("the picture holds all frames when asked", "[examples][svg_document][animate][fit]") {
+    const std::string square =
+        R"(<svg viewBox="0 0 100 100"><rect x="40" y="40" width="20" height="20"/></svg>)";
+    const std::vector<Wave> waves{{{1, 0, 0, 1, 0, 0}}, {{1, 0, 0, 1, 100, 0}}, {{1, 0, 0, 1, 0, -90}}};
+    const AnimatedSvg cut = animated(square, waves);
+    CHECK(cut.report.cut_off == 1);
+    const AnimatedSvg fitted = animated(square, waves, {.fit = true});
+    CHECK(fitted.report.cut_off == 0);
+    const auto view = view_box(fitted.document);
+    REQUIRE(view);
+    CHECK(view->x + view->width == Approx(160).epsilon(0).margin(0.5));
+    CHECK(view->y == Approx(-50).epsilon(0).margin(0.5));
+    CHECK(view->y + view->height == Approx(100).epsilon(0).margin(0.5));
+}
+
+TEST_CASE("what moves in no frame stays as it was written", "[examples][svg_document][animate]") {
+    const SvgDocument document = parsed(drawing);
+    const auto rest = animate(
+        document,
+        [](std::span<const Point2> in, std::span<const std::size_t>, std::span<Point2> out) {
+            for (std::size_t i = 0; i < out.size(); ++i) out[i] = in[i % in.size()];
+            return true;
+        },
+        3);
+    REQUIRE(rest);
+    CHECK(to_text(rest->document) == to_text(document));
+    CHECK(rest->tracks.empty());
+}
+
+TEST_CASE("a layer is what its element holds", "[examples][svg_document][animate]") {
+    const std::string text =
+        R"(<svg viewBox="0 0 9 9"><g id="late"><rect id="a" width="1" height="1"/></g><rect id="b" width="1" height="1"/></svg>)";
+    const FrameDeformer by_layer = [](std::span<const Point2> in, std::span<const std::size_t> layers,
+                                      std::span<Point2> out) {
+        for (std::size_t i = 0; i < in.size(); ++i) out[i] = {in[i].x + 3 * double(layers[i]), in[i].y};
+        return true;
+    };
+    const auto moved = animate(parsed(text), by_layer, 1, {.layers = {"late"}});
+    REQUIRE(moved);
+    CHECK(std::string_view(by_id(moved->document, "a").attribute("d").value()).starts_with("M3 0"));
+    CHECK(detail::local_name(by_id(moved->document, "b")) == "rect");
+    const auto none = animate(parsed(text), by_layer, 1, {.layers = {"later"}});
+    REQUIRE_FALSE(none);
+    CHECK(to_string(none.error()) == "test.svg: the figure has no shape in \"later\"");
+}
+
+// ---- letters on paths ----
+
+namespace {
+
+/// The box of all that is drawn, letters on paths included.
+detail::Box drawn_box(std::string_view text) {
+    SvgDocument document = parsed(text);
+    const detail::StyleSheets styles(detail::root_element(document.xml));
+    detail::IdTable ids(detail::root_element(document.xml));
+    std::vector<std::string> ignored;
+    const auto all = detail::walk(document, styles, ids, {.boxes = true}, ignored);
+    REQUIRE(all);
+    detail::Box box;
+    for (const auto& shape : all->shapes) box.add(detail::painted_box(shape, {}));
+    return box;
+}
+
+} // namespace
+
+TEST_CASE("letters on a path move with it, once", "[examples][svg_document][text]") {
+    const Wave right{{1, 0, 0, 1, 30, 5}};
+    const auto deformed = [&](std::string_view text) {
+        SvgDocument document = parsed(text);
+        REQUIRE(deform(document, by(right)));
+        return document;
+    };
+    const auto path_start = [](const SvgDocument& document) {
+        const auto text_path =
+            document.xml.find_node([](pugi::xml_node n) { return detail::local_name(n) == "textPath"; });
+        const auto path = by_id(document, detail::reference_of(text_path).substr(1));
+        const auto parsed_path = parse_path_data(path.attribute("d").value());
+        REQUIRE(parsed_path);
+        return parsed_path->front().start;
+    };
+    SECTION("that is drawn in the same place") {
+        const auto document = deformed(
+            R"x(<svg viewBox="0 0 100 100"><g transform="scale(2)"><path id="p" d="M5 10 L40 10" stroke="red"/>
+<text font-size="4"><textPath href="#p">on it</textPath></text></g></svg>)x");
+        CHECK(path_start(document).x == Approx(20).epsilon(0).margin(1e-3));
+        CHECK(path_start(document).y == Approx(12.5).epsilon(0).margin(1e-3));
+        const auto text =
+            document.xml.find_node([](pugi::xml_node n) { return detail::local_name(n) == "text"; });
+        CHECK_FALSE(text.attribute("transform"));
+        CHECK_FALSE(by_id(document, "p-2"));
+    }
+    SECTION("that is a definition, or drawn elsewhere") {
+        const std::string_view place =
+            GENERATE(R"x(<defs><path id="p" d="M5 10 L40 10"/></defs>)x",
+                     R"x(<g transform="translate(9 70)"><path id="p" d="M5 10 L40 10" stroke="red"/></g>)x",
+                     R"x(<path id="p" d="M5 10 L40 10" style="display:none"/>)x");
+        const auto document =
+            deformed(std::string(R"x(<svg viewBox="0 0 100 100">)x") + std::string(place) +
+                     R"x(<text font-size="4"><textPath href="#p">on it</textPath></text></svg>)x");
+        CHECK(path_start(document).x == Approx(35).epsilon(0).margin(1e-3));
+        CHECK(path_start(document).y == Approx(15).epsilon(0).margin(1e-3));
+        CHECK_FALSE(document.xml.find_node([](pugi::xml_node n) { return detail::local_name(n) == "text"; })
+                        .attribute("transform"));
+    }
+    SECTION("of a transform of its own, in a text of another") {
+        const auto document = deformed(
+            R"x(<svg viewBox="0 0 100 100"><defs><path id="p" transform="translate(1 2)" d="M5 10 L40 10"/></defs>
+<text transform="scale(2)" font-size="4"><textPath href="#p">on it</textPath></text></svg>)x");
+        // rest: 2 * ((5, 10) + (1, 2)) = (12, 24); moved (42, 29); back: (21, 14.5) - (1, 2)
+        CHECK(path_start(document).x == Approx(20).epsilon(0).margin(1e-3));
+        CHECK(path_start(document).y == Approx(12.5).epsilon(0).margin(1e-3));
+    }
+}
+
+TEST_CASE("letters on a path reach as far as they stand along it", "[examples][svg_document][text]") {
+    // Three letters of size 10 from 20 along a line: from 25 to 43, 8 to either side.
+    const auto box = drawn_box(
+        R"x(<svg viewBox="0 0 100 100"><defs><path id="p" d="M5 50 L95 50"/></defs>
+<text font-size="10"><textPath href="#p" startOffset="20">abc</textPath></text></svg>)x");
+    CHECK(box.x0 > 5);
+    CHECK(box.x0 < 25);
+    CHECK(box.x1 > 43);
+    CHECK(box.x1 < 60);
+    CHECK(box.y0 == Approx(42));
+    CHECK(box.y1 == Approx(58));
+    CHECK(drawn_box(R"x(<svg viewBox="0 0 9 9"><text><textPath href="#none">abc</textPath></text></svg>)x")
+              .empty());
+}
+
+TEST_CASE("what no renderer draws is nothing", "[examples][svg_document][text]") {
+    CHECK(
+        drawn_box(
+            R"x(<svg viewBox="0 0 9 9"><switch><foreignObject requiredExtensions="&ns_ai;" width="1" height="1"/>
+<rect x="3" y="3" width="2" height="2"/></switch></svg>)x")
+            .x0 == Approx(2.5 + 0.5));
+}
+
+} // namespace svg_animation_tests
