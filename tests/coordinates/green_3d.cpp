@@ -417,4 +417,39 @@ TEST_CASE("meshes that Green coordinates do not know are refused", "[coordinates
     }
 }
 
+TEMPLATE_TEST_CASE("a cage near the largest number is refused or clones at rest",
+                   "[coordinates][green][space][status]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const T largest = (std::numeric_limits<T>::max)();
+    const auto clones = [&](const Points3<T>& vertices, const auto& faces) {
+        const GreenCoordinates<T, 3> green(vertices, faces);
+        const Points3<T> points{{0, 0, 0}, vertices[0]};
+        const auto bound = bind(green, points);
+        CHECK(bound.report.status == green.cage_report().status);
+        if (bound.report.status != Status::ok) return bound.report.status;
+        Points3<T> out(2);
+        CHECK(clone(bound.binding, green.handles(), out) == Status::ok);
+        CHECK(out == points);
+        return Status::ok;
+    };
+    const auto ball = sphere(0);
+    for (const double share : {1e-9, 1e-6, 1e-3, 0.03, 0.3, 0.9}) {
+        CAPTURE(share);
+        Points3<T> vertices;
+        for (const auto& v : ball.vertices) vertices.push_back(largest * T(share) * vec_cast<T>(v));
+        const Status status = clones(vertices, ball.faces);
+        // Squares of distances between doubles overflow before.
+        if (std::is_same_v<T, float> && share < 1e-2) CHECK(status == Status::ok);
+    }
+    // A prism that is as high as numbers go: its sides are sound triangles whose normals overflow.
+    const Points3<T> ring{{T(0.029) * largest, 0, 0}, {0, T(1.6e-5) * largest, 0}, {-1, -1, 0}};
+    Points3<T> vertices = ring;
+    for (const auto& v : ring) vertices.push_back({v[0], v[1], T(0.995) * largest});
+    const std::vector<std::array<int, 3>> prism{{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4},
+                                                {2, 0, 3}, {2, 3, 5}, {0, 2, 1}, {3, 4, 5}};
+    const Status status = clones(vertices, prism);
+    CHECK(status != Status::ok);
+    if (std::is_same_v<T, float>) CHECK(status == Status::vertex_not_finite);
+}
+
 } // namespace green_3d_tests

@@ -18,7 +18,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   handles    the vertices, then the faces in their order, as normals of the length √area
 ///              (core/face_handles.hpp); weights φ, then ψ_j over that length. `pose_handles` makes
 ///              a pose of all of them from one of the vertices. A pose of the vertices alone is
-///              refused by `clone`
+///              refused by `clone`. Vertices so large that a normal overflows are faults of the cage,
+///              vertex_not_finite
 ///   range      the weights of the vertices sum to 1; positive inside a convex cage. Those of faces
 ///              are positive inside
 ///   poses      nearly conformal inside. Similarities are reproduced, other affine maps and

@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI {
     /* cage/: check */                                                                            \
     X(too_few_vertices, "a cage loop has fewer than three vertices, or a point set too few sites")\
     X(loops_do_not_match, "the loop sizes do not add up to the number of vertices")               \
-    X(vertex_not_finite, "a cage vertex is not a finite number")                                  \
+    X(vertex_not_finite, "a cage vertex is not a finite number, or too large")                    \
     X(duplicate_vertices, "two cage vertices coincide")                                           \
     X(cage_self_crossing, "two edges of the cage cross or touch")                                 \
     X(cage_has_no_area, "a cage loop encloses no area")                                           \

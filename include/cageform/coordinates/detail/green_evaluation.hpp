@@ -7,6 +7,8 @@
 #include <cageform/coordinates/detail/green_frame.hpp>
 #include <cageform/core/face_handles.hpp>
 
+#include <cmath>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The linear function that is `weight` at the corners of a facet and constant across it, and the
@@ -125,8 +127,26 @@ private:
         if (report_.status != Status::ok) return;
         report_.status = guard_memory([&] {
             fill_tables();
-            return Status::ok;
+            refuse_overflow();
+            return report_.status;
         });
+    }
+    /// Coordinates so large that an edge or face has no finite vector.
+    void refuse_overflow() {
+        for (std::size_t h = cage_.vertices().size(); h < handles_.size(); ++h) {
+            if (is_finite(handles_[h])) continue;
+            const auto& facet = topology_.facets[h - cage_.vertices().size()];
+            std::size_t farthest = facet[0];
+            for (const std::size_t v : facet) {
+                if (largest_coordinate(v) > largest_coordinate(farthest)) farthest = v;
+            }
+            report_.add(CageFaultKind::vertex_not_finite, farthest);
+        }
+    }
+    T largest_coordinate(std::size_t vertex) const noexcept {
+        T largest = 0;
+        for (std::size_t k = 0; k < D; ++k) largest = std::fmax(largest, std::fabs(cage_[vertex][k]));
+        return largest;
     }
     void fill_tables() {
         const auto bounds = bounds_of(cage_.vertices());
