@@ -240,6 +240,8 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws the cells of the adaptive grid that harmonic functions of a cage are solved on, the finer "
         "the darker, in the plane or cut by a plane in space, and prints how many there are of each size.");
+    line.set_examples({"--cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png",
+                       "--cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg"});
     Arguments given;
     line.add("--cage", given.cage, "an SVG or CSV file, or in space an OBJ file").required();
     line.add("--figure", given.figure, "an SVG or OBJ file, whose outlines are drawn over the cells");

@@ -206,6 +206,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
 
 int run_program(int argc, char** argv) {
     CommandLine line("Animates an SVG figure by a cage and a motion of it.");
+    line.set_examples({"cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg",
+                       "cat.svg --cage cat_cage.svg --clip cat_walk.csv -o walk.gif --fit"});
     Settings settings;
     line.add("figure", settings.figure, "the SVG file to animate").required();
     line.add("--cage", settings.cage,

@@ -51,6 +51,8 @@ SvgResult<SvgDocument> wrap_png(const std::string& path) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Puts several SVG and PNG files side by side, with captions.");
+    line.set_examples({"-o sheet.svg --columns 2 --png \"at rest\" cat.svg \"a step\" step.svg",
+                       "-o heat.svg \"one vertex\" field.png"});
     std::string out_path;
     std::vector<std::string> words;
     std::size_t columns = 2;

@@ -431,6 +431,8 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws how harmonic coordinates converge: of cages in the plane against cycles and cells, of oracles "
         "against unknowns and seconds, on the uniform grid and the adaptive one.");
+    line.set_examples({"--cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png",
+                       "--oracle harmonic2d_cat.json -o errors.svg"});
     std::vector<std::string> cage_paths, oracle_paths;
     std::string out_path;
     bool png = false;

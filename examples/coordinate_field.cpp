@@ -264,6 +264,9 @@ int run_program(int argc, char** argv) {
     CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
                      "are positive, blue is negative, green is the "
                      "value on the boundary.");
+    line.set_examples(
+        {"--cage cat_cage.svg --vertex 8 --coordinates harmonic -o field.png",
+         "--cage rectangle.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png"});
     Arguments given;
     std::string figure;
     line.add("--cage", given.cage,

@@ -15,6 +15,7 @@
 #include "base64.hpp"
 #include "bind_report.hpp"
 #include "cage_file.hpp"
+#include "cage_picture.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
 #include "figure_motion.hpp"
@@ -53,7 +54,7 @@ struct CagePaths {
 /// What moves the figure, and the pose to be drawn.
 struct Control {
     FigureControl control;
-    std::vector<CageBlock> drawn;
+    CageFile drawn;
     std::string fault; // of the pose, to warn of
 };
 
@@ -65,7 +66,11 @@ SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& 
     if (!posed) return posed.error();
     auto& [sites, pose, weights] = *posed;
     Control result;
-    for (const Point2& p : pose.points) result.drawn.push_back({CageBlock::Kind::point, 0, {p}});
+    result.drawn.vertices = pose.points;
+    for (std::size_t i = 0; i < pose.points.size(); ++i) {
+        result.drawn.blocks.push_back({CageBlock::Kind::point, 0, {pose.points[i]}});
+        result.drawn.handles.push_back({i});
+    }
     FigureControl& control = result.control;
     control.coordinates = make_coordinates<double>(choice, sites);
     control.name = paths.cage;
@@ -86,9 +91,9 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths
     if (!cage) return cage.error();
     auto pose = read_pose(paths.pose, paths.operations, *cage, CageWord::of(paths.cage).is_auto);
     if (!pose) return pose.error();
-    Control result{control_of(choice, *cage), std::move(pose->blocks), {}};
+    Control result{control_of(choice, *cage), std::move(*pose), {}};
     result.control.pose_name = paths.pose.empty() ? "the pose" : paths.pose;
-    result.control.poses = {std::move(pose->vertices)};
+    result.control.poses = {result.drawn.vertices};
     result.fault = pose_faults(result.control, *cage);
     return result;
 }
@@ -132,10 +137,13 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients and "
         "patterns follow by the affine map nearest to what moves their shape.");
+    line.set_examples({"icon.svg --cage auto -o look.svg --png --show-cage",
+                       "icon.svg --cage auto --turn 5-10:-30 --move 3:0,12 -o pose.svg --png --fit"});
     std::string figure_path, out_path;
     CagePaths paths;
     auto& [cage_path, pose_path, operations] = paths;
-    bool png = false, show_cage = false, show_rest = false, report = false, text_as_paths = false;
+    bool png = false, show_cage = false, show_lines = false, show_rest = false, report = false,
+         text_as_paths = false;
     int png_width = 900;
     CoordinatesChoice choice;
     OutsideChoice outside;
@@ -166,7 +174,9 @@ int run_program(int argc, char** argv) {
              "how far curves may miss the deformed shape, in user units; 0: invisibly little")
         .range(0.0, 1e100)
         .show_default();
-    line.add_flag("--show-cage", show_cage, "draw the posed cage over the figure");
+    line.add_flag("--show-cage", show_cage,
+                  "draw the posed cage over the figure, with the numbers of its vertices");
+    line.add_flag("--show-cage-lines", show_lines, "draw the posed cage without numbers").rarely_needed();
     line.add_flag("--show-rest", show_rest, "draw the figure at rest under it, in white");
     line.add_flag("--report", report, "print the bind report and what became of the shapes");
     choice.add_options(line);
@@ -197,9 +207,11 @@ int run_program(int argc, char** argv) {
     if (!posed->fault.empty()) warn(posed->fault);
     document = std::move(moved->drawing.document);
     if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
-    if (show_cage) {
+    if (show_cage || show_lines) {
         const auto view = view_box(*document);
-        draw_cage(*document, posed->drawn, view ? std::hypot(view->width, view->height) : 100, "#c2377a");
+        const double diagonal = view ? std::hypot(view->width, view->height) : 100;
+        draw_cage(*document, posed->drawn.blocks, diagonal, "#c2377a");
+        if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
     }
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(out_path);

@@ -69,6 +69,7 @@ SvgResult<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Fills a drawing with smooth colours, diffused from the colours on both sides of its lines.");
+    line.set_examples({"cat_colours.svg -o cat_colours.png", "cat_colours.svg -o large.png --size 2000"});
     std::string drawing, out_path;
     std::size_t size = 768;
     Light light;

@@ -599,6 +599,7 @@ Case run_one(const Arguments& given) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Replaces a Bézier curve between two keys by a few polynomials in time.");
+    line.set_examples({"--css ease-in-out --pieces 4 --plot curve.svg --png", "--lottie ball.json"});
     Arguments given;
     line.add("--bezier", given.bezier,
              "x0,y0,x1,y1,x2,y2,x3,y3: keys and handles (--bezier=-1,… if negative)");

@@ -95,6 +95,7 @@ FieldSurface surface_of(const Grid& grid, const PlaneBox& part) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Draws a field on a grid: a CSV file of a row of cells a line.");
+    line.set_examples({"hills.csv -o field.png", "hills.csv -o field.png --surface surface.png"});
     std::string path, out, zoom;
     FieldStyle style;
     SurfaceView view;

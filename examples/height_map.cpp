@@ -170,6 +170,8 @@ int run_program(int argc, char** argv) {
     CommandLine line("Diffuses the heights of drawn lines over a drawing: a height map, black where it is 0, "
                      "white where it "
                      "is 1.");
+    line.set_examples({"hills.svg -o hills.png --lines hills_lines.svg",
+                       "hills.svg -o hills.png --3d hills_3d.png --levels 0.1"});
     HeightOptions options;
     line.add("drawing", options.strokes, "an SVG file; what has a stroke is a line of known height")
         .required();

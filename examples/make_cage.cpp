@@ -31,12 +31,15 @@ struct Arguments {
     cageform::MakeCageOptions options;
 };
 
-/// "2.5%" as a share.
+/// "2.5%" or "0.025" as a share.
 std::string parse_margin(const std::string& word, double& margin) {
     const bool is_share = word.ends_with('%');
     const std::string number = is_share ? word.substr(0, word.size() - 1) : word;
     if (const std::string why = detail::parse_number(number, margin); !why.empty()) return why;
     if (is_share) margin /= 100;
+    if (!is_share && margin >= 1)
+        return "a margin is a share of the figure's diagonal: " + word + "% or, as a number, " +
+               detail::short_number(margin / 100) + "?";
     if (!(margin > 0 && margin < 10))
         return "a margin is a share of the figure's diagonal, such as 2.5% or 0.025";
     return {};
@@ -122,6 +125,8 @@ int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
                      "parts, or a mesh, with holes or "
                      "in pieces as it may be.");
+    line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
+                       "character.obj --vertices 112 -o cage.obj --picture cage.png"});
     Arguments given;
     auto& options = given.options;
     line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();

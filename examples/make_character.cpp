@@ -302,6 +302,7 @@ bool is_sound(const Mesh& mesh, const char* what) {
 int run_program(int argc, char** argv) {
     cageform_examples::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
                                         "files, a dance of the cage, and bones.");
+    line.set_examples({"out", "."});
     std::string folder;
     line.add("folder", folder,
              "where character.obj, character_cage.obj, character_pose.obj, character_clip.csv and "

@@ -122,6 +122,9 @@ int run_program(int argc, char** argv) {
     CommandLine line("Poses a cage: moves, turns, scales, bends and twists vertices by their numbers or "
                      "places, in the order "
                      "given, and draws the numbers.");
+    line.set_examples(
+        {"cage.svg --figure icon.svg --picture numbers.svg",
+         "cage.svg --turn 7-11:-30@v6,12 --move 3:20,40 -o pose.svg --picture pose_numbers.svg"});
     Arguments given;
     line.add("cage", given.cage, "an SVG or CSV file, or in space an OBJ file").required();
     given.choice.add_options(line);

@@ -122,6 +122,7 @@ std::string picture(const Puzzle& puzzle, const std::vector<std::string>& words)
 
 int run_program(int argc, char** argv) {
     CommandLine line("Solves a table of numbers in which each unknown cell is the mean of its neighbours.");
+    line.set_examples({"grid.csv -o solved.svg", "grid.csv --exact -o solved.svg"});
     std::string path, csv, svg;
     int neighbours = 4;
     bool exact = false;

@@ -8,7 +8,7 @@
 # Prints a line a step, and at the end what to open.
 set -eu
 cd "$(dirname "$0")/.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev libgmp-dev librsvg2-bin
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev libgmp-dev librsvg2-bin
 
 step() { # WHAT
   count=$((${count:-0} + 1))
@@ -41,7 +41,7 @@ done >out/lessons.txt
 step "the cat, posed"
 # name FIGURE CAGE POSE COORDINATES
 deform() {
-  "$programs/deform_svg" "$data/$2.svg" --cage "$data/$3.svg" --pose "$data/$4.svg" --coordinates "$5" -o "out/$1.svg" --png --show-cage
+  "$programs/deform_svg" "$data/$2.svg" --cage "$data/$3.svg" --pose "$data/$4.svg" --coordinates "$5" -o "out/$1.svg" --png --show-cage-lines
 }
 deform cat_rest cat cat_cage cat_cage mean-value
 set -- "at rest" out/cat_rest.svg
@@ -66,7 +66,7 @@ step "the cat, with cells inside its cage"
 # Cells inside the cage: a vertex in the face, a chain along the back. Nothing else has moved.
 for cells in head spine; do
   "$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage_$cells.csv" --pose "$data/cat_pose_$cells.csv" \
-    --coordinates harmonic -o out/cat_$cells.svg --png --show-cage
+    --coordinates harmonic -o out/cat_$cells.svg --png --show-cage-lines
 done
 "$programs/contact_sheet" -o out/cat_interior.svg --columns 3 --png --png-width 1500 "at rest" out/cat_rest.svg \
   "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
@@ -122,9 +122,9 @@ set --
 for type in rest mean-value harmonic; do
   for figure in hexagon biped; do
     name=out/${figure}_$(echo $type | tr - _).svg
-    [ $type = rest ] || "$programs/deform_svg" "$data/$figure.svg" --cage "$data/${figure}_cage.svg" --show-cage --show-rest \
+    [ $type = rest ] || "$programs/deform_svg" "$data/$figure.svg" --cage "$data/${figure}_cage.svg" --show-cage-lines --show-rest \
       --pose "$data/${figure}_pose.svg" --coordinates $type --resolution 160 -o "$name"
-    [ $type != rest ] || "$programs/deform_svg" "$data/$figure.svg" --cage "$data/${figure}_cage.svg" --show-cage \
+    [ $type != rest ] || "$programs/deform_svg" "$data/$figure.svg" --cage "$data/${figure}_cage.svg" --show-cage-lines \
       --pose "$data/${figure}_cage.svg" -o "$name"
     set -- "$@" "$(echo $type | sed 's/rest/at rest/; s/-/ /')" "$name"
   done
@@ -134,11 +134,11 @@ done
 set --
 for type in mean-value harmonic green sibson sibson-c1; do
   "$programs/deform_svg" "$data/checkerboard.svg" --cage "$data/checkerboard_cage.csv" --pose "$data/checkerboard_pose.csv" \
-    --coordinates $type -o out/checkerboard_$type.svg --show-cage
+    --coordinates $type -o out/checkerboard_$type.svg --show-cage-lines
   set -- "$@" "$type" out/checkerboard_$type.svg
 done
 "$programs/deform_svg" "$data/checkerboard.svg" --cage "$data/checkerboard_cage.csv" --pose "$data/checkerboard_cage.csv" \
-  -o out/checkerboard_rest.svg --show-cage
+  -o out/checkerboard_rest.svg --show-cage-lines
 "$programs/contact_sheet" -o out/types.svg --columns 3 --png --png-width 1200 "at rest" out/checkerboard_rest.svg "$@"
 
 step "the fish, by points without a cage"

@@ -542,6 +542,7 @@ void print_table() {
 int run_program(int argc, char** argv) {
     CommandLine line("Draws how natural neighbour coordinates come about and what they do, and prints "
                      "figures of their degrees.");
+    line.set_examples({"out", "pictures"});
     std::string folder;
     line.add("folder", folder, "where to write sibson_cells.svg and .png, sibson_types.png, sibson_legs.png")
         .required();

@@ -9,7 +9,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
-packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev libtinyobjloader-dev
+packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev zlib1g-dev libtinyobjloader-dev
   libstb-dev libgmp-dev libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
 case $preset in
   asan | native)

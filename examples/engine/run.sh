@@ -5,7 +5,7 @@
 # out/ogre_green_*.png, and plays 10,000 frames of each to see that memory stays where it is.
 set -eu
 cd "$(dirname "$0")/../.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev \
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev \
   libtinyobjloader-dev nlohmann-json3-dev libogre-1.12-dev libgl1-mesa-dri xvfb xauth
 
 cmake -S . -B build/engine -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O3 -march=native -DNDEBUG' \

@@ -20,6 +20,7 @@ using namespace cageform_examples;
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws a hand in all its poses and builds, and measures how its skin follows its control points.");
+    line.set_examples({"out"});
     std::string folder;
     line.add("folder", folder,
              "where hand_layers.png, hand_points.png, hand_poses.png, hand_bend.png, hand_inflation.png, "

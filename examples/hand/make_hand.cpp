@@ -123,6 +123,7 @@ SvgResult<std::string> clip_text(const BoundHand& bound) {
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Makes the skin of a hand, its control points, some poses of its 22 joint angles, and a clip.");
+    line.set_examples({"out"});
     std::string folder;
     line.add("folder", folder,
              "where hand.obj, hand_cage.obj, hand_points.csv, hand_poses.csv and hand.glb are written")

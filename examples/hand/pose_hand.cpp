@@ -63,6 +63,7 @@ SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
 int run_program(int argc, char** argv) {
     CommandLine line("Poses a hand by 22 joint angles in degrees: draws it from the back and the inner side, "
                      "or writes it.");
+    line.set_examples({"--pose point -o point.obj", "--pose poses.csv --picture poses.png"});
     std::string pose, picture, out;
     double kappa = hand_kappa;
     line.add("--pose", pose,

@@ -4,7 +4,7 @@
 # out/cageform.html: one file that a browser opens by a double click, without a network.
 set -eu
 cd "$(dirname "$0")/../.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev libstb-dev libcli11-dev libtinyobjloader-dev \
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev \
   nlohmann-json3-dev libgmp-dev clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 libclang-rt-19-dev-wasm32
 page=examples/page
 data=examples/data

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <sstream>
+#include <vector>
 
 namespace cageform_examples {
 
@@ -235,9 +236,27 @@ std::string describe(const StoredLoss& loss) {
 }
 
 void print_warnings(std::span<const std::string> warnings) {
-    for (std::size_t i = 0; i < std::min(warnings.size(), most_listed); ++i) warn(warnings[i]);
-    if (warnings.size() > most_listed)
-        warn("and " + std::to_string(warnings.size() - most_listed) + " more of these");
+    struct Kind {
+        std::string text, who, shown; // after the label; the first label; the first warning
+        std::size_t count = 0;
+    };
+    std::vector<Kind> kinds;
+    for (const std::string& warning : warnings) {
+        const std::size_t label = warning.find("): "); // of an element: rect "wall" (line 12)
+        const std::string text = label == std::string::npos ? warning : warning.substr(label + 3);
+        auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) { return k.text == text; });
+        if (kind == kinds.end())
+            kind = kinds.insert(kinds.end(), {text, warning.substr(0, label + 1), warning, 0});
+        ++kind->count;
+    }
+    for (std::size_t i = 0; i < std::min(kinds.size(), most_listed); ++i) {
+        const Kind& kind = kinds[i];
+        warn(kind.count == 1 || kind.shown == kind.text
+                 ? kind.shown
+                 : kind.who + " and " + std::to_string(kind.count - 1) + " more: " + kind.text);
+    }
+    if (kinds.size() > most_listed)
+        warn("and " + std::to_string(kinds.size() - most_listed) + " more kinds of these");
 }
 
 } // namespace cageform_examples

@@ -59,7 +59,8 @@ struct StoredLoss {
 /// motion".
 std::string describe(const StoredLoss& loss);
 
-/// Says warnings on stderr: the first ten, and how many more there are.
+/// Says warnings on stderr. Those that say the same thing of several elements are one line, with the first of them
+/// and how many more there are; of lines the first ten.
 void print_warnings(std::span<const std::string> warnings);
 
 } // namespace cageform_examples

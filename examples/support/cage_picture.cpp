@@ -10,9 +10,6 @@
 
 namespace cageform_examples {
 
-namespace {
-
-/// A dot and a number at every vertex, the number outside its loop.
 void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
     auto group = document.xml.document_element().append_child("g");
     group.append_attribute("font-family") = "DejaVu Sans, sans-serif";
@@ -56,6 +53,8 @@ void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
         }
     }
 }
+
+namespace {
 
 void set_box(pugi::xml_node node, const ViewBox& box) {
     const std::array<double, 4> numbers{box.x, box.y, box.width, box.height};

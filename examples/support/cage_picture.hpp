@@ -19,6 +19,11 @@ namespace cageform_examples {
 SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
                                  const std::string& name);
 
+/// Draws into a document, in root user space, a dot and a number at every vertex of a cage, the number outside its loop.
+///
+///   letter   the size of the numbers
+void draw_numbers(SvgDocument& document, const CageFile& cage, double letter);
+
 /// A cage in space from the front and from behind: its faces, the edges at rest in grey, and the numbers of the vertices
 /// of faces turned here.
 Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose);

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
+#include <utility>
 
 namespace cageform_examples {
 
@@ -28,6 +30,8 @@ CLI::Validator decimal(bool with_sign) {
     };
     return {fault, ""};
 }
+
+const char* const rare_options = "Rarely needed";
 
 } // namespace
 
@@ -85,6 +89,10 @@ CommandOption& CommandOption::ends_with(const std::vector<std::string>& endings)
     });
     return *this;
 }
+CommandOption& CommandOption::rarely_needed() {
+    option_->group(rare_options);
+    return *this;
+}
 bool CommandOption::is_given() const {
     return option_->count() > 0;
 }
@@ -98,6 +106,7 @@ CommandLine::CommandLine(const std::string& description)
                    CAGEFORM_VERSION_STRING;
         },
         "Print the version and exit");
+    app_->set_help_all_flag("--help-all", "Print this and what is rarely needed, and exit");
     app_->failure_message([](const CLI::App* app, const CLI::Error& error) {
         const CLI::Error shown(error.get_name(), printable(error.what()), error.get_exit_code());
         return CLI::FailureMessage::simple(app, shown);
@@ -136,11 +145,39 @@ CommandOption CommandLine::add_number(const std::string& name, const std::functi
                                       const std::string& help) {
     return CommandOption(app_->add_option_function<double>(name, take, help));
 }
+void CommandLine::set_examples(std::vector<std::string> arguments) {
+    examples_ = std::move(arguments);
+}
 void CommandLine::set_footer(const std::string& text) {
-    app_->footer(text);
+    formats_ = text;
+}
+
+std::string CommandLine::footer(bool all) const {
+    const std::string name = std::filesystem::path(app_->get_name()).filename().string();
+    std::string text = examples_.empty() ? "" : examples_.size() == 1 ? "Example:\n" : "Examples:\n";
+    for (const std::string& arguments : examples_) text += "  " + name + ' ' + arguments + '\n';
+    if (all) return text + (formats_.empty() ? "" : '\n' + formats_);
+    const auto rare =
+        app_->get_options([](const CLI::Option* option) { return option->get_group() == rare_options; });
+    if (rare.empty() && formats_.empty()) return text;
+    return text + "\n--help-all " +
+           (rare.empty() ? "also tells" : "lists " + std::to_string(rare.size()) + " more options") +
+           (rare.empty() || formats_.empty() ? "" : ", and tells") +
+           (formats_.empty() ? ".\n" : " how the files look.\n");
 }
 
 std::optional<int> CommandLine::parse(int argc, char** argv) {
+    app_->name(argc > 0 ? argv[0] : "");
+    const auto asks = [&](std::string_view word) {
+        return std::any_of(argv + 1, argv + argc, [&](const char* given) { return given == word; });
+    };
+    const bool all = asks("--help-all");
+    app_->footer(footer(all));
+    if (!all) {
+        for (CLI::Option* option : app_->get_options()) {
+            if (option->get_group() == rare_options) option->group(""); // which hides it
+        }
+    }
     try {
         app_->parse(argc, argv);
     } catch (const CLI::ParseError& error) {

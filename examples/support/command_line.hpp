@@ -35,13 +35,16 @@ public:
     CommandOption& in_order(); ///< its function is called when the option is met: in the order of the words
     CommandOption& ends_with(const std::vector<std::string>& endings); ///< such as ".svg", of a file to write
 
+    CommandOption& rarely_needed(); ///< --help leaves it to --help-all
+
     bool is_given() const; ///< after parsing
 
 private:
     CLI::Option* option_;
 };
 
-/// Every program has --help, and --version, which prints its name and the library's version.
+/// Every program has --help, --help-all, which lists rare options and formats of files too, and --version, which prints
+/// its name and the library's version.
 class CommandLine {
 public:
     explicit CommandLine(const std::string& description);
@@ -60,14 +63,20 @@ public:
                            const std::string& help);
     CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
                              const std::string& help);
-    /// Below the options in the help: how the files look that the program takes.
+    /// In the help: the program's name is put before each.
+    void set_examples(std::vector<std::string> arguments);
+    /// Below the options in --help-all: how the files look that the program takes.
     void set_footer(const std::string& text);
 
     /// Nothing, or the code to exit with: 0 after --help and --version, 1 where the words are wrong and stderr says why.
     [[nodiscard]] std::optional<int> parse(int argc, char** argv);
 
 private:
+    std::string footer(bool all) const;
+
     std::unique_ptr<CLI::App> app_;
+    std::vector<std::string> examples_;
+    std::string formats_;
 };
 
 } // namespace cageform_examples

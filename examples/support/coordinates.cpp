@@ -69,7 +69,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                  "sibson-c1: how gradients at the points are estimated: facets, gentle (less negative "
                  "weights) or mirrored (for rings of points)")
             .one_of({"facets", "gentle", "mirrored"})
-            .show_default();
+            .show_default()
+            .rarely_needed();
     }
     const CommandOption accuracy = line.add("--accuracy", harmonic.accuracy,
                                             "harmonic: the largest error wanted of a weight, 1e-5 to 0.1, on "
@@ -80,7 +81,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
              "harmonic: a uniform grid of so many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
-        .show_default("none; with --tolerance or averaging-pyramid 128 in the plane, 64 in space");
+        .show_default("none; with --tolerance or averaging-pyramid 128 in the plane, 64 in space")
+        .rarely_needed();
     line.add_number(
             "--tolerance",
             [this](double t) {
@@ -91,7 +93,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
             "of a "
             "cell")
         .excludes(accuracy)
-        .show_default("1e-06");
+        .show_default("1e-06")
+        .rarely_needed();
     line.add_text(
             "--solver",
             [this](const std::string& given) {
@@ -105,7 +108,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                        : "\"" + given + "\" is not one of multigrid, averaging-pyramid";
         })
         .excludes(accuracy)
-        .show_default("multigrid");
+        .show_default("multigrid")
+        .rarely_needed();
 }
 
 /// In bytes, where the system tells (Linux).

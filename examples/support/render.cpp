@@ -100,7 +100,7 @@ Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width
     for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
     if (ending == ".gif") { // of at most 256 colours, which are chosen for all frames
         words.insert(words.end(), {"-vf",
-                                   "fps=" + text_of("%.6g", std::min(rate, 50.0)) +
+                                   "fps=" + text_of("%.6g", std::min(rate, 25.0)) +
                                        ",split[a][b];[a]palettegen[p];[b][p]paletteuse",
                                    "-loop", "0", "-f", "gif"});
     } else if (ending == ".mp4") { // what plays everywhere has an even width and height
@@ -109,8 +109,8 @@ Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width
     } else {
         words.insert(words.end(), {"-plays", "0", "-f", "apng"});
     }
-    words.push_back("file:" + file_.temporary().string());
-    const std::string fault = start(words, "ffmpeg", ends[0], -1, ffmpeg_);
+    words.push_back("file:/dev/fd/1"); // by no name of its own, which it could make anew after a signal
+    const std::string fault = start(words, "ffmpeg", ends[0], file_.descriptor(), ffmpeg_);
     close(ends[0]);
     if (fault.empty()) return;
     ffmpeg_ = 0;
@@ -138,8 +138,6 @@ void Film::finish() {
     if (ffmpeg_ == 0) return;
     if (!ends_well(ffmpeg_)) file_.refuse("ffmpeg could not make it");
     ffmpeg_ = 0;
-    std::error_code none;
-    if (file_.error()) std::filesystem::remove(file_.temporary(), none); // it may have come after the refusal
 }
 
 } // namespace cageform_examples

@@ -32,7 +32,7 @@ std::string run_rsvg(std::vector<std::string> options, int in, int out);
 /// A film that repeats without end, by the ending of its name: .gif, .mp4, else an animated PNG. Frames go from
 /// rsvg-convert to ffmpeg by a pipe: nothing lies about in between.
 ///
-///   rate    frames a second; a GIF has 50 at most
+///   rate    frames a second; a GIF has 25 at most
 ///   width   in pixels; on white
 ///   notes   as add_png() does, by the first frame
 ///   fails   where a program is not there or fails: then the outputs' commit() says so, and nothing is written

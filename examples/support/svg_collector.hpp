@@ -79,7 +79,11 @@ private:
     /// Makes a group of `use`, with the copy inside.
     bool use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
                       const Place& parent);
+    /// Images in a copy become uses of one definition each, lest their bytes be repeated.
+    void share_images(pugi::xml_node copy);
     bool count_copies(pugi::xml_node top);
+    /// The nodes of an element after all uses in it have become copies, or more than the limit.
+    std::size_t expanded_size(pugi::xml_node top, int depth = 0);
     static void drop_ids(pugi::xml_node top);
 
     // ---- clip paths, masks and filters (svg_references.cpp) ----
@@ -114,7 +118,10 @@ private:
     std::set<std::size_t> symbols_;                              // copies of symbols, by their hash
     std::unordered_map<std::size_t, std::vector<Claim>> claims_; // by the node they were first found on
     std::vector<pugi::xml_node> active_; // used elements, clip paths and masks that we are inside of
+    std::unordered_map<std::string, pugi::xml_node> images_;         // definitions, by what they show
+    std::unordered_map<std::size_t, pugi::xml_node> uses_of_images_; // definitions, by the hash of their use
     std::size_t copies_ = 0;
+    std::unordered_map<std::size_t, std::size_t> expanded_sizes_; // by the element's hash
     std::optional<SvgError> error_;
 };
 

@@ -5,11 +5,14 @@
 #include "svg_walk.hpp"
 #include "svg_xml.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <sstream>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace cageform_examples {
 
@@ -84,9 +87,40 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
     return document;
 }
 
+namespace {
+
+/// What a gzip file holds, which an .svgz file is. Fails where it is damaged, or holds more than a document may.
+SvgResult<std::string> unpacked(std::string_view packed, const std::string& name) {
+    constexpr std::size_t most = std::size_t{1}
+                                 << 28; // bytes; of zeros a file of a thousandth of that is enough
+    z_stream stream{};
+    if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return SvgError{name + ": out of memory"};
+    std::vector<Bytef> in(packed.begin(), packed.end()), out(std::size_t{1} << 16);
+    stream.next_in = in.data();
+    stream.avail_in = static_cast<uInt>(in.size());
+    std::string text;
+    int state = Z_OK;
+    while (state == Z_OK && text.size() <= most) {
+        stream.next_out = out.data();
+        stream.avail_out = static_cast<uInt>(out.size());
+        state = inflate(&stream, Z_NO_FLUSH);
+        text.append(out.begin(), out.end() - static_cast<std::ptrdiff_t>(stream.avail_out));
+    }
+    inflateEnd(&stream);
+    if (text.size() > most) return SvgError{name + ": unpacked it is larger than 256 MiB"};
+    if (state != Z_STREAM_END) return SvgError{name + ": a damaged gzip file"};
+    return text;
+}
+
+} // namespace
+
 SvgResult<SvgDocument> load_svg(const std::filesystem::path& path) {
     const auto text = read_file(path.string());
-    return text ? parse_svg(*text, path.filename().string()) : text.error();
+    if (!text) return text.error();
+    const std::string name = path.filename().string();
+    if (!text->starts_with("\x1f\x8b")) return parse_svg(*text, name);
+    const auto whole = unpacked(*text, name);
+    return whole ? parse_svg(*whole, name) : whole.error();
 }
 
 std::string to_text(const SvgDocument& document) {

@@ -115,7 +115,7 @@ SvgDocument copy_of(const SvgDocument& document);
 ///   encodings other than UTF-8 are read too, with lines unknown; writing is always UTF-8
 SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name);
 
-/// As parse_svg(), from a file; fails also where it cannot be read.
+/// As parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or unpacked.
 SvgResult<SvgDocument> load_svg(const std::filesystem::path& path);
 
 /// The document's text in UTF-8; untouched parts are as they were read, but for the space inside tags, the

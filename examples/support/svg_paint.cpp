@@ -9,8 +9,6 @@ namespace cageform_examples {
 
 namespace detail {
 
-constexpr std::size_t max_pattern_copies = 1'000'000; // nodes
-
 namespace {
 
 bool is_gradient(const std::string& kind) {
@@ -153,14 +151,13 @@ std::string PaintFollower::copy_of_pattern(const Server& pattern, std::vector<Af
     if (pattern.of_box) key += ' ' + write_transform(from_unit_square(rest));
     std::string& copy_id = copies_[key];
     if (!copy_id.empty()) return copy_id;
-    for (pugi::xml_node node = original; node; node = next_node(node, original)) ++copied_;
-    if (copied_ > max_pattern_copies) {
-        warnings.push_back(label(document_, original) + ": is used too often to be copied, and stays");
-        return {};
+    pugi::xml_node copy = add_copy(original); // which has no content of its own, and so the original's
+    copy_id = attribute_text(copy, "id");
+    for (const pugi::xml_attribute attribute : original.attributes()) {
+        const std::string_view name = attribute.name();
+        const bool refers = name == "href" || name.ends_with(":href");
+        if (!refers && !copy.attribute(attribute.name())) copy.append_copy(attribute);
     }
-    pugi::xml_node copy = original.parent().insert_copy_after(original, original);
-    for (pugi::xml_node node = copy; node; node = next_node(node, copy)) node.remove_attribute("id");
-    copy_id = ids_.name(copy, id);
     tracks_.push_back({copy, "patternTransform", {}, std::move(transforms)});
 
     const auto number = [&](const char* name) { return fraction_or_number(chain_text(pattern, name), 0); };

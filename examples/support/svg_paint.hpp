@@ -25,7 +25,7 @@ struct PaintServer {
 
 /// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the best
 /// affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its own. A copy
-/// of a gradient refers to the original, so stops are not repeated.
+/// refers to the original, so stops and tiles are not repeated.
 class PaintFollower {
 public:
     using Tracks = std::vector<AnimatedSvg::Track>;
@@ -65,7 +65,6 @@ private:
     double tolerance_; // in root user space
     Tracks& tracks_;
     std::map<std::string, std::string> copies_; // by what they are of, and how they were moved
-    std::size_t copied_ = 0;                    // nodes
 };
 
 /// What a mask or filter of a drawing lies about, in the user space of the element that refers to it.

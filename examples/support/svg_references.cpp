@@ -3,6 +3,7 @@
 #include "svg_collector.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace cageform_examples {
 
@@ -38,11 +39,26 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
         warn(use, "cannot be expanded and stays as it is");
         return {};
     }
-    if (!count_copies(target)) {
+    if (!count_copies(target) || copies_ + expanded_size(target) > max_svg_copies) {
         fail(use, "the uses of this file expand to too much");
         return {};
     }
     return target;
+}
+
+std::size_t ShapeCollector::expanded_size(pugi::xml_node top, int depth) {
+    const auto known = expanded_sizes_.find(top.hash_value());
+    if (known != expanded_sizes_.end()) return known->second;
+    if (depth >= max_svg_depth) return 0;  // refused for that
+    expanded_sizes_[top.hash_value()] = 0; // within itself, which is refused too
+    std::size_t size = 0;
+    for (pugi::xml_node node = top; node && size <= max_svg_copies; node = next_node(node, top)) {
+        ++size;
+        const std::string reference = local_name(node) == "use" ? reference_of(node) : std::string();
+        if (!reference.starts_with('#')) continue;
+        if (const auto used = ids_.find(reference.substr(1))) size += expanded_size(used, depth + 1);
+    }
+    return expanded_sizes_[top.hash_value()] = size;
 }
 
 bool ShapeCollector::visit_use(pugi::xml_node use, const Place& parent) {
@@ -96,6 +112,7 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
     use.set_name((name_prefix(use) + 'g').c_str());
     pugi::xml_node copy = use.append_copy(target);
     drop_ids(copy);
+    share_images(copy);
     if (kind == "svg" || kind == "symbol") {
         if (!width.empty()) set_attribute(copy, "width", width);
         if (!height.empty()) set_attribute(copy, "height", height);
@@ -109,6 +126,39 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
     const bool good = visit(use, parent);
     active_.pop_back();
     return good;
+}
+
+void ShapeCollector::share_images(pugi::xml_node copy) {
+    constexpr std::array place{"x", "y", "width", "height", "preserveAspectRatio"};
+    std::vector<pugi::xml_node> images;
+    for (pugi::xml_node node = copy; node; node = next_node(node, copy)) {
+        if (local_name(node) == "image" && reference_of(node).size() > 1000) images.push_back(node);
+    }
+    for (pugi::xml_node image : images) {
+        std::string key;
+        for (const char* name : place) key += std::string(image.attribute(name).value()) + ' ';
+        key += reference_of(image);
+        pugi::xml_node& shared = images_[key];
+        const std::string prefix = name_prefix(image);
+        if (!shared) {
+            pugi::xml_node root = root_element(document_.xml);
+            shared = root.prepend_child((prefix + "defs").c_str()).append_child((prefix + "image").c_str());
+            ids_.name(shared, "cageform-image");
+            for (const pugi::xml_attribute attribute : image.attributes()) {
+                const std::string_view name = attribute.name();
+                const bool is_place = std::find(place.begin(), place.end(), name) != place.end();
+                if (is_place || name == "href" || name.ends_with(":href")) shared.append_copy(attribute);
+            }
+        }
+        image.set_name((prefix + "use").c_str());
+        for (const char* name : place) image.remove_attribute(name);
+        for (pugi::xml_attribute attribute : image.attributes()) {
+            const std::string_view name = attribute.name();
+            if (name == "href" || name.ends_with(":href"))
+                attribute.set_value(('#' + escaped(attribute_text(shared, "id"))).c_str());
+        }
+        uses_of_images_[image.hash_value()] = shared;
+    }
 }
 
 bool ShapeCollector::count_copies(pugi::xml_node top) {

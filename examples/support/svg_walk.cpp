@@ -82,7 +82,8 @@ void ShapeCollector::inherit_outline(const Values& values, DrawnShape& style) {
 }
 
 bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
-    const std::string kind = local_name(node);
+    const bool is_shared_image = uses_of_images_.count(node.hash_value()) != 0;
+    const std::string kind = is_shared_image ? "image" : local_name(node);
     if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
     if (kind == "use") return visit_use(node, parent);
     if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
@@ -413,6 +414,8 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
 }
 
 Box ShapeCollector::image_box(pugi::xml_node node, const Place& place) {
+    const auto shared = uses_of_images_.find(node.hash_value());
+    if (shared != uses_of_images_.end()) node = shared->second;
     const double x = length(node, "x", place.viewport.width, 0);
     const double y = length(node, "y", place.viewport.height, 0);
     const double width = length(node, "width", place.viewport.width, 0);

@@ -1405,7 +1405,14 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
-  works "help of $program" "$programs/$program" --help
+  works "short help of $program" "$programs/$program" --help
+  short=$(wc -l <log)
+  grep -q "^  $program " log && ok=yes || ok=no
+  [ "$(grep -c "^  $program " log)" -ge 2 ] || grep -q '^Usage: .* \[OPTIONS\] folder' log || ok=no
+  report $ok "the help of $program has examples"
+  works "help of $program" "$programs/$program" --help-all
+  [ "$(wc -l <log)" -ge "$short" ] && ok=yes || ok=no
+  report $ok "--help-all of $program tells more"
   grep -q 'support/\|\.hpp' log && ok=no || ok=yes
   report $ok "the help of $program names no source file"
   if grep -q -- '--coordinates' log; then
@@ -1454,7 +1461,7 @@ refuses 'not defined outside' "$animate" stray.svg --cage "$cage" --clip "$data/
 refuses 'the same file as ' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 -o out.01.svg --stills out. --still-count 1
 
 # Films, by a stand-in for ffmpeg that writes down what it is given: its last word is the file.
-mkdir -p stand_in none
+mkdir -p stand_in none films
 cat >stand_in/ffmpeg <<'END'
 #!/bin/sh
 for word in "$@"; do out=${word#file:}; done
@@ -1462,6 +1469,7 @@ printf '%s\n' "$*" >words
 cat >"$out"
 END
 chmod +x stand_in/ffmpeg
+cp stand_in/ffmpeg films/ffmpeg
 for kind in gif apng mp4; do
   works "a $kind" env PATH="$work/stand_in:$PATH" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 --width 64 -o walk.svg --$kind "a \$(touch stray) film.$kind"
   [ "$(tr -d '\0' <"a \$(touch stray) film.$kind" | grep -ac 'IHDR')" = 5 ] && [ ! -e stray ] && grep -q -- "-framerate 2.08333 .* -f $kind file:" words && ok=yes || ok=no
@@ -1506,7 +1514,33 @@ refuses '--clip excludes --pose' "$animate" "$cat" --cage "$cage" --clip "$data/
 refuses '--pose, or operations such as --turn, but not both' "$animate" "$cat" --cage "$cage" --pose "$pose" --turn 1:1 -o out.svg
 refuses '--pose is required, or operations such as --turn' "$animate" "$cat" --cage "$cage" -o out.svg
 refuses '--turn "99:1": there is no vertex 99' "$animate" "$cat" --cage auto --turn 99:1 -o out.svg
-refuses 'the pose: frame' "$animate" "$cat" --cage "$cage" --move 0:500,0 -o out.svg
+for program in "$deform" "$animate"; do
+  works "a pose whose cage crosses itself" "$program" "$cat" --cage "$cage" --move 0:500,0 -o out.svg
+  grep -q 'warning: the pose.*: of the posed cage edges cross or touch (.*: the figure may fold over itself there' log && ok=yes || ok=no
+  report $ok "is drawn, and the crossing is named"
+done
+works "a film alone" env PATH="$work/films:$PATH" "$animate" "$cat" --cage auto --seconds 0.2 --width 64 -o alone.gif
+[ "$(tr -d '\0' <alone.gif | grep -ac 'IHDR')" = 5 ] && grep -q -- '-framerate 25 .* -f gif' words && ok=yes || ok=no
+report $ok "has 25 frames a second"
+printf '<svg viewBox="0 0 100 100"><text x="40" y="50" font-size="9">here</text><image x="40" y="60" width="9" height="9" href="data:,"/><path d="M40 60h20v9z"/></svg>' >carried.svg
+works "a text and an image in motion" "$animate" carried.svg --cage box --move all:30,0 --rate 4 -o carried_walk.svg --stills carried_ --still-count 2
+[ "$(grep -c '<animateTransform attributeName="transform" type="translate"' carried_walk.svg)" -ge 1 ] && ok=yes || ok=no
+grep -q '<text [^>]*transform="matrix(1 0 0 1 30 0)"' carried_02.svg && grep -q '<image [^>]*transform="matrix(1 0 0 1 30 0)"' carried_02.svg || ok=no
+report $ok "both follow"
+works "a motion out of the picture" "$animate" carried.svg --cage box --move all:90,0 --rate 4 -o wide.svg --fit
+grep -q 'viewBox="0 0 1[45]' wide.svg && ok=yes || ok=no
+report $ok "--fit grows it to all frames"
+refuses 'is it the cage of another figure' "$deform" "$data/biped.svg" --cage "$data/hexagon_cage.svg" --move 0:1,1 -o out.svg
+gzip -c "$cat" >packed.svgz
+works "a packed figure" "$deform" packed.svgz --cage "$cage" --pose "$pose" -o packed_out.svg
+works "the figure itself" "$deform" "$cat" --cage "$cage" --pose "$pose" -o unpacked_out.svg
+cmp -s packed_out.svg unpacked_out.svg && ok=yes || ok=no
+report $ok "they are one"
+head -c 300 packed.svgz >broken.svgz
+refuses 'broken.svgz: a damaged gzip file' "$deform" broken.svgz --cage "$cage" --pose "$pose" -o out.svg
+head -c 300000000 /dev/zero | gzip -c >bomb.svgz
+refuses 'bomb.svgz: unpacked it is larger than 256 MiB' "$deform" bomb.svgz --cage auto -o out.svg
+refuses 'is a share of the figure.s diagonal: 5% or, as a number, 0.05?' "$make_cage" "$cat" --margin 5 -o out.svg
 hostile large '<path d="M 0,0 L 1e12,0 L 0,1e12 z"/>'
 works "a figure of 1e12 units" "$animate" large.svg --cage auto -o large_look.svg
 refuses '--seconds' "$animate" "$cat" --cage "$cage" --seconds 0 --move 0:5,0 -o out.svg

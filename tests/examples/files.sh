@@ -169,6 +169,7 @@ form deform_svg fish.svg --cage fish_points.svg --pose fish_pose_fins.svg --coor
 form animate_svg hexagon.svg --cage hexagon_cage.svg --clip clip.csv -o out.svg --stills still_ --still-count 1 --rate 2 \
   --gif out.gif --apng out.png --mp4 out.mp4 --width 40
 form animate_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg --rate 2 -o out.svg
+form animate_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg --rate 2 --width 40 -o out.gif
 form coordinate_field --cage hexagon_cage.svg --vertex 0 --coordinates harmonic --resolution 16 --size 40 -o out.png \
   --classes classes.png --surface surface.png
 form coordinate_field --cage auto --figure hexagon.svg --vertex 0 --size 40 -o out.png

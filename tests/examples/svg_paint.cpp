@@ -3,6 +3,7 @@
 #include "svg_motion.hpp"
 #include "svg_style.hpp"
 #include "svg_walk.hpp"
+#include "svg_xml.hpp"
 
 #include "catch.hpp"
 
@@ -573,6 +574,37 @@ TEST_CASE("texts and images move as a whole", "[examples][svg_document][paint]")
         CHECK(distance(p, apply(pose, apply(before, {3, 7}))) < 1e-6);
     }
     CHECK(result.report.warnings.size() == 2);
+}
+
+TEST_CASE("images in copies are written once and move as the image would", "[examples][svg_document][use]") {
+    const std::string bytes(3000, 'A');
+    const std::string text = svg(
+        R"x(<g id="g" transform="translate(1 2)"><image transform="scale(2)" x="1" y="1" width="8" height="4" href="data:image/png;base64,)x" +
+        bytes + R"x("/></g><use href="#g" x="10"/><use href="#g" y="20" transform="rotate(9)"/>)x");
+    const Affine2 pose{0, 2, -2, 0, 90, 10};
+    const Result result = deformed(text, by(pose));
+    std::size_t repeats = 0;
+    for (std::size_t at = result.text.find(bytes); at != std::string::npos;
+         at = result.text.find(bytes, at + bytes.size()))
+        ++repeats;
+    CHECK(repeats == 2); // the image that stands for itself, and the definition
+    std::vector<pugi::xml_node> uses;
+    const pugi::xml_node root = result.document.xml.document_element();
+    for (pugi::xml_node node = root; node; node = detail::next_node(node, root)) {
+        if (detail::local_name(node) == "use") uses.push_back(node);
+    }
+    REQUIRE(uses.size() == 2);
+    const Affine2 turn = *parse_transform("rotate(9)");
+    for (const std::size_t n : {0u, 1u}) {
+        CAPTURE(n);
+        const Affine2 outer = n == 0 ? Affine2{1, 0, 0, 1, 10, 0} : compose(turn, {1, 0, 0, 1, 0, 20});
+        const Affine2 parent = compose(outer, {1, 0, 0, 1, 1, 2});
+        const Affine2 moved = compose(parent, *parse_transform(uses[n].attribute("transform").value()));
+        const Point2 p = apply(pose, apply(compose(parent, {2, 0, 0, 2, 0, 0}), {3, 4}));
+        CHECK(distance(p, apply(moved, {3, 4})) < 1e-6);
+        CHECK(by_id(result.document, detail::reference_of(uses[n]).substr(1)).attribute("width").as_int() ==
+              8);
+    }
 }
 
 TEST_CASE("what has no inside is not filled when it is bent", "[examples][svg_document][paint]") {

@@ -3,7 +3,7 @@
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
 //             examples/support/{atomic_file,bind_report,cage_file,clip_file,csv,guard,input_file,mesh_cage,obj_file,render,svg_*}.cpp
-//             -lpugixml -ltinyobjloader_double -o fuzz_read_files
+//             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
 // Readers: cage (CSV), clip, css, lottie, poses, obj. SVG has a driver of its own.

@@ -2,7 +2,7 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Iexamples/support tests/fuzz/svg.cpp examples/support/svg_*.cpp
-//             examples/support/{input_file,atomic_file,guard,render}.cpp -lpugixml -o fuzz_svg
+//             examples/support/{input_file,atomic_file,guard,render}.cpp -lpugixml -lz -o fuzz_svg
 //     mkdir corpus && ./fuzz_svg -max_len=4096 -timeout=60 corpus examples/data
 #include "svg_document.hpp"
 

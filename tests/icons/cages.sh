@@ -9,16 +9,16 @@ icons=${ICONS:-/usr/share/icons}
 themes='Tango Adwaita breeze Papirus Faenza elementary-xfce'
 [ -n "${ICONS:-}" ] || sh cmake/install_packages.sh tango-icon-theme adwaita-icon-theme breeze-icon-theme papirus-icon-theme \
   faenza-icon-theme elementary-xfce-icon-theme
-sh cmake/install_packages.sh libpugixml-dev libeigen3-dev g++
+sh cmake/install_packages.sh libpugixml-dev zlib1g-dev libeigen3-dev g++
 mkdir -p out/icons
 sources=
-for name in csv drawn_figure input_file svg_document svg_motion svg_paint svg_path svg_references svg_shapes svg_style svg_walk svg_xml \
+for name in csv drawn_figure input_file svg_document svg_motion svg_paint svg_path svg_references svg_shapes svg_style svg_walk svg_xml svg_animation \
   svg_deform css_colour; do
   sources="$sources examples/support/$name.cpp"
 done
 # shellcheck disable=SC2086
 c++ -std=c++20 -O3 -march=native -DNDEBUG -Iinclude -isystem /usr/include/eigen3 -Iexamples/support tests/icons/cages.cpp $sources \
-  -lpugixml -o out/icons/cages
+  -lpugixml -lz -o out/icons/cages
 set -- $themes
 each=$(((count + $# - 1) / $#))
 for theme in $themes; do # one name of each content

@@ -1,9 +1,10 @@
-// Compares a deformed icon, as rendered, with the deformed picture of the icon: for run.sh.
+// Compares a deformed icon, as rendered, with the deformed picture of the icon: for run.sh and frames.sh.
 //
 //     judge prepare ICON.svg FOLDER   writes rest.svg, wide.svg (with a margin), cage.csv and bend.csv
 //     judge compare FOLDER            of rest.png, wide.png, identity.png and bend.png: prints the largest difference of
 //                                     the identity, and of the bend the mean difference where either picture has
 //                                     paint and the share of it that differs by more than 32; writes expected.png
+//     judge difference A.png B.png    prints the largest difference, the mean and that share
 //     judge sheet OUT.png FOLDER…     a row each: at rest, expected, bent
 //
 // Differences are in steps of 1/255 over white. A picture cannot be bent without blur, so they are of means of 2 x 2 pixels,
@@ -336,9 +337,13 @@ int main(int argc, char** argv) {
         prepare(words[1], words[2]);
     } else if (what == "compare" && words.size() == 2) {
         compare(words[1]);
+    } else if (what == "difference" && words.size() == 3) {
+        const Picture a = load_picture(words[1]), b = load_picture(words[2]);
+        const Difference d = difference(a, b);
+        std::printf("%.0f %.3f %.5f\n", largest_difference(a, b), d.mean, d.strong);
     } else if (what == "sheet" && words.size() > 2) {
         sheet(words[1], {words.begin() + 2, words.end()});
     } else {
-        fail("prepare ICON.svg FOLDER | compare FOLDER | sheet OUT.png FOLDER…");
+        fail("prepare ICON.svg FOLDER | compare FOLDER | difference A.png B.png | sheet OUT.png FOLDER…");
     }
 }

@@ -13,13 +13,13 @@ icons=${ICONS:-/usr/share/icons}
 jobs=${JOBS:-$(nproc)}
 out=$PWD/out/icons
 [ -n "${ICONS:-}" ] || sh cmake/install_packages.sh tango-icon-theme adwaita-icon-theme breeze-icon-theme papirus-icon-theme
-sh cmake/install_packages.sh librsvg2-bin libstb-dev libpugixml-dev libtinyobjloader-dev libeigen3-dev g++
+sh cmake/install_packages.sh librsvg2-bin libstb-dev libpugixml-dev zlib1g-dev libtinyobjloader-dev libeigen3-dev g++
 [ -n "${PROGRAMS:-}" ] || sh examples/run.sh --build-only
 programs=$(cd "${PROGRAMS:-build/examples}" && pwd)
 rm -rf "$out"
 mkdir -p "$out/kept"
 c++ -std=c++20 -O2 -Iinclude -isystem /usr/include/eigen3 -Iexamples/support tests/icons/judge.cpp \
-  "$programs/support/libexample_files.a" -lpugixml -ltinyobjloader_double -o "$out/judge"
+  "$programs/support/libexample_files.a" -lpugixml -lz -ltinyobjloader_double -o "$out/judge"
 
 # ---- which ----
 # One name of each content, in the order of names; spread evenly over a theme where only some of it is wanted.
