@@ -85,14 +85,16 @@ SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& 
 }
 
 SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
-                                const SiteChoice& of_sites, const SvgDocument& figure) {
+                                const SiteChoice& of_sites, const SvgDocument& figure,
+                                const std::string& figure_path) {
     if (choice.takes_sites()) return read_sites(choice, paths, of_sites, figure);
     const auto cage = load_or_make_cage(paths.cage, figure);
     if (!cage) return cage.error();
-    auto pose = read_pose(paths.pose, paths.operations, *cage, CageWord::of(paths.cage).is_auto);
+    const bool is_made = CageWord::of(paths.cage).is_auto;
+    auto pose = read_pose(paths.pose, paths.operations, *cage, is_made);
     if (!pose) return pose.error();
     Control result{control_of(choice, *cage), std::move(*pose), {}};
-    result.control.pose_name = paths.pose.empty() ? "the pose" : paths.pose;
+    result.control.pose_name = !paths.pose.empty() ? paths.pose : is_made ? figure_path : paths.cage;
     result.control.poses = {result.drawn.vertices};
     result.fault = pose_faults(result.control, *cage);
     return result;
@@ -194,7 +196,7 @@ int run_program(int argc, char** argv) {
         if (!count) return fail(to_string(count.error()));
         for (const std::string& text : warnings) warn(text);
     }
-    const auto posed = read_control(choice, paths, of_sites, *document);
+    const auto posed = read_control(choice, paths, of_sites, *document, figure_path);
     if (!posed) return fail(to_string(posed.error()));
     const std::string png_path = png ? png_of(out_path).string() : "";
     if (const auto fault = fault_of_outputs({out_path, png_path})) return fail(*fault);

@@ -268,6 +268,7 @@ int run_program(int argc, char** argv) {
     CommandLine words(
         "Draws how sweeps relax a line of cells: each without a given value becomes the mean of its "
         "neighbours, once from zero and once from a good first guess.");
+    words.set_examples({"line.csv -o line.svg --png", "line.csv -o line.svg --play sweeps.svg"});
     std::string path, sheet, film, guess = "coarse";
     double tolerance = 1e-6;
     bool png = false;

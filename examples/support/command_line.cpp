@@ -33,6 +33,21 @@ CLI::Validator decimal(bool with_sign) {
 
 const char* const rare_options = "Rarely needed";
 
+/// Leaves out what is rarely needed, unless all is asked for.
+class HelpFormatter : public CLI::Formatter {
+public:
+    explicit HelpFormatter(bool all)
+        : all_(all) {}
+    std::string make_group(std::string group, bool is_positional,
+                           std::vector<const CLI::Option*> options) const override {
+        if (!all_ && group == rare_options) return {};
+        return CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
+    }
+
+private:
+    bool all_;
+};
+
 } // namespace
 
 CommandOption& CommandOption::required() {
@@ -173,11 +188,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     };
     const bool all = asks("--help-all");
     app_->footer(footer(all));
-    if (!all) {
-        for (CLI::Option* option : app_->get_options()) {
-            if (option->get_group() == rare_options) option->group(""); // which hides it
-        }
-    }
+    app_->formatter(std::make_shared<HelpFormatter>(all));
     try {
         app_->parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -229,7 +229,8 @@ grep -q 'the grid is coarse' log && ok=no || ok=yes
 report $ok "that resolution will do"
 refuses '--pose' "$deform" "$cat" --cage "$cage" -o out.svg
 refuses 'missing/out.svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o missing/out.svg
-works "points outside" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" -o outside.svg
+sed 's|</svg>|<path d="M 60 40 L 160 40 L 160 90 Z"/></svg>|' "$cat" >beside.svg
+works "points outside" "$deform" beside.svg --cage "$cage" --pose "$pose" -o outside.svg
 [ "$(grep -c 'lie outside the cage.*they follow the extension of the coordinates' log)" = 1 ] && ok=yes || ok=no
 report $ok "one warning of points outside"
 for policy in keep nearest extend; do
@@ -269,9 +270,9 @@ report $ok "faults are listed up to ten"
 { echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="-30 -30 60 60">'
   for line in $(seq 500); do echo "<text>$line</text>"; done
   echo '<path d="M 1 1 L 2 1 L 2 2"/></svg>'; } >texts.svg
-works "an SVG of texts" "$deform" texts.svg --cage square.csv --pose square.csv -o texts_out.svg
-[ "$(wc -l <log)" -lt 20 ] && grep -q 'more of these' log && ok=yes || ok=no
-report $ok "warnings are listed up to ten"
+works "an SVG of texts" "$deform" texts.svg --cage square.csv --pose square.csv --outside extend -o texts_out.svg
+[ "$(wc -l <log)" -lt 5 ] && grep -q 'text (line 2) and 499 more: keeps its letters' log && ok=yes || ok=no
+report $ok "warnings of one kind are one line"
 printf '2,2\n1,2\n' >middle.csv
 works "a report of a square" "$weights" --cage square.csv --points middle.csv --report -o w.csv
 grep -q 'least weight: 0.1' log && ok=yes || ok=no
@@ -1407,8 +1408,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   report $ok "$program tells its version"
   works "short help of $program" "$programs/$program" --help
   short=$(wc -l <log)
-  grep -q "^  $program " log && ok=yes || ok=no
-  [ "$(grep -c "^  $program " log)" -ge 2 ] || grep -q '^Usage: .* \[OPTIONS\] folder' log || ok=no
+  grep -q "^  $program " log || [ "$program" = bezier_tables ] && ok=yes || ok=no # which takes no words
   report $ok "the help of $program has examples"
   works "help of $program" "$programs/$program" --help-all
   [ "$(wc -l <log)" -ge "$short" ] && ok=yes || ok=no
@@ -1516,7 +1516,7 @@ refuses '--pose is required, or operations such as --turn' "$animate" "$cat" --c
 refuses '--turn "99:1": there is no vertex 99' "$animate" "$cat" --cage auto --turn 99:1 -o out.svg
 for program in "$deform" "$animate"; do
   works "a pose whose cage crosses itself" "$program" "$cat" --cage "$cage" --move 0:500,0 -o out.svg
-  grep -q 'warning: the pose.*: of the posed cage edges cross or touch (.*: the figure may fold over itself there' log && ok=yes || ok=no
+  grep -q 'warning: .*: of the posed cage edges cross or touch (.*: the figure may fold over itself there' log && ok=yes || ok=no
   report $ok "is drawn, and the crossing is named"
 done
 works "a film alone" env PATH="$work/films:$PATH" "$animate" "$cat" --cage auto --seconds 0.2 --width 64 -o alone.gif
@@ -1528,7 +1528,7 @@ works "a text and an image in motion" "$animate" carried.svg --cage box --move a
 grep -q '<text [^>]*transform="matrix(1 0 0 1 30 0)"' carried_02.svg && grep -q '<image [^>]*transform="matrix(1 0 0 1 30 0)"' carried_02.svg || ok=no
 report $ok "both follow"
 works "a motion out of the picture" "$animate" carried.svg --cage box --move all:90,0 --rate 4 -o wide.svg --fit
-grep -q 'viewBox="0 0 1[45]' wide.svg && ok=yes || ok=no
+grep -q 'viewBox="-[0-9.]* -[0-9.]* 150[.0-9]* ' wide.svg && ok=yes || ok=no
 report $ok "--fit grows it to all frames"
 refuses 'is it the cage of another figure' "$deform" "$data/biped.svg" --cage "$data/hexagon_cage.svg" --move 0:1,1 -o out.svg
 gzip -c "$cat" >packed.svgz
@@ -1540,7 +1540,7 @@ head -c 300 packed.svgz >broken.svgz
 refuses 'broken.svgz: a damaged gzip file' "$deform" broken.svgz --cage "$cage" --pose "$pose" -o out.svg
 head -c 300000000 /dev/zero | gzip -c >bomb.svgz
 refuses 'bomb.svgz: unpacked it is larger than 256 MiB' "$deform" bomb.svgz --cage auto -o out.svg
-refuses 'is a share of the figure.s diagonal: 5% or, as a number, 0.05?' "$make_cage" "$cat" --margin 5 -o out.svg
+refuses "is a share of the figure's diagonal: 5% or, as a number, 0.05?" "$make_cage" "$cat" --margin 5 -o out.svg
 hostile large '<path d="M 0,0 L 1e12,0 L 0,1e12 z"/>'
 works "a figure of 1e12 units" "$animate" large.svg --cage auto -o large_look.svg
 refuses '--seconds' "$animate" "$cat" --cage "$cage" --seconds 0 --move 0:5,0 -o out.svg
