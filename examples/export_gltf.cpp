@@ -3,16 +3,18 @@
 //     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb
 //     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
 //
-// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most.
-// Affine poses stay exact, bends lose what the left out weights did; normals do not turn, as no joint does. What is lost
-// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as a share of the
-// figure's size.
+// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most,
+// chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose what the left out
+// weights did; the file's normals do not turn, as no joint does. What is lost of places, edges and normals of the surface
+// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as a share of
+// the figure's size.
 //
 // --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones depend linearly on
 // the pose, and so do the curves between poses, so positions are those of the clone at all times.
 //
 // The motion is a clip (support/clip_file.hpp), or goes from the rest pose through those given and back. Either way it is
-// written with CUBICSPLINE interpolation, without loss. Materials and groups of the OBJ file are left out.
+// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every material of it a
+// primitive with the colours and the texture that its MTL file gives.
 
 #include "atomic_file.hpp"
 #include "bind_report.hpp"
@@ -24,6 +26,7 @@
 #include "mesh_cage.hpp"
 #include "progress_bar.hpp"
 
+#include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 
 #include <iostream>
@@ -51,7 +54,8 @@ struct Arguments {
 /// All that is read.
 struct Scene {
     ObjFile figure, cage;
-    GltfMesh mesh;
+    ObjParts parts; // of the figure
+    std::vector<GltfMesh> meshes;
     PoseClip clip;                   // without keys: no motion
     std::vector<std::string> labels; // of the cage's vertices, empty where one has none; or none at all
 };
@@ -110,30 +114,113 @@ cageform::StridedPoints<const double, 3> pose_of(const SampledPoses& poses, std:
     return {poses.numbers.data() + p * numbers, numbers / 3};
 }
 
-/// The distance between the figure as bound and as it is played from a skin, over the motion. Without a motion, over
+/// What a skin loses: of places, of edges and of the directions in which the surface looks.
+struct SkinLoss {
+    StoredLoss places;
+    double edge = 0;       // the largest difference between an edge as it ought to be and as it is
+    double edge_share = 0; // the largest such difference as a share of the edge itself
+    double turn = 0; // by which 99 % of the normals at vertices are wrong at most, in degrees; of a motion
+    double largest_turn = 0;
+};
+
+constexpr double worth_a_warning_of_turns = 10; // degrees, of 99 % of the normals
+
+/// "edges by at most 0.0041 (0.1 % of the figure's size, 4 % of the edge), …".
+std::string describe_surface(const SkinLoss& loss) {
+    std::ostringstream text;
+    text.precision(3);
+    text << "edges by at most " << loss.edge << " (" << 100 * loss.edge / loss.places.size << " % of "
+         << loss.places.size_of;
+    if (loss.places.poses == 0) {
+        text << ')';
+    } else {
+        text << "), or " << 100 * loss.edge_share << " % of an edge; normals by at most " << loss.largest_turn
+             << " degrees, 99 % of them by " << loss.turn << " at most";
+    }
+    return text.str();
+}
+
+/// The normals at the vertices of a figure whose vertices are at `places`, not of unit length.
+std::vector<Point3> normals_of(const ObjFile& figure, std::span<const Point3> places) {
+    std::vector<Point3> normals(places.size());
+    for (const ObjFace& face : figure.faces) {
+        const Point3 area = detail::area_vector(face, places);
+        for (const ObjCorner& corner : face.corners) normals[corner.vertex] = normals[corner.vertex] + area;
+    }
+    return normals;
+}
+
+double length(const Point3& v) {
+    return std::hypot(v[0], v[1], v[2]);
+}
+
+/// Compares a pose of the figure as it ought to be and as it is; angles of normals are appended to `turns`.
+void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> played,
+                 SkinLoss& loss, std::vector<float>& turns) {
+    for (const auto& triangle : figure.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
+            const Point3 edge = right[b] - right[a];
+            const double difference = length(played[b] - played[a] - edge), own = length(edge);
+            loss.edge = std::max(loss.edge, difference);
+            if (own > 1e-9 * loss.places.size) loss.edge_share = std::max(loss.edge_share, difference / own);
+        }
+    }
+    const auto before = normals_of(figure, right), after = normals_of(figure, played);
+    constexpr double degrees = 180 / 3.14159265358979323846;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (!(length(before[i]) > 0) || !(length(after[i]) > 0)) continue;
+        turns.push_back(
+            float(degrees * std::atan2(length(cross(before[i], after[i])), dot(before[i], after[i]))));
+    }
+}
+
+/// The differences between the figure as bound and as it is played from a skin, over the motion. Without a motion, over
 /// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
-StoredLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
+SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
     LossMeter meter(scene.figure);
+    SkinLoss loss;
     if (scene.clip.keys.empty()) {
         const double reach =
             0.1 * cageform::bounds_of(std::span<const Point3>(scene.cage.vertices)).diagonal();
         meter.set_reach(reach);
+        const auto change = [&](std::size_t i, std::size_t h) {
+            return played.weight(i, h) - bound.weight(i, h);
+        };
         for (std::size_t i = 0; i < bound.point_count(); ++i) {
             double error = 0;
-            for (std::size_t h = 0; h < bound.handle_count(); ++h)
-                error += std::fabs(played.weight(i, h) - bound.weight(i, h));
+            for (std::size_t h = 0; h < bound.handle_count(); ++h) error += std::fabs(change(i, h));
             meter.raise(i, reach * error, {});
         }
-    } else {
-        const SampledPoses poses = sample_poses(scene.clip);
-        std::vector<Point3> a(bound.point_count()), b(a);
-        for (std::size_t p = 0; p < poses.times.size(); ++p) {
-            const auto pose = pose_of(poses, p);
-            if (clone(bound, pose, a) == Status::ok && clone(played, pose, b) == Status::ok)
-                meter.add_pose(a, b, poses.times[p]);
+        for (const auto& triangle : scene.figure.triangles) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                double error = 0;
+                for (std::size_t h = 0; h < bound.handle_count(); ++h)
+                    error += std::fabs(change(triangle[k], h) - change(triangle[(k + 1) % 3], h));
+                loss.edge = std::max(loss.edge, reach * error);
+            }
         }
+        loss.places = meter.loss();
+        return loss;
     }
-    return meter.loss();
+    loss.places = meter.loss(); // the size
+    const SampledPoses poses = sample_poses(scene.clip);
+    std::vector<Point3> a(bound.point_count()), b(a);
+    std::vector<float> turns;
+    for (std::size_t p = 0; p < poses.times.size(); ++p) {
+        const auto pose = pose_of(poses, p);
+        if (clone(bound, pose, a) != Status::ok || clone(played, pose, b) != Status::ok) continue;
+        meter.add_pose(a, b, poses.times[p]);
+        add_surface(scene.figure, a, b, loss, turns);
+    }
+    loss.places = meter.loss();
+    if (!turns.empty()) {
+        const auto at = turns.begin() + std::ptrdiff_t(0.99 * double(turns.size() - 1));
+        std::nth_element(turns.begin(), at, turns.end());
+        loss.turn = double(*at);
+        loss.largest_turn = double(*std::max_element(at, turns.end()));
+    }
+    return loss;
 }
 
 std::string stem(const std::string& path) {
@@ -178,59 +265,48 @@ std::string add_animation(GltfDocument& document, const PoseClip& clip, std::spa
     return {};
 }
 
-/// The mesh at rest, its attributes to be completed.
-GltfJson primitive_of(GltfDocument& document, const Scene& scene) {
-    GltfJson attributes;
-    attributes["POSITION"] =
-        document.add(gltf_positions(scene.mesh, scene.figure.vertices), Use::vertices, true);
-    attributes["NORMAL"] =
-        document.add(gltf_normals(scene.mesh, scene.figure, scene.figure.vertices), Use::vertices);
-    if (!scene.mesh.texture.empty())
-        attributes["TEXCOORD_0"] = document.add(scene.mesh.texture, Use::vertices);
-    std::size_t indices = 0;
-    if (scene.mesh.corners.size() < 65535) { // 3.7.2.1: the largest index is not a vertex
-        std::vector<std::array<std::uint16_t, 1>> narrow;
-        for (const auto& index : scene.mesh.indices) narrow.push_back({std::uint16_t(index[0])});
-        indices = document.add(narrow, Use::indices);
-    } else {
-        indices = document.add(scene.mesh.indices, Use::indices);
-    }
-    document.append(
-        "materials",
-        {{"name", "clay"},
-         {"pbrMetallicRoughness",
-          {{"baseColorFactor", {0.72, 0.36, 0.2, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.7}}}});
-    return {{"attributes", std::move(attributes)}, {"indices", indices}, {"material", 0}};
-}
-
 std::array<double, 3> rounded(const Point3& p) { // as the buffers have it
     return {double(float(p[0])), double(float(p[1])), double(float(p[2]))};
 }
 
-/// A skin: nodes are the mesh, the cage and its vertices.
+/// A node for every mesh, the first of the document. Returns their numbers.
+std::vector<std::size_t> add_mesh_nodes(GltfDocument& document, const Scene& scene, bool has_skin) {
+    std::vector<std::size_t> nodes;
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        GltfJson node = {{"name", scene.meshes[m].name}, {"mesh", m}};
+        if (has_skin) node["skin"] = 0;
+        nodes.push_back(document.append("nodes", std::move(node)));
+    }
+    return nodes;
+}
+
+/// A skin: nodes are the meshes, the cage and its vertices.
 std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments& given,
                      const SkinWeights& skin, bool with_still) {
     const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
-    constexpr std::size_t figure_node = 0, root_node = 1, first_joint = 2;
     if (joints > 65536) return scene.cage.name + ": more vertices than glTF has joints";
-    GltfJson primitive = primitive_of(document, scene);
-    const auto add_attributes = [&]<class Weight>(const std::vector<Weight>& weights) {
-        GltfJson& attributes = primitive["attributes"];
-        const std::span<const Weight> all(weights);
-        if (joints <= 256)
-            add_skin_attributes<std::uint8_t>(document, attributes, scene.mesh, skin, all, handles);
-        else
-            add_skin_attributes<std::uint16_t>(document, attributes, scene.mesh, skin, all, handles);
+    const auto add_meshes = [&]<class Weight>(const std::vector<Weight>& weights) {
+        for (const GltfMesh& mesh : scene.meshes) {
+            GltfJson attributes = gltf_attributes(document, mesh, scene.figure);
+            const std::span<const Weight> all(weights);
+            if (joints <= 256)
+                add_skin_attributes<std::uint8_t>(document, attributes, mesh, skin, all, handles);
+            else
+                add_skin_attributes<std::uint16_t>(document, attributes, mesh, skin, all, handles);
+            document.append(
+                "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
+        }
     };
     if (given.weights == "unorm8")
-        add_attributes(cageform::to_normalised<std::uint8_t>(skin));
+        add_meshes(cageform::to_normalised<std::uint8_t>(skin));
     else if (given.weights == "unorm16")
-        add_attributes(cageform::to_normalised<std::uint16_t>(skin));
+        add_meshes(cageform::to_normalised<std::uint16_t>(skin));
     else
-        add_attributes(skin.weights);
-    document.append("meshes", {{"name", stem(given.figure)}, {"primitives", {std::move(primitive)}}});
+        add_meshes(skin.weights);
 
-    document.append("nodes", {{"name", stem(given.figure)}, {"mesh", 0}, {"skin", 0}});
+    std::vector<std::size_t> roots = add_mesh_nodes(document, scene, true);
+    const std::size_t root_node = roots.size(), first_joint = root_node + 1;
+    roots.push_back(root_node);
     GltfJson root = {{"name", stem(given.cage)}};
     GltfJson list;
     for (std::size_t j = 0; j < joints; ++j) list.push_back(first_joint + j);
@@ -248,7 +324,7 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     document.append("skins", {{"inverseBindMatrices", document.add(inverse, Use::other)},
                               {"skeleton", root_node},
                               {"joints", std::move(list)}});
-    document.append("scenes", {{"nodes", {figure_node, root_node}}});
+    document.append("scenes", {{"nodes", roots}});
     if (scene.clip.keys.empty()) return {};
 
     std::vector<Channel> channels;
@@ -295,9 +371,6 @@ SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>
 /// Morph targets: one for every key whose pose is not that at rest.
 std::string add_targets(GltfDocument& document, const Scene& scene, const Arguments& given,
                         const Binding<double, 3>& binding) {
-    GltfJson primitive = primitive_of(document, scene);
-    const auto rest = gltf_positions(scene.mesh, scene.figure.vertices);
-    const auto rest_normals = gltf_normals(scene.mesh, scene.figure, scene.figure.vertices);
     const auto difference = [](std::vector<std::array<float, 3>> a,
                                const std::vector<std::array<float, 3>>& b) {
         for (std::size_t i = 0; i < a.size(); ++i) {
@@ -308,63 +381,96 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
     GltfJson names, zeros;
     const auto motion = clip_of_handles(scene, binding);
     if (!motion) return motion.error().message;
-    const PoseClip& of_handles = *motion;
-    std::vector<std::size_t> keys; // of the targets
-    std::vector<Point3> moved(scene.figure.vertices.size());
+    std::vector<std::size_t> keys;           // of the targets
+    std::vector<std::vector<Point3>> places; // of the figure there
     for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
         if (scene.clip.keys[k].places == scene.cage.vertices) continue;
-        const Status status = clone(binding, of_handles.keys[k].places, moved);
+        std::vector<Point3>& moved = places.emplace_back(scene.figure.vertices.size());
+        const Status status = clone(binding, motion->keys[k].places, moved);
         if (status != Status::ok) return scene.clip.name + ": " + cageform::to_string(status);
         for (const Point3& p : moved) {
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
                 return scene.figure.name + ": a vertex has moved beyond all numbers";
         }
-        const auto shift = difference(gltf_positions(scene.mesh, moved), rest);
-        const auto turn = difference(gltf_normals(scene.mesh, scene.figure, moved), rest_normals);
-        primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
-                                        {"NORMAL", document.add(turn, Use::vertices)}});
         keys.push_back(k);
         names.push_back(given.poses.empty() ? "key " + std::to_string(k) : stem(given.poses[k - 1]));
         zeros.push_back(0.0);
     }
     if (keys.empty()) return scene.clip.name + ": every pose is that at rest";
-    document.append("meshes", {{"name", stem(given.figure)},
-                               {"primitives", {std::move(primitive)}},
-                               {"weights", zeros},
-                               {"extras", {{"targetNames", std::move(names)}}}});
-    document.append("nodes", {{"name", stem(given.figure)}, {"mesh", 0}});
-    document.append("scenes", {{"nodes", {0}}});
-    Channel channel{0, "weights", {}, keys.size()};
-    for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
-        for (const std::size_t key : keys) channel.values.push_back(key == k ? 1.0 : 0.0);
+    for (const GltfMesh& mesh : scene.meshes) {
+        const auto rest = gltf_positions(mesh, scene.figure.vertices);
+        const auto rest_normals = gltf_normals(mesh, scene.figure, scene.figure.vertices);
+        GltfJson targets;
+        for (const auto& moved : places) {
+            const auto shift = difference(gltf_positions(mesh, moved), rest);
+            const auto turn = difference(gltf_normals(mesh, scene.figure, moved), rest_normals);
+            targets.push_back({{"POSITION", document.add(shift, Use::vertices, true)},
+                               {"NORMAL", document.add(turn, Use::vertices)}});
+        }
+        const GltfJson attributes = gltf_attributes(document, mesh, scene.figure);
+        document.append("meshes", {{"name", mesh.name},
+                                   {"primitives", gltf_primitives(document, mesh, attributes, targets)},
+                                   {"weights", zeros},
+                                   {"extras", {{"targetNames", names}}}});
     }
-    return add_animation(document, scene.clip, std::span(&channel, 1));
+    const auto nodes = add_mesh_nodes(document, scene, false);
+    document.append("scenes", {{"nodes", nodes}});
+    std::vector<Channel> channels;
+    for (const std::size_t node : nodes) {
+        Channel& channel = channels.emplace_back(Channel{node, "weights", {}, keys.size()});
+        for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
+            for (const std::size_t key : keys) channel.values.push_back(key == k ? 1.0 : 0.0);
+        }
+    }
+    return add_animation(document, scene.clip, channels);
 }
 
-/// The skin that was asked for, or the one of the fewest sets of four joints that keeps the distance; what it loses.
+constexpr std::size_t joint_set = 4, most_joints = 16;
+
+/// A skin of so many joints a vertex, and what it loses.
 cageform::SkinWeightsResult make_skin(const Arguments& given, const Scene& scene,
-                                      const Binding<double, 3>& bound, StoredLoss& loss) {
-    constexpr std::size_t set = 4, most = 16; // joints
-    const bool search = given.influences == 0;
-    for (std::size_t influences = search ? set : given.influences;; influences += set) {
-        cageform::SkinWeightsResult made;
-        {
-            ProgressBar bar("weights");
-            made = cageform::skin_weights(bound, {.influences = influences, .threshold = given.threshold},
-                                          {.progress = bar.callback()});
-        }
-        Binding<double, 3> played;
-        if (made.report.status == Status::ok)
-            made.report.status = skin_to_binding(bound, stored(made.skin, given.weights), played);
-        if (made.report.status != Status::ok) return made;
-        loss = loss_of(scene, bound, played);
-        if (!search || influences == most || loss.share() <= given.distance) return made;
+                                      const Binding<double, 3>& bound, std::size_t influences,
+                                      SkinLoss& loss) {
+    ProgressBar bar("weights, " + std::to_string(influences) + " joints");
+    auto made = cageform::smooth_skin_weights(bound, scene.figure.triangles,
+                                              {.influences = influences, .threshold = given.threshold},
+                                              {.progress = bar.callback()});
+    Binding<double, 3> played;
+    if (made.report.status == Status::ok)
+        made.report.status = skin_to_binding(bound, stored(made.skin, given.weights), played);
+    if (made.report.status == Status::ok) loss = loss_of(scene, bound, played);
+    return made;
+}
+
+/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where none does, of the
+/// most.
+cageform::SkinWeightsResult make_near_skin(const Arguments& given, const Scene& scene,
+                                           const Binding<double, 3>& bound, std::size_t influences,
+                                           SkinLoss& loss) {
+    for (;; influences += joint_set) {
+        auto made = make_skin(given, scene, bound, influences, loss);
+        if (made.report.status != Status::ok || influences + joint_set > most_joints ||
+            loss.places.share() <= given.distance)
+            return made;
     }
+}
+
+/// Which skin would keep the distance that one of `influences` joints does not.
+std::string what_would_do(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
+                          std::size_t influences) {
+    if (influences >= most_joints) return "a larger --max-distance or --morph";
+    SkinLoss loss;
+    const std::size_t next = influences / joint_set * joint_set + joint_set;
+    const auto made = make_near_skin(given, scene, bound, next, loss);
+    if (made.report.status == Status::ok && loss.places.share() <= given.distance)
+        return "--skin " + std::to_string(made.skin.influences) + " would do";
+    return "not even --skin " + std::to_string(most_joints) + " keeps it; a larger --max-distance or --morph";
 }
 
 /// Binds the figure and writes what was asked for.
 int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
+    if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates->cage_report);
     if (!coordinates->note.empty()) note(coordinates->note);
@@ -385,22 +491,29 @@ int export_figure(const Arguments& given, const Scene& scene) {
 
     GltfDocument document;
     document.json["scene"] = 0;
+    print_warnings(scene.parts.warnings);
+    print_warnings(add_materials(document, scene.parts, !scene.meshes[0].texture.empty()));
     std::string why;
     if (given.morph) {
         why = add_targets(document, scene, given, bound.binding);
     } else {
-        StoredLoss loss;
-        const cageform::SkinWeightsResult made = make_skin(given, scene, bound.binding, loss);
+        SkinLoss loss;
+        const bool searches = given.influences == 0;
+        const cageform::SkinWeightsResult made =
+            searches ? make_near_skin(given, scene, bound.binding, joint_set, loss)
+                     : make_skin(given, scene, bound.binding, given.influences, loss);
         const auto& skin = made.report;
         if (skin.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(skin.status));
-        if (given.distance > 0 && loss.share() > given.distance) {
-            return fail(figure.name + ": a skin of " + std::to_string(made.skin.influences) +
-                        " joints a vertex is off by " + describe(loss) + ": a larger --max-distance" +
-                        (given.influences == 0 ? "" : ", a larger --skin,") + " or --morph");
+        const std::string is_off = "a skin of " + std::to_string(made.skin.influences) +
+                                   " joints a vertex is off by " + describe(loss.places);
+        if (given.distance > 0 && loss.places.share() > given.distance) {
+            return fail(figure.name + ": " + is_off + ": " +
+                        what_would_do(given, scene, bound.binding, made.skin.influences));
         }
-        if (loss.share() > StoredLoss::worth_a_warning) {
-            warn(figure.name + ": a skin of " + std::to_string(made.skin.influences) +
-                 " joints a vertex is off by " + describe(loss) + "; --max-distance bounds it");
+        if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
+            warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
+                 (made.skin.influences < most_joints ? "; more joints lose less, and --max-distance bounds it"
+                                                     : "; --morph loses nothing"));
         }
         if (!skin.not_reproduced.empty()) {
             warn(std::to_string(made.skin.influences) + " weights are too few for " +
@@ -416,7 +529,8 @@ int export_figure(const Arguments& given, const Scene& scene) {
                       << skin.weight_error.point << ", mean " << skin.mean_weight_error << '\n'
                       << "not reproduced: " << skin.not_reproduced.size()
                       << "; largest |sum w c - p|: " << skin.reproduction_error.value << "\noff by "
-                      << describe(loss) << "\ntime: " << skin.seconds << " s\n";
+                      << describe(loss.places) << '\n'
+                      << describe_surface(loss) << "\ntime: " << skin.seconds << " s\n";
         }
         why = add_skin(document, scene, given, made.skin, !skin.without_weights.empty());
     }
@@ -426,7 +540,13 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (document.bytes() > 0x7fffffff) return fail(given.out + ": would be larger than the format allows");
     const std::string text = document.text(binary);
     if (const auto error = write_file_atomically(given.out, text)) return fail(*error);
-    std::cout << printable(given.out) << ": " << scene.mesh.corners.size() << " vertices, "
+    const auto count = [](std::size_t n, const char* thing) {
+        return std::to_string(n) + ' ' + thing + (n == 1 ? ", " : "s, ");
+    };
+    std::size_t vertices = 0;
+    for (const GltfMesh& mesh : scene.meshes) vertices += mesh.corners.size();
+    std::cout << printable(given.out) << ": " << count(scene.meshes.size(), "object")
+              << count(scene.parts.materials.size(), "material") << vertices << " vertices, "
               << figure.triangles.size() << " triangles, "
               << (given.morph ? std::to_string(document.json["meshes"][0]["weights"].size()) + " targets"
                               : std::to_string(document.json["skins"][0]["joints"].size()) + " joints")
@@ -491,8 +611,9 @@ int run_program(int argc, char** argv) {
     Scene scene;
     auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
-    auto mesh = gltf_mesh(*figure);
-    if (!mesh) return fail(to_string(mesh.error()));
+    scene.parts = read_parts(*figure);
+    auto meshes = gltf_meshes(*figure, scene.parts);
+    if (!meshes) return fail(to_string(meshes.error()));
     auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
     if (!given.labels.empty()) {
@@ -508,7 +629,7 @@ int run_program(int argc, char** argv) {
     }
     scene.figure = std::move(*figure);
     scene.cage = std::move(*cage);
-    scene.mesh = std::move(*mesh);
+    scene.meshes = std::move(*meshes);
     for (const auto* file : {&scene.figure, &scene.cage}) { // glTF's numbers
         if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
     }

@@ -80,16 +80,17 @@ SvgResult<std::string> clip_text(const BoundHand& bound) {
     constexpr std::size_t keys = 17; // the first and the last are at rest
     const auto file = parse_obj(obj_text(bound.hand.skin, "A right hand, made by make_hand"), "hand.obj");
     if (!file) return file.error();
-    const auto mesh = gltf_mesh(*file);
-    if (!mesh) return mesh.error();
+    const auto meshes = gltf_meshes(*file, read_parts(*file));
+    if (!meshes) return meshes.error();
+    const GltfMesh& mesh = meshes->front();
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform make_hand";
-    const Rows rest = gltf_positions(*mesh, file->vertices),
-               normals = gltf_normals(*mesh, *file, file->vertices);
+    const Rows rest = gltf_positions(mesh, file->vertices),
+               normals = gltf_normals(mesh, *file, file->vertices);
     GltfJson primitive;
     primitive["attributes"] = {{"POSITION", document.add(rest, Use::vertices, true)},
                                {"NORMAL", document.add(normals, Use::vertices)}};
-    primitive["indices"] = document.add(mesh->indices, Use::indices);
+    primitive["indices"] = document.add(mesh.parts[0].indices, Use::indices);
     std::vector<std::array<float, 1>> times, weights;
     GltfJson zeros;
     for (std::size_t key = 0; key < keys; ++key) {
@@ -99,8 +100,8 @@ SvgResult<std::string> clip_text(const BoundHand& bound) {
         if (key == 0 || key + 1 == keys) continue;
         const auto skin = bound.clone(pose_at(bound, 0.25 * double(key)));
         if (skin.empty()) return SvgError{"a pose of the clip cannot be cloned"};
-        const Rows shift = difference(gltf_positions(*mesh, skin), rest),
-                   turn = difference(gltf_normals(*mesh, *file, skin), normals);
+        const Rows shift = difference(gltf_positions(mesh, skin), rest),
+                   turn = difference(gltf_normals(mesh, *file, skin), normals);
         primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
                                         {"NORMAL", document.add(turn, Use::vertices)}});
         zeros.push_back(0.0);

@@ -1,6 +1,6 @@
 #pragma once
 
-// glTF 2.0: a mesh that came from an OBJ file, its skin or its morph targets, and how it moves.
+// glTF 2.0: meshes that came from an OBJ file, their materials, their skin or morph targets, and how they move.
 //
 // A file is a JSON object and a buffer of bytes; both end in one file, .gltf (the bytes as text in the JSON) or .glb
 // (the bytes as they are). References are to the sections of the glTF 2.0 specification.
@@ -8,7 +8,8 @@
 #include "base64.hpp"
 #include "clip_file.hpp"
 #include "csv.hpp"
-#include "obj_file.hpp"
+#include "input_file.hpp"
+#include "obj_parts.hpp"
 
 #include <cageform/animate/import/gltf.hpp>
 #include <cageform/binding/skin_weights.hpp>
@@ -70,6 +71,14 @@ public:
         return add(std::span<const std::array<T, N>>(values), use, bounds, normalised);
     }
 
+    /// Appends bytes as they are, such as a picture, in a view of their own; returns its index.
+    std::size_t add_bytes(std::string_view contents) {
+        bytes_.resize((bytes_.size() + 3) / 4 * 4);
+        GltfJson view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", contents.size()}};
+        bytes_.append(contents);
+        return append("bufferViews", std::move(view));
+    }
+
     /// Appends to an array of the JSON's root; returns the index.
     std::size_t append(const char* array, GltfJson object) {
         json[array].push_back(std::move(object));
@@ -115,26 +124,35 @@ private:
     std::string bytes_;
 };
 
-/// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner. The vertices
-/// of the OBJ file come first, all of them in its order; behind them those that are there once more, because their faces
-/// differ in normal or texture coordinate.
+/// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner, in the order
+/// of the OBJ file; behind them those that are there once more, because their faces differ in normal or texture
+/// coordinate. Where it is the only mesh of a file it has all vertices of that, else those that its faces have.
 struct GltfMesh {
     struct Corner {
         std::uint32_t vertex, normal, texture; // of the OBJ file; ObjCorner::none where there is none
         friend auto operator<=>(const Corner&, const Corner&) = default;
     };
-    std::vector<Corner> corners;                       // #vertices
-    std::vector<std::array<std::uint32_t, 1>> indices; // three a triangle, among the corners
+    /// The faces of a material.
+    struct Part {
+        std::uint32_t material = 0;                        // of the ObjParts
+        std::vector<std::array<std::uint32_t, 1>> indices; // three a triangle, among the corners
+    };
+    std::string name;
+    std::vector<Corner> corners;               // #vertices
+    std::vector<Part> parts;                   // in the order of their first faces
     std::vector<std::array<float, 2>> texture; // #vertices, v downwards; empty where the file has none
 };
 
-/// Splits the vertices of a file as glTF needs it. Fails where the file has no faces, or a texture coordinate is no
-/// numbers or is not there.
-inline SvgResult<GltfMesh> gltf_mesh(const ObjFile& file) {
-    if (file.triangles.empty()) return SvgError{file.name + ": holds no faces"};
-    // Texture coordinates, which ObjFile leaves alone.
-    std::vector<std::array<float, 2>> texture;
-    std::vector<std::vector<std::uint32_t>> of_face;
+/// The texture coordinates of a file, which ObjFile leaves alone.
+struct ObjTexture {
+    std::vector<std::array<float, 2>> coordinates; // v downwards
+    std::vector<std::vector<std::uint32_t>>
+        of_face; // #faces, of every corner; ObjCorner::none where there is none
+};
+
+/// Fails where one is no numbers or is not there.
+inline SvgResult<ObjTexture> read_texture(const ObjFile& file) {
+    ObjTexture texture;
     std::vector<std::string_view> words;
     std::size_t line = 1, total = 0;
     const auto refuse = [&](const std::string& why) { return SvgError{file.name + ": " + why, line}; };
@@ -147,46 +165,77 @@ inline SvgResult<GltfMesh> gltf_mesh(const ObjFile& file) {
                 if (!why.empty()) return refuse(why);
                 if (!std::isfinite(float(st[k]))) return refuse("a texture coordinate is not finite");
             }
-            texture.push_back({float(st[0]), 1 - float(st[1])}); // 3.7.2.1: v counts from the top
+            texture.coordinates.push_back({float(st[0]), 1 - float(st[1])}); // 3.7.2.1: v counts from the top
         } else if (words[0] == "f") {
-            auto& corners = of_face.emplace_back();
+            auto& corners = texture.of_face.emplace_back();
             for (const std::string_view word : std::span(words).subspan(1)) {
                 std::uint32_t& index = corners.emplace_back(ObjCorner::none);
                 const std::size_t first = word.find('/'), second = word.find('/', first + 1);
                 if (first == std::string_view::npos || first + 1 == std::min(second, word.size())) continue;
-                const std::string why = detail::parse_index(word.substr(first + 1, second - first - 1),
-                                                            texture.size(), total, "texture", index);
+                const std::string why =
+                    detail::parse_index(word.substr(first + 1, second - first - 1),
+                                        texture.coordinates.size(), total, "texture", index);
                 if (!why.empty()) return refuse(why);
             }
         }
     }
+    return texture;
+}
 
-    GltfMesh mesh;
-    for (std::uint32_t v = 0; v < file.vertices.size(); ++v)
-        mesh.corners.push_back({v, ObjCorner::none, ObjCorner::none});
-    std::map<GltfMesh::Corner, std::uint32_t> known;
-    std::vector<bool> met(file.vertices.size()); // whether a corner has taken the vertex's own place
-    for (std::size_t t = 0; t < file.triangles.size(); ++t) {
-        const ObjFace& face = file.faces[file.triangle_faces[t]];
-        for (const std::uint32_t vertex : file.triangles[t]) {
-            const auto at = std::find_if(face.corners.begin(), face.corners.end(),
-                                         [&](const ObjCorner& corner) { return corner.vertex == vertex; });
-            const std::uint32_t st = of_face[file.triangle_faces[t]][std::size_t(at - face.corners.begin())];
-            const GltfMesh::Corner corner{vertex, at->normal, st};
-            const auto next = std::uint32_t(met[vertex] ? mesh.corners.size() : vertex);
-            const auto [place, added] = known.insert({corner, next});
-            if (added && met[vertex]) mesh.corners.push_back(corner);
-            if (added && !met[vertex]) mesh.corners[vertex] = corner;
-            met[vertex] = true;
-            mesh.indices.push_back({place->second});
+/// The meshes of a file, one an object: splits vertices as glTF needs it. Fails where the file has no faces, or as
+/// read_texture() does.
+inline SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts) {
+    if (file.triangles.empty()) return SvgError{file.name + ": holds no faces"};
+    const auto texture = read_texture(file);
+    if (!texture) return texture.error();
+    std::vector<GltfMesh> meshes;
+    std::vector<std::vector<std::size_t>> of_object(parts.objects.size()); // triangles
+    for (std::size_t t = 0; t < file.triangles.size(); ++t)
+        of_object[parts.face_objects[file.triangle_faces[t]]].push_back(t);
+    std::vector<std::uint32_t> place(file.vertices.size()); // of a vertex in the mesh
+    for (std::size_t o = 0; o < of_object.size(); ++o) {
+        GltfMesh mesh{parts.objects[o], {}, {}, {}};
+        std::fill(place.begin(), place.end(), of_object.size() == 1 ? 0 : ObjCorner::none);
+        for (const std::size_t t : of_object[o]) {
+            for (const std::uint32_t vertex : file.triangles[t]) place[vertex] = 0;
         }
+        for (std::uint32_t v = 0; v < file.vertices.size(); ++v) {
+            if (place[v] == ObjCorner::none) continue;
+            place[v] = std::uint32_t(mesh.corners.size());
+            mesh.corners.push_back({v, ObjCorner::none, ObjCorner::none});
+        }
+        std::map<GltfMesh::Corner, std::uint32_t> known;
+        std::vector<bool> met(mesh.corners.size()); // whether a corner has taken the vertex's own place
+        std::map<std::uint32_t, std::size_t> part_of;
+        for (const std::size_t t : of_object[o]) {
+            const std::size_t f = file.triangle_faces[t];
+            const ObjFace& face = file.faces[f];
+            const auto [part, is_first] = part_of.insert({parts.face_materials[f], mesh.parts.size()});
+            if (is_first) mesh.parts.push_back({parts.face_materials[f], {}});
+            for (const std::uint32_t vertex : file.triangles[t]) {
+                const auto at =
+                    std::find_if(face.corners.begin(), face.corners.end(),
+                                 [&](const ObjCorner& corner) { return corner.vertex == vertex; });
+                const std::uint32_t st = texture->of_face[f][std::size_t(at - face.corners.begin())];
+                const GltfMesh::Corner corner{vertex, at->normal, st};
+                const std::uint32_t own = place[vertex];
+                const auto next = std::uint32_t(met[own] ? mesh.corners.size() : own);
+                const auto [index, added] = known.insert({corner, next});
+                if (added && met[own]) mesh.corners.push_back(corner);
+                if (added && !met[own]) mesh.corners[own] = corner;
+                met[own] = true;
+                mesh.parts[part->second].indices.push_back({index->second});
+            }
+        }
+        if (!texture->coordinates.empty()) {
+            for (const auto& corner : mesh.corners)
+                mesh.texture.push_back(corner.texture == ObjCorner::none
+                                           ? std::array<float, 2>{}
+                                           : texture->coordinates[corner.texture]);
+        }
+        meshes.push_back(std::move(mesh));
     }
-    if (!texture.empty()) {
-        for (const auto& corner : mesh.corners)
-            mesh.texture.push_back(corner.texture == ObjCorner::none ? std::array<float, 2>{}
-                                                                     : texture[corner.texture]);
-    }
-    return mesh;
+    return meshes;
 }
 
 /// The mesh's positions where the file's vertices are at `places`.
@@ -220,6 +269,96 @@ inline std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, cons
         normals.push_back({float(n[0]), float(n[1]), float(n[2])});
     }
     return normals;
+}
+
+/// The attributes of a mesh at rest.
+inline GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file) {
+    using Use = GltfDocument::Use;
+    GltfJson attributes;
+    attributes["POSITION"] = document.add(gltf_positions(mesh, file.vertices), Use::vertices, true);
+    attributes["NORMAL"] = document.add(gltf_normals(mesh, file, file.vertices), Use::vertices);
+    if (!mesh.texture.empty()) attributes["TEXCOORD_0"] = document.add(mesh.texture, Use::vertices);
+    return attributes;
+}
+
+/// The primitives of a mesh, one a material, which share its attributes and its targets.
+///
+///   targets   null where there are none
+inline GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const GltfJson& attributes,
+                                const GltfJson& targets = {}) {
+    GltfJson primitives = GltfJson::array();
+    for (const GltfMesh::Part& part : mesh.parts) {
+        std::size_t indices = 0;
+        if (mesh.corners.size() < 65535) { // 3.7.2.1: the largest index is not a vertex
+            std::vector<std::array<std::uint16_t, 1>> narrow;
+            for (const auto& index : part.indices) narrow.push_back({std::uint16_t(index[0])});
+            indices = document.add(narrow, GltfDocument::Use::indices);
+        } else {
+            indices = document.add(part.indices, GltfDocument::Use::indices);
+        }
+        GltfJson primitive = {{"attributes", attributes}, {"indices", indices}, {"material", part.material}};
+        if (!targets.is_null()) primitive["targets"] = targets;
+        primitives.push_back(std::move(primitive));
+    }
+    return primitives;
+}
+
+/// Appends the materials, with the pictures of their textures, which the file then holds. Returns warnings, of pictures
+/// that are left out.
+///
+///   textured   whether the meshes have texture coordinates
+inline std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured) {
+    std::vector<std::string> warnings;
+    std::map<std::string, std::optional<std::size_t>> known; // textures, of pictures
+    const auto texture_of = [&](const ObjMaterial& material) -> std::optional<std::size_t> {
+        const auto [place, is_new] = known.insert({material.texture, std::nullopt});
+        if (!is_new) return place->second;
+        const auto bytes = read_file(material.texture);
+        const bool is_png = bytes && bytes->starts_with("\x89PNG\r\n\x1a\n");
+        const bool is_jpeg = bytes && bytes->starts_with("\xff\xd8\xff");
+        if (!is_png && !is_jpeg) {
+            warnings.push_back(!bytes ? bytes.error().message
+                                      : material.texture +
+                                            ": is neither PNG nor JPEG, which glTF takes: the "
+                                            "material " +
+                                            detail::quoted(material.name) + " is written without it");
+            return std::nullopt;
+        }
+        const std::size_t image =
+            document.append("images", {{"name", std::filesystem::path(material.texture).stem().string()},
+                                       {"mimeType", is_png ? "image/png" : "image/jpeg"},
+                                       {"bufferView", document.add_bytes(*bytes)}});
+        place->second = document.append("textures", {{"source", image}});
+        return place->second;
+    };
+    bool is_bright = false;
+    for (const ObjMaterial& material : parts.materials) {
+        const auto& c = material.colour;
+        GltfJson pbr = {{"baseColorFactor", {c[0], c[1], c[2], material.opacity}},
+                        {"metallicFactor", material.metallic},
+                        {"roughnessFactor", material.roughness}};
+        if (!material.texture.empty() && !textured) {
+            warnings.push_back("the figure has no texture coordinates for the texture of the material " +
+                               detail::quoted(material.name));
+        } else if (!material.texture.empty()) {
+            if (const auto texture = texture_of(material)) pbr["baseColorTexture"] = {{"index", *texture}};
+        }
+        GltfJson written = {{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
+        const auto& e = material.emission;
+        if (const double most = std::max({e[0], e[1], e[2]}); most > 0) {
+            const double scale = std::max(most, 1.0); // 3.9.3: factors end at 1
+            written["emissiveFactor"] = {e[0] / scale, e[1] / scale, e[2] / scale};
+            if (scale > 1) {
+                written["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", scale}};
+                is_bright = true;
+            }
+        }
+        if (material.opacity < 1) written["alphaMode"] = "BLEND";
+        written["doubleSided"] = true; // as OBJ files are drawn
+        document.append("materials", std::move(written));
+    }
+    if (is_bright) document.json["extensionsUsed"].push_back("KHR_materials_emissive_strength");
+    return warnings;
 }
 
 /// Some numbers through the keys of a clip as a sampler of an animation, CUBICSPLINE. Nothing is lost but what single

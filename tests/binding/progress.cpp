@@ -10,6 +10,7 @@
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/rebind_cage.hpp>
 #include <cageform/binding/skin_weights.hpp>
+#include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/green.hpp>
@@ -82,6 +83,9 @@ TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[co
     check_progress("compose", [&](const Running& r) { return compose(fine, coarse, r); });
     check_progress("rebind", [&](const Running& r) { return rebind(fine, points, {}, r); });
     check_progress("skin_weights", [&](const Running& r) { return skin_weights(fine, {}, r); });
+    const std::vector<std::array<int, 3>> triangles{{0, 1, 2}, {1, 2, 3}};
+    check_progress("smooth_skin_weights",
+                   [&](const Running& r) { return smooth_skin_weights(fine, triangles, {}, r); });
     const std::vector<double> shares(2 * points.size(), 0.5);
     check_progress("skin_weights of shares", [&](const Running& r) {
         return cageform::skin_weights(std::span<const double>(shares), 2, {}, r);

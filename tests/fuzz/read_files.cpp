@@ -101,14 +101,20 @@ void read_obj(const std::string& text) {
     for (Point3& p : moved) p = {p[1], -p[2], 2 * p[0]};
     REQUIRE(taken(parse_obj(to_text(*file, moved), "again.obj")));
     if (single_precision_fault(*file)) return;
-    const auto mesh = gltf_mesh(*file);
-    if (!taken(mesh)) return;
-    const auto places = gltf_positions(*mesh, file->vertices);
-    REQUIRE(gltf_normals(*mesh, *file, file->vertices).size() == places.size());
-    for (std::size_t i = 0; i < file->vertices.size(); ++i)
-        REQUIRE(places[i][0] == float(file->vertices[i][0]));
-    for (std::size_t n = 0; n < mesh->indices.size(); ++n)
-        REQUIRE(mesh->corners.at(mesh->indices[n][0]).vertex == file->triangles[n / 3][n % 3]);
+    const ObjParts parts = read_parts(*file);
+    const auto meshes = gltf_meshes(*file, parts);
+    if (!taken(meshes)) return;
+    std::vector<std::size_t> written(parts.materials.size()), read(written); // triangles of a material
+    for (const std::uint32_t face : file->triangle_faces) ++read[parts.face_materials[face]];
+    for (const auto& mesh : *meshes) {
+        const auto places = gltf_positions(mesh, file->vertices);
+        REQUIRE(gltf_normals(mesh, *file, file->vertices).size() == places.size());
+        for (const auto& part : mesh.parts) {
+            written.at(part.material) += part.indices.size() / 3;
+            for (const auto& index : part.indices) REQUIRE(index[0] < mesh.corners.size());
+        }
+    }
+    REQUIRE(written == read);
 }
 
 void read_lottie(const std::string& text) {

@@ -138,40 +138,19 @@ SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span
     return result;
 }
 
-/// The state of one making of a skin; as Binder, what a point finds out is kept apart and put
-/// together in the end.
+/// What a binding's weights reproduce, and how far a skin's are from them.
 template <Scalar T, std::size_t D>
-class Skinner {
+class SkinMeasure {
 public:
-    Skinner(const BindingView<T, D>& binding, const SkinWeightsOptions& options, const Running& running)
-        : binding_(binding)
-        , options_(options)
-        , running_(running)
-        , count_(binding.point_count()) {
+    explicit SkinMeasure(const BindingView<T, D>& binding)
+        : binding_(binding) {
         if (binding.handle_count() == 0) return;
         const auto bounds = bounds_of(std::span(binding.rest_handles, binding.handle_count()));
         size_ = (std::max)(double(bounds.diagonal()), (std::numeric_limits<double>::min)());
     }
 
-    Status run(SkinWeights& skin, SkinWeightsReport& report) {
-        const std::size_t most = options_.influences;
-        skin.influences = most;
-        skin.joints.assign(count_ * most, 0);
-        skin.weights.assign(count_ * most, 0.0F);
-        points_.assign(count_, {});
-        const Status status = for_each_block(count_, running_, [&](std::size_t begin, std::size_t end) {
-            ConvexWeights<D> solver;
-            for (std::size_t i = begin; i < end; ++i) {
-                points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
-                                  std::span(skin.weights).subspan(i * most, most));
-            }
-        });
-        if (status != Status::ok) return status;
-        gather_skin(points_, report);
-        return Status::ok;
-    }
+    double size() const noexcept { return size_; } ///< of the cage
 
-private:
     /// A place of the binding, and what its weights reproduce instead of it.
     struct Place {
         Vec<double, D> p, offset{}; ///< of what is reproduced, in units of the size
@@ -193,21 +172,22 @@ private:
         if (dot(place.offset, place.offset) < 1e-8) place.offset = {};
         return place;
     }
+    AffineFrame<double, D> frame_of(const Place& place) const {
+        return {place.p + size_ * place.offset, size_};
+    }
 
-    SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
-                      std::span<float> weights) const {
-        const Place place = place_of(i);
-        if (!place.is_bound) return {};
-        solver.load(binding_.handle_view(), AffineFrame<double, D>{place.p + size_ * place.offset, size_},
-                    [&](std::size_t h) { return double(binding_.weights(i, h)); });
-        SkinnedPoint result;
-        result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
-                                                                       : SkinnedPoint::Kind::not_reproduced;
-        for (const std::size_t h : solver.support()) {
+    /// Stores weights, of falling order, and compares them with the binding's.
+    ///
+    ///   weight    of a handle
+    ///   support   handles; from the first one whose weight single precision rounds away, none is stored
+    template <class Weight>
+    void store(std::size_t i, const Place& place, std::span<const std::size_t> support, const Weight& weight,
+               std::span<std::uint16_t> joints, std::span<float> weights, SkinnedPoint& result) const {
+        for (const std::size_t h : support) {
             constexpr double rounding = 0x1p-26; // of 1, to single precision
-            if (!(solver.weight(h) > rounding)) break;
+            if (!(weight(h) > rounding)) break;
             joints[result.used] = static_cast<std::uint16_t>(h);
-            weights[result.used++] = static_cast<float>(solver.weight(h));
+            weights[result.used++] = static_cast<float>(weight(h));
         }
         if (result.used == 0) { // numbers too large to compute with
             result.kind = SkinnedPoint::Kind::not_reproduced;
@@ -218,13 +198,6 @@ private:
             }
         }
         make_up_for_rounding(joints.first(result.used), weights.first(result.used));
-        measure(i, place, joints, weights, result);
-        return result;
-    }
-
-    /// Compares the weights that are stored with the binding's.
-    void measure(std::size_t i, const Place& place, std::span<const std::uint16_t> joints,
-                 std::span<const float> weights, SkinnedPoint& result) const {
         Vec<double, D> missed = -1.0 * place.offset;
         result.error = place.whole;
         result.partition = -1;
@@ -240,18 +213,86 @@ private:
         result.reproduction = size_ * std::sqrt(dot(missed, missed));
     }
 
+private:
     /// A handle as seen from a place, in units of the cage's size.
     Vec<double, D> from(const Vec<double, D>& p, std::size_t handle) const {
         return (1 / size_) * (vec_cast<double>(binding_.rest_handles[handle]) - p);
     }
 
     const BindingView<T, D>& binding_;
+    double size_ = 1;
+};
+
+/// The state of one making of a skin; as Binder, what a point finds out is kept apart and put
+/// together in the end.
+template <Scalar T, std::size_t D>
+class Skinner {
+public:
+    Skinner(const BindingView<T, D>& binding, const SkinWeightsOptions& options, const Running& running)
+        : binding_(binding)
+        , options_(options)
+        , running_(running)
+        , measure_(binding)
+        , count_(binding.point_count()) {}
+
+    Status run(SkinWeights& skin, SkinWeightsReport& report) {
+        const std::size_t most = options_.influences;
+        points_.assign(count_, {});
+        const Status status = for_each_block(count_, running_, [&](std::size_t begin, std::size_t end) {
+            ConvexWeights<D> solver;
+            for (std::size_t i = begin; i < end; ++i) {
+                points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
+                                  std::span(skin.weights).subspan(i * most, most));
+            }
+        });
+        if (status != Status::ok) return status;
+        gather_skin(points_, report);
+        return Status::ok;
+    }
+
+private:
+    SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
+                      std::span<float> weights) const {
+        const auto place = measure_.place_of(i);
+        if (!place.is_bound) return {};
+        solver.load(binding_.handle_view(), measure_.frame_of(place),
+                    [&](std::size_t h) { return double(binding_.weights(i, h)); });
+        SkinnedPoint result;
+        result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
+                                                                       : SkinnedPoint::Kind::not_reproduced;
+        measure_.store(
+            i, place, solver.support(), [&](std::size_t h) { return solver.weight(h); }, joints, weights,
+            result);
+        return result;
+    }
+
+    const BindingView<T, D>& binding_;
     const SkinWeightsOptions& options_;
     const Running& running_;
+    SkinMeasure<T, D> measure_;
     std::size_t count_;
-    double size_ = 1;
     std::vector<SkinnedPoint> points_;
 };
+
+/// Runs make(skin, report), a Status, for a skin of a binding where there can be one.
+template <Scalar T, std::size_t D, class Make>
+SkinWeightsResult make_skin(const BindingView<T, D>& binding, const SkinWeightsOptions& options,
+                            const Make& make) {
+    SkinWeightsResult result;
+    result.report.points = binding.point_count();
+    run_into(result.report, [&] {
+        if (binding.handle_view().vector_count() > 0) return Status::handles_not_points;
+        if (options.influences < 1) return Status::too_few_influences;
+        if ((std::max)(binding.handle_count(), options.influences) > 65535) return Status::too_many_handles;
+        if (!is_finite(options.threshold)) return Status::value_not_finite;
+        result.skin.influences = options.influences;
+        result.skin.joints.assign(binding.point_count() * options.influences, 0);
+        result.skin.weights.assign(binding.point_count() * options.influences, 0.0F);
+        return make(result.skin, result.report);
+    });
+    if (result.report.status != Status::ok) result.skin = {};
+    return result;
+}
 
 } // namespace detail
 
@@ -275,17 +316,9 @@ private:
 template <Scalar T, std::size_t D>
 SkinWeightsResult skin_weights(const BindingView<T, D>& binding, const SkinWeightsOptions& options = {},
                                const Running& running = {}) {
-    SkinWeightsResult result;
-    result.report.points = binding.point_count();
-    detail::run_into(result.report, [&] {
-        if (binding.handle_view().vector_count() > 0) return Status::handles_not_points;
-        if (options.influences < 1) return Status::too_few_influences;
-        if ((std::max)(binding.handle_count(), options.influences) > 65535) return Status::too_many_handles;
-        if (!is_finite(options.threshold)) return Status::value_not_finite;
-        return detail::Skinner<T, D>(binding, options, running).run(result.skin, result.report);
+    return detail::make_skin(binding, options, [&](SkinWeights& skin, SkinWeightsReport& report) {
+        return detail::Skinner<T, D>(binding, options, running).run(skin, report);
     });
-    if (result.report.status != Status::ok) result.skin = {};
-    return result;
 }
 template <Scalar T, std::size_t D>
 SkinWeightsResult skin_weights(const Binding<T, D>& binding, const SkinWeightsOptions& options = {},

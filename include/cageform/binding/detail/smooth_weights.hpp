@@ -1,0 +1,336 @@
+// Weights of all vertices of a mesh at once: few handles a vertex, chosen so that what is lost is smooth.
+#pragma once
+
+#include <cageform/binding/detail/near_weights.hpp>
+#include <cageform/core/running.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Minimises, over rows w of at most K weights that are not negative and sum to 1,
+///
+///     Σ_edges e_ij |r_i − r_j|² + α Σ_i |r_i|² + β Σ_i |w_i c − q_i|²,   r_i = (w_i − w0_i) B,
+///
+/// where B Bᵀ is the covariance of the handles' moves: what is lost is measured as it is seen, so that a handle may
+/// stand for one beside it. By projected gradients with Nesterov's momentum (Beck and Teboulle, SIAM J. Imaging Sci. 2,
+/// 2009), each row with a step of its own. Handles are left out in rounds between which the others take over; neighbours
+/// agree on them by weights that are smoothed over the mesh.
+template <std::size_t D>
+class SmoothWeights {
+public:
+    static constexpr std::size_t no_node = ~std::size_t{0};
+
+    SmoothWeights(const std::vector<Vec<double, D>>& handles, std::size_t most)
+        : handle_count_(handles.size())
+        , most_((std::min)(most, handles.size())) {
+        const auto bounds = bounds_of(std::span<const Vec<double, D>>(handles));
+        size_ = (std::max)(double(bounds.diagonal()), (std::numeric_limits<double>::min)());
+        for (const auto& handle : handles) {
+            middle_ = middle_ + (1 / double(handle_count_)) * handle;
+        }
+        factorise(handles);
+        for (std::size_t h = 0; h < handle_count_; ++h) {
+            const auto c = (1 / size_) * (handles[h] - middle_);
+            for (std::size_t k = 0; k < D; ++k) columns_[h * width_ + rank_ + k] = c[k];
+        }
+    }
+
+    /// A vertex, in order.
+    ///
+    ///   place    that its weights reproduce
+    ///   weight   w0 of a handle
+    template <class Weight>
+    void add_node(const Vec<double, D>& place, const Weight& weight) {
+        places_.push_back(place);
+        const std::size_t first = target_.size();
+        target_.resize(first + width_, 0.0);
+        for (std::size_t h = 0; h < handle_count_; ++h) {
+            const double w = weight(h);
+            smoothed_.push_back(float((std::max)(w, 0.0)));
+            for (std::size_t r = 0; r < rank_; ++r) target_[first + r] += w * columns_[h * width_ + r];
+        }
+        const auto q = (1 / size_) * (place - middle_);
+        for (std::size_t k = 0; k < D; ++k) target_[first + rank_ + k] = q[k];
+    }
+    void add_edge(std::size_t a, std::size_t b) {
+        if (a != b && a != no_node && b != no_node) edges_.push_back({(std::min)(a, b), (std::max)(a, b)});
+    }
+
+    Status solve(const Running& running) {
+        connect();
+        loss_.assign(places_.size() * width_, 0.0);
+        step_.resize(places_.size());
+        for (std::size_t round = 0; round < rounds.size(); ++round) {
+            const bool is_last = round + 1 == rounds.size();
+            if (!choose(round, running)) return Status::cancelled;
+            const int passes = is_last ? 120 : 40;
+            const double from = double(round) / double(rounds.size() + 2);
+            const double to = is_last ? 1 : double(round + 1) / double(rounds.size() + 2);
+            momentum_ = 1;
+            for (int pass = 0; pass < passes; ++pass) {
+                if (!running.keep_going(from + (to - from) * double(pass) / passes)) return Status::cancelled;
+                improve(running);
+            }
+            if (rounds[round] == 2) wide_ = {kept_, weights()};
+        }
+        narrow_ = {kept_, weights()};
+        return running.end(Status::ok);
+    }
+
+    /// The weights of a node, some of them 0; and those of the round in which it had 2K.
+    std::span<const HandleWeight> row(std::size_t node) const { return narrow_.row(node); }
+    std::span<const HandleWeight> wide_row(std::size_t node) const { return wide_.row(node); }
+
+private:
+    static constexpr double alpha = 0.02, beta = 100; // the best of some that were tried on a head and a lamp
+    static constexpr double together = 0.2;           // of the cage's diagonal: handles nearer move alike
+    static constexpr std::array<double, 10> rounds{4, 3, 2.5, 2, 1.75, 1.5, 1.375, 1.25, 1.125, 1}; // times K
+
+    struct Entry {
+        std::uint32_t handle = 0;
+        double weight = 0, ahead = 0; // at the end of a pass, and where the next one begins
+    };
+    struct Neighbour {
+        std::size_t node;
+        double weight;
+    };
+    struct Rows {
+        std::size_t width = 0;
+        std::vector<HandleWeight> entries;
+
+        std::span<const HandleWeight> row(std::size_t node) const {
+            return std::span<const HandleWeight>(entries).subspan(node * width, width);
+        }
+    };
+
+    std::vector<HandleWeight> weights() const {
+        std::vector<HandleWeight> entries;
+        entries.reserve(rows_.size());
+        for (const Entry& entry : rows_) entries.push_back({entry.handle, entry.weight});
+        return entries;
+    }
+
+    std::size_t handle_count_of(double factor) const {
+        return (std::min)(handle_count_, std::size_t(std::lround(factor * double(most_))));
+    }
+
+    /// Columns B of the covariance exp(−|c − c'|² / 2σ²), by Cholesky's factorisation with the largest pivots, until a
+    /// thousandth is left.
+    void factorise(const std::vector<Vec<double, D>>& handles) {
+        constexpr std::size_t most_columns = 64;
+        const auto covariance = [&](std::size_t a, std::size_t b) {
+            const auto d = (1 / (together * size_)) * (handles[a] - handles[b]);
+            return std::exp(-0.5 * dot(d, d));
+        };
+        std::vector<std::vector<double>> found; // columns
+        std::vector<double> left(handle_count_, 1.0);
+        while (found.size() < (std::min)(most_columns, handle_count_)) {
+            const auto pivot = std::size_t(std::max_element(left.begin(), left.end()) - left.begin());
+            if (left[pivot] < 1e-3) break;
+            std::vector<double> column(handle_count_);
+            for (std::size_t h = 0; h < handle_count_; ++h) {
+                column[h] = covariance(h, pivot);
+                for (const auto& before : found) column[h] -= before[h] * before[pivot];
+            }
+            const double scale = 1 / std::sqrt(left[pivot]);
+            for (std::size_t h = 0; h < handle_count_; ++h) {
+                column[h] *= scale;
+                left[h] = (std::max)(left[h] - column[h] * column[h], 0.0);
+            }
+            found.push_back(std::move(column));
+        }
+        rank_ = found.size();
+        width_ = rank_ + D;
+        columns_.assign(handle_count_ * width_, 0.0);
+        for (std::size_t h = 0; h < handle_count_; ++h) {
+            double sum = 0; // of a row of the covariance: the largest is no less than its largest eigenvalue
+            for (std::size_t r = 0; r < rank_; ++r) columns_[h * width_ + r] = found[r][h];
+            for (std::size_t other = 0; other < handle_count_; ++other) sum += covariance(h, other);
+            of_moves_ = (std::max)(of_moves_, sum);
+        }
+    }
+
+    /// The neighbours of every node; an edge counts by the inverse square of its length, as angles do.
+    void connect() {
+        std::sort(edges_.begin(), edges_.end());
+        edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+        const auto length = [&](const std::array<std::size_t, 2>& edge) {
+            const auto d = places_[edge[0]] - places_[edge[1]];
+            return std::sqrt(dot(d, d));
+        };
+        double mean = 0;
+        for (const auto& edge : edges_) mean += length(edge) / double(edges_.size());
+        begins_.assign(places_.size() + 1, 0);
+        for (const auto& edge : edges_) {
+            for (const std::size_t node : edge) ++begins_[node + 1];
+        }
+        for (std::size_t n = 0; n < places_.size(); ++n) begins_[n + 1] += begins_[n];
+        neighbours_.resize(2 * edges_.size());
+        std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
+        for (const auto& edge : edges_) {
+            constexpr double most = 25;
+            const double l = length(edge), ratio = mean / l;
+            const double weight = mean > 0 ? (ratio * ratio < most ? ratio * ratio : most) : 1;
+            neighbours_[next[edge[0]]++] = {edge[1], weight};
+            neighbours_[next[edge[1]]++] = {edge[0], weight};
+        }
+    }
+    std::span<const Neighbour> neighbours_of(std::size_t node) const {
+        return std::span<const Neighbour>(neighbours_)
+            .subspan(begins_[node], begins_[node + 1] - begins_[node]);
+    }
+
+    template <class Body>
+    void for_each_node(const Running& running, const Body& body) {
+        in_parallel(running, places_.size(), 64, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) body(n);
+        });
+    }
+
+    /// Keeps the handles of a round: those of the largest smoothed weights, among those that are there still.
+    bool choose(std::size_t round, const Running& running) {
+        const std::size_t before = kept_;
+        kept_ = handle_count_of(rounds[round]);
+        if (round > 0) {
+            if (kept_ == before) {
+                for (Entry& entry : rows_) entry.ahead = entry.weight;
+                return true;
+            }
+            std::fill(smoothed_.begin(), smoothed_.end(), 0.0F);
+            for (std::size_t n = 0; n < places_.size(); ++n) {
+                for (std::size_t k = 0; k < before; ++k) {
+                    const Entry& entry = rows_[n * before + k];
+                    smoothed_[n * handle_count_ + entry.handle] = float(entry.weight);
+                }
+            }
+        }
+        std::vector<float> rough = smoothed_;
+        for (int times = 0; times < 3; ++times) {
+            std::vector<float> other(smoothed_.size());
+            for_each_node(running, [&](std::size_t n) {
+                const auto near = neighbours_of(n);
+                for (std::size_t h = 0; h < handle_count_; ++h) {
+                    float sum = 0;
+                    for (const Neighbour& neighbour : near)
+                        sum += smoothed_[neighbour.node * handle_count_ + h];
+                    const float own = smoothed_[n * handle_count_ + h];
+                    other[n * handle_count_ + h] =
+                        near.empty() ? own : 0.5F * own + 0.5F * sum / float(near.size());
+                }
+            });
+            smoothed_.swap(other);
+            if (!running.keep_going(double(round) / double(rounds.size() + 2))) return false;
+        }
+        std::vector<Entry> kept(places_.size() * kept_);
+        for_each_node(running, [&](std::size_t n) {
+            std::vector<HandleWeight> order;
+            const std::size_t count = round == 0 ? handle_count_ : before;
+            for (std::size_t k = 0; k < count; ++k) {
+                const std::uint32_t h = round == 0 ? std::uint32_t(k) : rows_[n * before + k].handle;
+                order.push_back({h, double(smoothed_[n * handle_count_ + h])});
+            }
+            std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(kept_), order.end(), is_heavier);
+            for (std::size_t k = 0; k < kept_; ++k)
+                kept[n * kept_ + k] = {order[k].handle, 0,
+                                       double(rough[n * handle_count_ + order[k].handle])};
+            project(std::span(kept).subspan(n * kept_, kept_));
+            double stiffness = 2 * alpha;
+            for (const Neighbour& neighbour : neighbours_of(n)) stiffness += 2 * neighbour.weight;
+            // No less than the largest eigenvalues; places are seen from the node, as sums of weights are 1.
+            double of_places = 0;
+            for (std::size_t k = 0; k < kept_; ++k) {
+                for (std::size_t r = rank_; r < width_; ++r) {
+                    const double d =
+                        columns_[kept[n * kept_ + k].handle * width_ + r] - target_[n * width_ + r];
+                    of_places += d * d;
+                }
+            }
+            step_[n] = 1 / (stiffness * (std::min)(of_moves_, double(kept_)) + beta * of_places);
+        });
+        rows_.swap(kept);
+        return true;
+    }
+
+    /// The nearest weights to `ahead` that are not negative and sum to 1, in both fields.
+    static void project(std::span<Entry> row) {
+        // Michelot, J. Optim. Theory Appl. 50 (1986): the mean surplus of those that stay above it.
+        double sum = -1, shift = -std::numeric_limits<double>::infinity();
+        for (const Entry& entry : row) sum += entry.ahead;
+        for (std::size_t count = row.size(), before = 0; count != before;) {
+            before = count;
+            shift = sum / double(count);
+            sum = -1;
+            count = 0;
+            for (const Entry& entry : row) {
+                if (!(entry.ahead > shift)) continue;
+                sum += entry.ahead;
+                ++count;
+            }
+        }
+        for (Entry& entry : row) entry.weight = entry.ahead = (std::max)(entry.ahead - shift, 0.0);
+    }
+
+    /// One pass over all rows.
+    void improve(const Running& running) {
+        for_each_node(running, [&](std::size_t n) {
+            double* const loss = &loss_[n * width_];
+            for (std::size_t r = 0; r < width_; ++r) loss[r] = -target_[n * width_ + r];
+            for (std::size_t k = 0; k < kept_; ++k) {
+                const Entry& entry = rows_[n * kept_ + k];
+                const double* const column = &columns_[entry.handle * width_];
+                for (std::size_t r = 0; r < width_; ++r) loss[r] += entry.ahead * column[r];
+            }
+        });
+        const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum_ * momentum_));
+        const double further = (momentum_ - 1) / next;
+        momentum_ = next;
+        for_each_node(running, [&](std::size_t n) {
+            std::array<double, 64 + D> force{};
+            const double* const loss = &loss_[n * width_];
+            for (std::size_t r = 0; r < rank_; ++r) force[r] = alpha * loss[r];
+            for (std::size_t k = 0; k < D; ++k) force[rank_ + k] = beta * loss[rank_ + k];
+            for (const Neighbour& neighbour : neighbours_of(n)) {
+                const double* const other = &loss_[neighbour.node * width_];
+                for (std::size_t r = 0; r < rank_; ++r) force[r] += neighbour.weight * (loss[r] - other[r]);
+            }
+            const auto row = std::span(rows_).subspan(n * kept_, kept_);
+            std::array<double, 64> stack;
+            std::vector<double> heap(kept_ > stack.size() ? kept_ : 0);
+            double* const old = heap.empty() ? stack.data() : heap.data();
+            for (std::size_t k = 0; k < kept_; ++k) {
+                Entry& entry = row[k];
+                const double* const column = &columns_[entry.handle * width_];
+                double slope = 0;
+                for (std::size_t r = 0; r < width_; ++r) slope += force[r] * column[r];
+                old[k] = entry.weight;
+                entry.ahead -= step_[n] * slope;
+            }
+            project(row);
+            for (std::size_t k = 0; k < kept_; ++k)
+                row[k].ahead = row[k].weight + further * (row[k].weight - old[k]);
+        });
+    }
+
+    std::size_t handle_count_, most_, kept_ = 0, rank_ = 0, width_ = D;
+    double size_ = 1, of_moves_ = 0, momentum_ = 1;
+    Vec<double, D> middle_{};
+    std::vector<double> columns_;              // #handles · width: B, then places
+    std::vector<Vec<double, D>> places_;       // #nodes
+    std::vector<double> target_, loss_, step_; // #nodes · width twice, #nodes
+    std::vector<float> smoothed_;              // #nodes · #handles
+    std::vector<std::array<std::size_t, 2>> edges_;
+    std::vector<std::size_t> begins_;
+    std::vector<Neighbour> neighbours_;
+    std::vector<Entry> rows_; // #nodes · kept
+    Rows narrow_, wide_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

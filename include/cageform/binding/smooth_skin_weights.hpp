@@ -1,0 +1,162 @@
+// A skin whose weights are chosen together over a mesh, so that its surface stays smooth where neighbours leave
+// different handles out.
+#pragma once
+
+#include <cageform/binding/detail/smooth_weights.hpp>
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/cage/triangle_mesh.hpp>
+
+#include <map>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+template <Scalar T, std::size_t D>
+class SmoothSkinner {
+public:
+    SmoothSkinner(const BindingView<T, D>& binding, const SkinWeightsOptions& options, const Running& running)
+        : binding_(binding)
+        , options_(options)
+        , running_(running)
+        , measure_(binding) {}
+
+    template <FaceRange F>
+    Status run(const F& faces, SkinWeights& skin, SkinWeightsReport& report) {
+        std::vector<MeshFace> triangles;
+        for (std::size_t f = 0; f < std::size(faces); ++f) {
+            triangles.push_back(checked_face(faces[f], binding_.point_count()));
+            for (const auto corner : triangles.back()) {
+                if (corner == no_vertex) return Status::index_out_of_range;
+            }
+        }
+        weld();
+        SmoothWeights<D> weights(handle_places(), options_.influences);
+        for (std::size_t n = 0; n < first_.size(); ++n) {
+            const auto frame = measure_.frame_of(places_[first_[n]]);
+            weights.add_node(frame.centre,
+                             [&](std::size_t h) { return double(binding_.weights(first_[n], h)); });
+        }
+        for (const auto& triangle : triangles) {
+            for (std::size_t k = 0; k < 3; ++k)
+                weights.add_edge(node_[triangle[k]], node_[triangle[(k + 1) % 3]]);
+        }
+        const Running solving = running_.part(0, 0.9), storing = running_.part(0.9, 1);
+        if (const Status status = weights.solve(solving); status != Status::ok) return status;
+
+        std::vector<SkinnedPoint> points(binding_.point_count());
+        const std::size_t most = options_.influences;
+        const Status status = for_each_block(points.size(), storing, [&](std::size_t begin, std::size_t end) {
+            NearWeights<D> near;
+            ConvexWeights<D> far;
+            for (std::size_t i = begin; i < end; ++i) {
+                if (!places_[i].is_bound) continue;
+                points[i] = make(near, far, i, weights, std::span(skin.joints).subspan(i * most, most),
+                                 std::span(skin.weights).subspan(i * most, most));
+            }
+        });
+        if (status == Status::ok) gather_skin(points, report);
+        return status;
+    }
+
+private:
+    std::vector<Vec<double, D>> handle_places() const {
+        std::vector<Vec<double, D>> places;
+        for (std::size_t h = 0; h < binding_.handle_count(); ++h)
+            places.push_back(vec_cast<double>(binding_.rest_handles[h]));
+        return places;
+    }
+
+    /// Points at one place that have the same weights are one node, so that seams stay closed.
+    void weld() {
+        std::map<std::array<double, D>, std::vector<std::size_t>> at; // nodes of a place
+        for (std::size_t i = 0; i < binding_.point_count(); ++i) {
+            const auto& place = places_.emplace_back(measure_.place_of(i));
+            node_.push_back(SmoothWeights<D>::no_node);
+            if (!place.is_bound) continue;
+            std::array<double, D> key{};
+            for (std::size_t k = 0; k < D; ++k) key[k] = place.p[k];
+            auto& nodes = at[key];
+            const auto same = std::find_if(nodes.begin(), nodes.end(), [&](std::size_t n) {
+                for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
+                    if (binding_.weights(i, h) != binding_.weights(first_[n], h)) return false;
+                }
+                return true;
+            });
+            if (same == nodes.end()) {
+                node_[i] = first_.size();
+                nodes.push_back(first_.size());
+                first_.push_back(i);
+            } else {
+                node_[i] = *same;
+            }
+        }
+    }
+
+    /// The smooth weights of a point; where they do not reproduce its place, the nearest to those of twice as many
+    /// handles that do.
+    SkinnedPoint make(NearWeights<D>& near, ConvexWeights<D>& far, std::size_t i,
+                      const SmoothWeights<D>& smooth, std::span<std::uint16_t> joints,
+                      std::span<float> weights) const {
+        const auto frame = measure_.frame_of(places_[i]);
+        const auto store = [&](auto& found, bool is_exact) {
+            SkinnedPoint result;
+            result.kind = is_exact ? SkinnedPoint::Kind::reproduced : SkinnedPoint::Kind::not_reproduced;
+            measure_.store(
+                i, places_[i], found.support(), [&](std::size_t h) { return found.weight(h); }, joints,
+                weights, result);
+            return result;
+        };
+        near.load(smooth.row(node_[i]), binding_.handle_view(), frame);
+        if (near.reproduce(options_.threshold)) return store(near, true);
+        if (options_.influences <= D) return store(near, false);
+        const auto wide = smooth.wide_row(node_[i]);
+        far.load(binding_.handle_view(), frame, [&](std::size_t h) {
+            const auto at = std::find_if(wide.begin(), wide.end(),
+                                         [&](const HandleWeight& entry) { return entry.handle == h; });
+            return at == wide.end() ? 0.0 : at->weight;
+        });
+        return store(far, far.reduce(options_.influences, options_.threshold));
+    }
+
+    const BindingView<T, D>& binding_;
+    const SkinWeightsOptions& options_;
+    const Running& running_;
+    SkinMeasure<T, D> measure_;
+    std::vector<typename SkinMeasure<T, D>::Place> places_; // #points
+    std::vector<std::size_t> node_;                         // #points
+    std::vector<std::size_t> first_;                        // #nodes: a point of each
+};
+
+} // namespace detail
+
+/// A skin as `skin_weights` makes it, of points that are the vertices of a mesh: which handles a point keeps, and with
+/// what weights, is decided for all points together, so that what is lost changes little along the edges. Chosen point by
+/// point, neighbours leave different handles out, and the surface creases.
+///
+///   triangles  #triangles · 3 indices of points. Points at one place with the same weights get the same skin
+///   objective  what poses lose that move near handles alike: Σ over edges of the squared difference of the loss, the
+///              longer the edge the less, and in small parts the loss itself and the place missed. Handles move together
+///              by a Gaussian of a fifth of the cage's diagonal; handles are left out in ten rounds, those of the least
+///              weight, smoothed over the mesh
+///   weights    none negative, Σw = 1 and, with K > D, Σwc = p as with skin_weights(): by the least relative change,
+///              under which weights that fade out still do. Where the handles kept do not surround the point, others take
+///              their places, and the surface may crease there: with 4 handles in space everywhere, with 8 hardly
+///   returns    the skin and its report, as skin_weights()
+///   cost       800 passes over the weights kept, each of some thirty numbers a weight: 0.5 ms a point for 60 handles
+///              and K of 8. Memory: #points · (#handles floats twice, and 120 doubles)
+///   fails      as skin_weights(); index_out_of_range
+template <Scalar T, std::size_t D, FaceRange F>
+SkinWeightsResult smooth_skin_weights(const BindingView<T, D>& binding, const F& triangles,
+                                      const SkinWeightsOptions& options = {}, const Running& running = {}) {
+    return detail::make_skin(binding, options, [&](SkinWeights& skin, SkinWeightsReport& report) {
+        return detail::SmoothSkinner<T, D>(binding, options, running).run(triangles, skin, report);
+    });
+}
+template <Scalar T, std::size_t D, FaceRange F>
+SkinWeightsResult smooth_skin_weights(const Binding<T, D>& binding, const F& triangles,
+                                      const SkinWeightsOptions& options = {}, const Running& running = {}) {
+    return smooth_skin_weights(binding.view(), triangles, options, running);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
