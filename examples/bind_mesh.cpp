@@ -11,6 +11,7 @@
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
 
 #include "atomic_file.hpp"
+#include "auto_cage.hpp"
 #include "bind_report.hpp"
 #include "clip_file.hpp"
 #include "command_line.hpp"
@@ -19,6 +20,7 @@
 #include "figure_parts.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
+#include "pose_choice.hpp"
 #include "progress_bar.hpp"
 
 #include <iomanip>
@@ -32,9 +34,8 @@ using cageform::Status;
 using cageform::WeightFormat;
 
 struct Arguments {
-    std::string figure, cage, clip, labels, out;
-    std::vector<std::string> poses;
-    double seconds = 1;
+    std::string figure, cage, labels, out;
+    MotionChoice moves;
     std::optional<WeightFormat> format;
     std::size_t largest = 0;
     double distance = 0; // share of the figure's size; 0: no promise
@@ -130,17 +131,17 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
                 const std::vector<std::string>& labels) {
+    if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates->cage_report);
     if (!coordinates->note.empty()) note(coordinates->note);
     std::vector<cageform::PiecewiseCubic<float>> curves;
     PoseClip motion;
     SampledPoses poses;
-    if (!given.clip.empty() || !given.poses.empty()) {
-        auto clip = given.clip.empty() ? clip_through_poses(cage, given.poses, given.seconds)
-                                       : load_pose_clip(given.clip, cage.vertices.size());
-        if (!clip) return fail(to_string(clip.error()));
-        motion = std::move(*clip);
+    auto clip_given = given.moves.motion(cage);
+    if (!clip_given) return fail(to_string(clip_given.error()));
+    if (!clip_given->keys.empty()) {
+        motion = std::move(*clip_given);
         auto made = curves_of(motion);
         if (!made) return fail(to_string(made.error()));
         curves = std::move(*made);
@@ -229,12 +230,10 @@ int run_program(int argc, char** argv) {
     std::string format;
     line.add("figure", given.figure, "the OBJ file to bind").required();
     line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
+                 std::string(auto_cage_help))
         .required();
-    const CommandOption clip = line.add("--clip", given.clip, "a motion of the cage: a CSV file of poses");
-    line.add("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
-        .excludes(clip);
-    line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+    given.moves.add_options(line);
     line.add("--labels", given.labels, "names of the cage's vertices, kept in the file: a text file");
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.with_normals = given.choice.in_space = true;
@@ -253,15 +252,17 @@ int run_program(int argc, char** argv) {
         .one_of({"float", "half", "int16", "int8"})
         .show_default("float; with --max-distance, the one of the fewest bytes");
     line.add_flag("--report", given.report, "print sizes and errors");
-    line.set_footer(obj_format + std::string("\n") + pose_clip_format + "\n" + labels_format);
+    line.set_footer(obj_format + std::string("\n") + pose_clip_format + "\n" + pose_operations_format + "\n" +
+                    labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
     if (given.choice.name == "harmonic" &&
         given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
         return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
-    if (given.choice.takes_normals() && given.distance > 0 && given.clip.empty() && given.poses.empty())
-        return fail("--max-distance with --coordinates green is kept over a motion: --clip or --pose");
+    if (given.choice.takes_normals() && given.distance > 0 && !given.moves.is_given())
+        return fail("--max-distance with --coordinates green is kept over a motion: --clip, --pose, or "
+                    "operations such as --turn");
     for (const WeightFormat known :
          {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
         if (format == name_of(known)) given.format = known;
@@ -270,7 +271,7 @@ int run_program(int argc, char** argv) {
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
     if (figure->faces.empty()) return fail(figure->name + ": holds no faces, so it has no normals");
-    const auto cage = load_mesh_cage(given.cage);
+    const auto cage = load_or_make_cage(given.cage, *figure);
     if (!cage) return fail(to_string(cage.error()));
     for (const auto* file : {&*figure, &*cage}) {
         if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));

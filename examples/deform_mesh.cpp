@@ -16,8 +16,10 @@
 #include "guard.hpp"
 #include "mesh_cage.hpp"
 #include "mesh_picture.hpp"
+#include "obj_parts.hpp"
 #include "pose_choice.hpp"
 #include "progress_bar.hpp"
+#include "view_choice.hpp"
 
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
@@ -38,6 +40,7 @@ struct Arguments {
     CoordinatesChoice choice;
     SiteChoice of_sites;
     PoseChoice operations;
+    ViewChoice view;
 };
 
 /// What moves the figure: coordinates, and the pose of their handles.
@@ -224,9 +227,18 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
         const std::array<MeshScene, 2> scenes{
             {{{figure.vertices, figure.triangles, paint}, {drawn->vertices, drawn->triangles}},
              {{moved, figure.triangles, paint}, {drawn_pose->vertices, drawn->triangles}}}};
-        draw_meshes(scenes, 1600, 1000).write_png(outputs.add(given.picture));
+        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
+    const auto folder_of = [](const std::string& path) {
+        return std::filesystem::absolute(path).lexically_normal().parent_path();
+    };
+    if (const auto materials = material_files(figure);
+        !materials.empty() && folder_of(given.out) != folder_of(given.figure)) {
+        note(given.out + " names its materials as " + given.figure +
+             " does: " + detail::quoted(materials[0]) + (materials.size() > 1 ? " and more" : "") +
+             ", and their textures, have to lie beside it");
+    }
     if (given.report) {
         std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
                   << " normals, " << figure.faces.size() << " faces\n";
@@ -261,6 +273,7 @@ int run_program(int argc, char** argv) {
     given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
+    given.view.add_options(line);
     const CommandOption weight =
         line.add("--weight", given.weight, "paint this vertex's weight on the figure in the picture, from 0");
     line.add_flag("--report", given.report, "print the bind report");

@@ -12,11 +12,13 @@
 // --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones depend linearly on
 // the pose, and so do the curves between poses, so positions are those of the clone at all times.
 //
-// The motion is a clip (support/clip_file.hpp), or goes from the rest pose through those given and back. Either way it is
+// The motion is a clip (support/clip_file.hpp), or goes from the rest pose through those given, as files or by operations
+// such as --twist, and back. Either way it is
 // written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every material of it a
 // primitive with the colours and the texture that its MTL file gives.
 
 #include "atomic_file.hpp"
+#include "auto_cage.hpp"
 #include "bind_report.hpp"
 #include "command_line.hpp"
 #include "coordinates.hpp"
@@ -24,6 +26,7 @@
 #include "gltf_file.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
+#include "pose_choice.hpp"
 #include "progress_bar.hpp"
 
 #include <cageform/binding/smooth_skin_weights.hpp>
@@ -40,12 +43,12 @@ using cageform::Status;
 using Use = GltfDocument::Use;
 
 struct Arguments {
-    std::string figure, cage, clip, labels, out;
-    std::vector<std::string> poses;
+    std::string figure, cage, labels, out;
+    MotionChoice moves;
     std::string weights = "float";
     OutsideChoice outside{.can_extend = false};
     std::size_t influences = 0; // 0: morph targets
-    double threshold = 0, seconds = 1;
+    double threshold = 0;
     double distance = 0; // share of the figure's size; 0: no promise
     bool morph = false, report = false;
     CoordinatesChoice choice;
@@ -307,7 +310,7 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     std::vector<std::size_t> roots = add_mesh_nodes(document, scene, true);
     const std::size_t root_node = roots.size(), first_joint = root_node + 1;
     roots.push_back(root_node);
-    GltfJson root = {{"name", stem(given.cage)}};
+    GltfJson root = {{"name", stem(scene.cage.name)}};
     GltfJson list;
     for (std::size_t j = 0; j < joints; ++j) list.push_back(first_joint + j);
     root["children"] = list;
@@ -393,7 +396,8 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
                 return scene.figure.name + ": a vertex has moved beyond all numbers";
         }
         keys.push_back(k);
-        names.push_back(given.poses.empty() ? "key " + std::to_string(k) : stem(given.poses[k - 1]));
+        names.push_back(given.moves.poses.empty() ? "key " + std::to_string(k)
+                                                  : stem(given.moves.poses[k - 1]));
         zeros.push_back(0.0);
     }
     if (keys.empty()) return scene.clip.name + ": every pose is that at rest";
@@ -560,12 +564,10 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("figure", given.figure, "the OBJ file").required();
     line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside")
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
+                 std::string(auto_cage_help))
         .required();
-    const CommandOption clip = line.add("--clip", given.clip, "the motion: a CSV file of poses");
-    line.add("--pose", given.poses, "or poses of the cage, OBJ files: from rest through these and back")
-        .excludes(clip);
-    line.add("--seconds", given.seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+    given.moves.add_options(line);
     const CommandOption labels =
         line.add("--labels", given.labels,
                  "of a skin: names of the joints, which are the cage's vertices: a text file");
@@ -599,14 +601,14 @@ int run_program(int argc, char** argv) {
         obj_format +
         std::string("Vertices keep the order of the file: a vertex that needs several normals or\n"
                     "texture coordinates is there once more, behind all others.\n\n") +
-        pose_clip_format + "\n" + labels_format);
+        pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!given.morph && given.influences == 0 && given.distance == 0)
         return fail("--skin, --max-distance or --morph says what to write");
     if (!given.morph && given.choice.takes_normals())
         return fail("--coordinates green: joints carry no normals of faces; --morph writes targets");
-    if (given.morph && given.clip.empty() && given.poses.empty())
-        return fail("morph targets are made of poses: --clip or --pose");
+    if (given.morph && !given.moves.is_given())
+        return fail("morph targets are made of poses: --clip, --pose, or operations such as --turn");
 
     Scene scene;
     auto figure = load_obj(given.figure);
@@ -614,19 +616,16 @@ int run_program(int argc, char** argv) {
     scene.parts = read_parts(*figure);
     auto meshes = gltf_meshes(*figure, scene.parts);
     if (!meshes) return fail(to_string(meshes.error()));
-    auto cage = load_mesh_cage(given.cage);
+    auto cage = load_or_make_cage(given.cage, *figure);
     if (!cage) return fail(to_string(cage.error()));
     if (!given.labels.empty()) {
         auto read = read_labels(given.labels, cage->vertices.size());
         if (!read) return fail(to_string(read.error()));
         scene.labels = std::move(*read);
     }
-    if (!given.clip.empty() || !given.poses.empty()) {
-        auto motion = given.clip.empty() ? clip_through_poses(*cage, given.poses, given.seconds)
-                                         : load_pose_clip(given.clip, cage->vertices.size());
-        if (!motion) return fail(to_string(motion.error()));
-        scene.clip = std::move(*motion);
-    }
+    auto motion = given.moves.motion(*cage);
+    if (!motion) return fail(to_string(motion.error()));
+    scene.clip = std::move(*motion);
     scene.figure = std::move(*figure);
     scene.cage = std::move(*cage);
     scene.meshes = std::move(*meshes);

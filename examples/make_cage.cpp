@@ -17,6 +17,7 @@
 #include "progress_bar.hpp"
 #include "render.hpp"
 #include "svg_text.hpp"
+#include "view_choice.hpp"
 
 #include <cmath>
 #include <iostream>
@@ -27,6 +28,7 @@ using namespace cageform_examples;
 
 struct Arguments {
     std::string figure, out, picture;
+    ViewChoice view;
     bool png = false;
     cageform::MakeCageOptions options;
 };
@@ -114,7 +116,7 @@ int cage_in_space(const Arguments& given) {
         const std::array<MeshScene, 2> scenes{
             {{{figure->vertices, figure->triangles}, {made->cage.vertices, made->cage.triangles}},
              {{made->cage.vertices, made->cage.triangles}, {}}}};
-        draw_meshes(scenes, 1600, 1000).write_png(outputs.add(given.picture));
+        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << describe(made->report, 3);
@@ -167,8 +169,12 @@ int run_program(int argc, char** argv) {
              "in space to "
              "a .png file")
         .ends_with({".svg", ".png"});
+    given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (options.shape == cageform::CageShape::box && options.vertices != 0)
+        return fail(
+            "--vertices: --cage box has 8 vertices, in the plane 4; --cage hull and auto take a number");
     options.one_cage = !parts;
     if (given.out.empty() && given.picture.empty())
         return fail("nothing to write: give -o, --picture or both");

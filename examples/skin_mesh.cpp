@@ -1,4 +1,4 @@
-// Weights of bones for any OBJ figure that is a closed mesh, and the figure moved by them.
+// Weights of bones for any OBJ figure, and the figure moved by them.
 //
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
@@ -6,12 +6,14 @@
 // file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface (surface/skin.hpp).
 
 #include "atomic_file.hpp"
+#include "bind_report.hpp"
 #include "command_line.hpp"
 #include "gltf_file.hpp"
 #include "guard.hpp"
 #include "mesh_cage.hpp"
 #include "mesh_picture.hpp"
 #include "progress_bar.hpp"
+#include "view_choice.hpp"
 
 #include <cageform/binding/bind_bones.hpp>
 #include <cageform/clone/clone.hpp>
@@ -48,6 +50,7 @@ struct Arguments {
     std::string weights = "heat";
     std::size_t influences = 4;
     bool sees_through = false, report = false;
+    ViewChoice view;
 };
 
 // ---- the bones ----
@@ -141,8 +144,6 @@ std::string why_not(const Arguments& given, const ObjFile& figure, const std::ve
         std::string text = describe_mesh_faults(figure.name, faults);
         if (const std::size_t at = text.find("the cage"); at != std::string::npos)
             text.replace(at, 8, "the mesh");
-        if (report.status == Status::cage_not_closed)
-            text += "\n  --see-through takes meshes that are not closed";
         return text;
     }
     if (report.status == Status::cells_unreached) {
@@ -195,26 +196,25 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
     if (animation.contains("channels")) document.append("animations", std::move(animation));
 }
 
-/// The document: the mesh, the bones as nodes, the skin, and the turn into the pose.
-std::string gltf_text(const ObjFile& figure, const GltfMesh& mesh, const std::vector<Bone>& bones,
-                      const cageform::SkinWeights& skin, bool binary) {
+/// The document: the meshes, the bones as nodes, the skin, and the turn into the pose.
+SvgResult<std::string> gltf_text(const ObjFile& figure, const ObjParts& parts,
+                                 const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
+                                 const cageform::SkinWeights& skin, bool binary) {
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform skin_mesh";
     document.json["scene"] = 0;
-    GltfJson attributes;
-    attributes["POSITION"] = document.add(gltf_positions(mesh, figure.vertices), Use::vertices, true);
-    attributes["NORMAL"] = document.add(gltf_normals(mesh, figure, figure.vertices), Use::vertices);
-    if (!mesh.texture.empty()) attributes["TEXCOORD_0"] = document.add(mesh.texture, Use::vertices);
-    add_skin_attributes<std::uint16_t, float>(document, attributes, mesh, skin, skin.weights, 0);
-    const std::size_t indices = document.add(mesh.indices, Use::indices);
-    const std::string name = std::filesystem::path(figure.name).stem().string();
-    document.append(
-        "meshes",
-        {{"name", name}, {"primitives", {{{"attributes", std::move(attributes)}, {"indices", indices}}}}});
-
-    constexpr std::size_t first = 1;
-    document.append("nodes", {{"name", name}, {"mesh", 0}, {"skin", 0}});
-    GltfJson joints, roots = {0};
+    print_warnings(parts.warnings);
+    print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
+    GltfJson roots;
+    for (const GltfMesh& mesh : meshes) {
+        GltfJson attributes = gltf_attributes(document, mesh, figure);
+        add_skin_attributes<std::uint16_t, float>(document, attributes, mesh, skin, skin.weights, 0);
+        const std::size_t index = document.append(
+            "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
+        roots.push_back(document.append("nodes", {{"name", mesh.name}, {"mesh", index}, {"skin", 0}}));
+    }
+    const std::size_t first = meshes.size();
+    GltfJson joints;
     std::vector<std::array<float, 16>> inverse;
     for (std::size_t b = 0; b < bones.size(); ++b) {
         const auto single = [](const Point3& p) {
@@ -238,6 +238,8 @@ std::string gltf_text(const ObjFile& figure, const GltfMesh& mesh, const std::ve
     document.append("scenes", {{"nodes", roots}});
 
     add_turns(document, bones, first);
+    if (document.bytes() > 0x7fffffff)
+        return SvgError{figure.name + ": the file would be larger than glTF allows"};
     return document.text(binary);
 }
 
@@ -251,8 +253,7 @@ SvgResult<std::size_t> bone_named(const Arguments& given, const std::vector<Bone
     return SvgError{given.bones + ": there is no bone " + detail::quoted(name)};
 }
 
-int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& mesh,
-                const std::vector<Bone>& bones) {
+int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
     // Painted without a name: the bone that turns the most, and its parent.
     std::size_t turned = 0;
     const auto angle = [&](std::size_t b) { return dot(bones[b].turn, bones[b].turn); };
@@ -263,18 +264,28 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& m
         bone_named(given, bones, given.red, bones[*blue].parent == no_parent ? *blue : bones[*blue].parent);
     if (!red) return fail(to_string(red.error()));
 
+    const ObjParts parts = read_parts(figure);
+    const auto meshes = gltf_meshes(figure, parts);
+    if (!meshes) return fail(to_string(meshes.error()));
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     std::vector<cageform::BoneSegment> segments;
     for (const Bone& bone : bones) segments.push_back(bone.segment);
     cageform::SurfaceSkinOptions options;
     if (given.sees_through) options.visibility = cageform::BoneVisibility::ignored;
-    cageform::SurfaceSkin<double> made;
-    {
+    const auto weights = [&] {
         ProgressBar bar("weights");
         const cageform::Running running{.progress = bar.callback()};
-        made = given.weights == "heat"
+        return given.weights == "heat"
                    ? cageform::bone_heat(figure.vertices, figure.triangles, segments, options, running)
                    : cageform::harmonic_skin(figure.vertices, figure.triangles, segments, options, running);
+    };
+    cageform::SurfaceSkin<double> made = weights();
+    if (made.report.status == Status::cage_not_closed && !given.sees_through) {
+        note(figure.name +
+             ": the mesh is not closed, so that nothing is inside it: every vertex sees its nearest "
+             "bone, as with --see-through");
+        options.visibility = cageform::BoneVisibility::ignored;
+        made = weights();
     }
     const auto& report = made.report;
     if (report.status != Status::ok) return fail(why_not(given, figure, bones, report));
@@ -286,19 +297,38 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& m
                                              {.influences = given.influences});
     if (skin.report.status != Status::ok)
         return fail(given.bones + ": " + cageform::to_string(skin.report.status));
-    const auto moved = posed(figure, bones, made.weights);
-    if (!moved) return fail(to_string(moved.error()));
+    // What is drawn is what is written.
+    const std::size_t most = skin.skin.influences;
+    std::vector<double> written(made.weights.size(), 0.0);
+    for (std::size_t n = 0; n < skin.skin.weights.size(); ++n)
+        written[n / most * bones.size() + skin.skin.joints[n]] += double(skin.skin.weights[n]);
+    const auto right = posed(figure, bones, made.weights), moved = posed(figure, bones, written);
+    if (!right || !moved) return fail(to_string(right ? moved.error() : right.error()));
+    StoredLoss loss;
+    loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    loss.poses = 1;
+    for (std::size_t i = 0; i < moved->size(); ++i) {
+        const Point3 d = (*moved)[i] - (*right)[i];
+        const double off = std::hypot(d[0], d[1], d[2]);
+        loss.mean += off / double(moved->size());
+        if (off > loss.largest) loss.vertex = i;
+        loss.largest = std::max(loss.largest, off);
+    }
+    if (loss.share() > StoredLoss::worth_a_warning) {
+        warn(figure.name + ": a skin of " + std::to_string(most) + " bones a vertex is off by " +
+             describe(loss) + "; a larger --skin loses less");
+    }
+    const auto text = gltf_text(figure, parts, *meshes, bones, skin.skin,
+                                std::filesystem::path(given.out).extension() != ".gltf");
+    if (!text) return fail(to_string(text.error()));
 
     OutputFiles outputs;
-    outputs.add(given.out).write(
-        gltf_text(figure, mesh, bones, skin.skin, std::filesystem::path(given.out).extension() != ".gltf"));
+    outputs.add(given.out).write(*text);
     if (!given.picture.empty()) {
         std::vector<Colour> paint;
         constexpr Colour clay{0.93f, 0.93f, 0.9f}, of_red{0.85f, 0.15f, 0.12f}, of_blue{0.12f, 0.25f, 0.85f};
         for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
-            const auto share = [&](std::size_t b) {
-                return float(std::clamp(made.weights[i * bones.size() + b], 0.0, 1.0));
-            };
+            const auto share = [&](std::size_t b) { return float(written[i * bones.size() + b]); };
             const float r = *red == *blue ? 0 : share(*red), b = share(*blue);
             const float rest = std::max(1 - r - b, 0.0f);
             paint.push_back({rest * clay.r + r * of_red.r + b * of_blue.r,
@@ -307,19 +337,21 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const GltfMesh& m
         }
         const std::array<MeshScene, 2> scenes{
             {{{figure.vertices, figure.triangles, paint}, {}}, {{*moved, figure.triangles, paint}, {}}}};
-        draw_meshes(scenes, 1600, 1000).write_png(outputs.add(given.picture));
+        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << printable(given.out) << ": " << mesh.corners.size() << " vertices, " << bones.size()
-              << " bones, " << given.weights << '\n';
+    std::size_t vertices = 0;
+    for (const GltfMesh& mesh : *meshes) vertices += mesh.corners.size();
+    std::cout << printable(given.out) << ": " << vertices << " vertices, " << bones.size() << " bones, "
+              << given.weights << '\n';
     if (given.report) {
         std::cout << "flipped edges: " << report.mesh.flips
                   << "\nnegative cotangent weights: " << report.mesh.negative_weights
                   << "\nvertices that do not see their nearest bones: " << report.hidden
                   << "\nbones a vertex, in the mean: " << skin.report.mean_influences
                   << "\nlargest sum |w - w0| of " << given.influences
-                  << " bones a vertex: " << skin.report.weight_error.value << "\ntime: " << report.seconds
-                  << " s\n";
+                  << " bones a vertex: " << skin.report.weight_error.value << "\noff by " << describe(loss)
+                  << "\ntime: " << report.seconds << " s\n";
     }
     return 0;
 }
@@ -328,7 +360,7 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Finds the weights of bones on an OBJ figure, and writes the figure with its skin as glTF 2.0.");
     Arguments given;
-    line.add("figure", given.figure, "the OBJ file: a closed mesh").required();
+    line.add("figure", given.figure, "the OBJ file: a mesh, best a closed one").required();
     line.add("--bones", given.bones, "its bones: a CSV file").required();
     line.add("--weights", given.weights,
              "heat (of the nearest bone that a vertex sees) or harmonic (1 on the middle "
@@ -337,12 +369,13 @@ int run_program(int argc, char** argv) {
         .show_default();
     line.add("--skin", given.influences, "bones a vertex at most, in the file").range(1, 16).show_default();
     line.add_flag("--see-through", given.sees_through,
-                  "of heat: every vertex sees its nearest bone; for meshes that are not closed");
+                  "of heat: every vertex sees its nearest bone, as where the mesh is not closed");
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
         .ends_with({".glb", ".gltf"});
     line.add("--picture", given.picture, "also draw the figure at rest and posed to a PNG file")
         .ends_with({".png"});
+    given.view.add_options(line);
     line.add("--blue", given.blue, "the bone whose weight is painted blue; else the one that turns the most");
     line.add("--red", given.red, "the bone whose weight is painted red; else the parent of the blue one");
     line.add_flag("--report", given.report, "print flips, hidden vertices, what the file's skin leaves out");
@@ -351,12 +384,11 @@ int run_program(int argc, char** argv) {
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
-    const auto mesh = gltf_mesh(*figure);
-    if (!mesh) return fail(to_string(mesh.error()));
+    if (figure->faces.empty()) return fail(figure->name + ": holds no faces");
     if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
     const auto bones = load_bones(given.bones);
     if (!bones) return fail(to_string(bones.error()));
-    return skin_figure(given, *figure, *mesh, *bones);
+    return skin_figure(given, *figure, *bones);
 }
 
 } // namespace

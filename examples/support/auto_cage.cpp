@@ -154,7 +154,11 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
 SvgError with_words(SvgError error, const std::string& word) {
     std::error_code unknown;
     if (std::filesystem::exists(word, unknown)) return error;
-    if (word.starts_with("auto") || word.starts_with("hull") || word.starts_with("box"))
+    if (word.starts_with("box:"))
+        error.message = "--cage " + detail::quoted(word) +
+                        ": a box has 8 vertices, in the plane 4: --cage box, or with N "
+                        "vertices hull:N or auto:N";
+    else if (word.starts_with("auto") || word.starts_with("hull") || word.starts_with("box"))
         error.message +=
             "; of a cage to be made: auto, hull, box, or with 3 to 1000000 vertices auto:N, hull:N";
     return error;

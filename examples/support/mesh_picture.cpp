@@ -316,11 +316,16 @@ ViewDirections view_from(double turn, double rise) {
             {-std::sin(t) * std::cos(r), -std::cos(t) * std::cos(r), std::sin(r)}};
 }
 
-Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height) {
-    // From the front, somewhat from the figure's left and from above: the y axis is up, the figure faces along z.
-    constexpr double turn = 0.6, rise = 0.2; // radians
-    const Point3 towards{std::sin(turn) * std::cos(rise), std::sin(rise), std::cos(turn) * std::cos(rise)};
-    const Point3 right{std::cos(turn), 0, -std::sin(turn)};
+Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
+                    const MeshSight& sight) {
+    constexpr double degree = 3.14159265358979323846 / 180;
+    const double turn = degree * std::remainder(sight.turn, 360), rise = degree * sight.rise;
+    Point3 towards{std::sin(turn) * std::cos(rise), std::sin(rise), std::cos(turn) * std::cos(rise)};
+    Point3 right{std::cos(turn), 0, -std::sin(turn)};
+    if (sight.z_is_up) {
+        for (Point3* direction : {&towards, &right})
+            *direction = {(*direction)[0], -(*direction)[2], (*direction)[1]};
+    }
 
     Picture picture(width, height, detail::MeshCanvas::background);
     const std::size_t part = width / scenes.size();

@@ -26,8 +26,15 @@ struct MeshScene {
     MeshView cage;
 };
 
+/// Where meshes are seen from: turned from the front towards the figure's left, then from above, in degrees.
+struct MeshSight {
+    double turn = 34.4, rise = 11.5;
+    bool z_is_up = false; ///< the figure looks against y then; else y is up, and it looks along z
+};
+
 /// Draws scenes side by side, each in an equal part of the width, all at the same scale from the same place.
-Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height);
+Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
+                    const MeshSight& sight = {});
 
 /// Where a picture is seen from: what is to its right, up in it, and towards the eye. Unit lengths, at right angles.
 struct ViewDirections {

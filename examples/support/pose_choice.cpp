@@ -1,6 +1,8 @@
 #include "pose_choice.hpp"
 
 #include "auto_cage.hpp"
+#include "csv.hpp"
+#include "mesh_cage.hpp"
 
 #include <array>
 #include <span>
@@ -41,6 +43,35 @@ template SvgResult<std::vector<cageform::Vec<double, 2>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&) const;
 template SvgResult<std::vector<cageform::Vec<double, 3>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&) const;
+
+void MotionChoice::add_options(CommandLine& line) {
+    const CommandOption of_clip = line.add("--clip", clip, "a motion of the cage: a CSV file of poses");
+    line.add("--pose", poses, "or poses of the cage, OBJ files: from rest through these and back")
+        .excludes(of_clip);
+    operations.add_options(line);
+    line.add("--seconds", seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+}
+
+SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
+    if (operations.operations.empty()) {
+        if (!clip.empty()) return load_pose_clip(clip, cage.vertices.size());
+        return poses.empty() ? SvgResult<PoseClip>(PoseClip{}) : clip_through_poses(cage, poses, seconds);
+    }
+    if (!clip.empty() || !poses.empty())
+        return SvgError{"--clip, --pose, or operations such as --turn, but only one of them"};
+    auto posed = operations.posed(cage.vertices);
+    if (!posed) return posed.error();
+    for (std::size_t i = 0; i < posed->size(); ++i) {
+        for (const double x : (*posed)[i].v) {
+            if (const std::string why = detail::single_precision_fault(x); !why.empty())
+                return SvgError{"the pose of vertex " + std::to_string(i + 1) + " of " + cage.name + ": " +
+                                why};
+        }
+    }
+    return PoseClip{"pose",
+                    2 * seconds,
+                    {{0, PoseWay::smooth, cage.vertices}, {seconds, PoseWay::smooth, std::move(*posed)}}};
+}
 
 SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
                               bool is_made) {

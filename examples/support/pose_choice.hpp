@@ -3,7 +3,9 @@
 // The options that pose a cage by operations. The same in all programs.
 
 #include "cage_file.hpp"
+#include "clip_file.hpp"
 #include "command_line.hpp"
+#include "obj_file.hpp"
 #include "pose_operations.hpp"
 
 #include <string>
@@ -22,6 +24,22 @@ struct PoseChoice {
     template <std::size_t D>
     SvgResult<std::vector<cageform::Vec<double, D>>>
     posed(const std::vector<cageform::Vec<double, D>>& rest) const;
+};
+
+/// What --clip, --pose, --seconds and the operations say of how a cage in space moves: a clip, or from rest through poses
+/// and back.
+struct MotionChoice {
+    std::string clip;
+    std::vector<std::string> poses;
+    PoseChoice operations;
+    double seconds = 1;
+
+    void add_options(CommandLine& line);
+
+    bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
+    /// The motion; without keys where none is given. Fails where a file cannot be read or fits not, an operation cannot
+    /// be done, numbers are beyond single precision, or more than one of the three is given.
+    SvgResult<PoseClip> motion(const ObjFile& cage) const;
 };
 
 /// A pose by a file or by operations; of a cage that the program made, where neither is given, first_pose().

@@ -1,0 +1,16 @@
+#pragma once
+
+// Where pictures of meshes are seen from. The same in all programs that draw some.
+
+#include "command_line.hpp"
+#include "mesh_picture.hpp"
+
+namespace cageform_examples {
+
+struct ViewChoice {
+    MeshSight sight;
+
+    void add_options(CommandLine& line); ///< --view and --up
+};
+
+} // namespace cageform_examples
