@@ -11,7 +11,7 @@
 #include "mesh_cage.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/binding/skin_weights.hpp>
+#include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/mean_value_3d.hpp>
 
@@ -240,7 +240,8 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
         const int weights = file.model.meshes[0].primitives[0].attributes.at("WEIGHTS_0");
         integers = file.model.accessors[std::size_t(weights)].normalized;
         cageform::Binding<double, 3> skinned;
-        const auto made = cageform::skin_weights(binding, {.influences = skin.count});
+        const auto made =
+            cageform::smooth_skin_weights(binding, figure.triangles, {.influences = skin.count});
         if (made.report.status != cageform::Status::ok ||
             cageform::skin_to_binding(binding, made.skin, skinned) != cageform::Status::ok)
             throw std::runtime_error("no skin");

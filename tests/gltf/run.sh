@@ -78,8 +78,16 @@ done
 works "one bone that stands" "$skin" character.obj --bones one.csv --weights harmonic --skin 1 -o bones_one.gltf
 sed '/^f 7/d' character.obj >open_character.obj
 works "an open mesh" "$skin" open_character.obj --bones character.bones.csv --see-through --skin 8 -o bones_open.glb
-refuses 'open_character.obj: the mesh is not closed' "$skin" open_character.obj --bones character.bones.csv -o out.glb
-says '--see-through'
+works "an open mesh, unasked" "$skin" open_character.obj --bones character.bones.csv --skin 8 -o bones_unasked.glb
+says 'note: open_character.obj: the mesh is not closed'
+cmp bones_open.glb bones_unasked.glb && report yes unasked || report no "as with --see-through"
+works "a picture of what is written" "$skin" character.obj --bones character.bones.csv --weights harmonic --skin 1 -o bones_few.glb --picture few.png
+says 'warning: character.obj: a skin of 1 bones a vertex is off by at most'
+works "a picture of more" "$skin" character.obj --bones character.bones.csv --weights harmonic --skin 4 -o bones_more.glb --picture more.png
+cmp -s few.png more.png && report no "pictures draw the skin that is written" || report yes drawn
+works "from another side" "$skin" character.obj --bones character.bones.csv --weights harmonic -o bones_up.glb --picture up.png --up z --view 20,30
+cmp -s up.png more.png && report no "--up and --view turn the picture" || report yes view
+refuses '--view' "$skin" character.obj --bones character.bones.csv -o out.glb --picture out.png --view 20
 refuses 'no bone moves the part of the mesh about v 1 ' "$skin" character.obj --bones far.csv -o out.glb
 refuses 'there is no bone "nobody"' "$skin" character.obj --bones one.csv --weights harmonic --red nobody -o out.glb
 refuses 'missing/out.png' "$skin" character.obj --bones one.csv --weights harmonic -o out.glb --picture missing/out.png
@@ -126,11 +134,13 @@ cat log
   works "a threshold, and a report" "$export" character.obj $cage $clip --skin 12 --threshold 0.05 --report -o threshold.glb
   says 'not reproduced: 0'
   says 'off by at most '
+  says 'edges by at most '
   says 'poses of the motion'
   works "as many joints as a distance takes" "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.02 --report -o near.glb
   says 'skin: 8 weights at most'
   refuses 'a skin of 16 joints a vertex is off by at most' "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.0001 -o out.glb
-  refuses 'a larger --skin' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
+  refuses 'not even --skin 16 keeps it' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
+  refuses '--skin 8 would do' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.02 -o out.glb
   refuses '--morph' "$export" character.obj $cage $clip --morph --max-distance 0.1 -o out.glb
   refuses '--max-distance' "$export" character.obj $cage $clip --max-distance 2 -o out.glb
   works "few joints without a distance" "$export" character.obj $cage $clip --coordinates mean-value --skin 4 -o few.glb
@@ -161,6 +171,46 @@ works "a vertex outside" "$export" stray.obj --cage box.obj --pose box_pose.obj 
 says 'warning: 1 of 8 vertices of stray.obj lie outside the cage box.obj, first v 7 (9, 3, 3); they follow the nearest points of the boundary'
 works "a vertex that follows the boundary" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside nearest --skin 4 -o nearest.glb
 works "a vertex kept in place, targets" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside keep --morph -o kept_morph.glb
+
+# ---- objects and materials ----
+printf '%s\n' 'newmtl red' 'Kd 0.8 0.1 0.05' 'newmtl glass' 'Kd 0.5 0.7 0.9' 'd 0.25' 'newmtl lamp' 'Ke 3 2 1' 'newmtl wood' 'Kd 1 1 1' \
+  'map_Kd pictures\wood grain.png' >parts.mtl
+mkdir -p pictures ../outside_$$
+echo iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg== | base64 -d >'pictures/wood grain.png'
+printf '\211PNG\r\n\032\nnot ours' >../outside_$$/secret.png
+{
+  echo 'mtllib parts.mtl'
+  cat inner
+  printf '%s\n' 'vt 0 0' 'vt 1 0' 'vt 1 1' 'o first' 'usemtl red' 'f 4/1 3/2 2/3 1/1' 'usemtl glass' 'f 5/1 6/2 7/3 8/1' 'o second' 'usemtl lamp' \
+    'f 1/1 2/2 6/3 5/1' 'f 2/1 3/2 7/3 6/1' 'o third' 'usemtl wood' 'f 3/1 4/2 8/3 7/1' 'f 4/1 1/2 5/3 8/1'
+} >parts.obj
+for way in "--skin 4" "--morph"; do
+  # shellcheck disable=SC2086
+  works "objects and materials, $way" "$export" parts.obj --cage box.obj --twist all:z,0,4,40 $way -o parts.gltf
+  says '3 objects, 4 materials'
+  for name in first second third red glass lamp wood BLEND image/png KHR_materials_emissive_strength; do
+    grep -q "\"$name\"" parts.gltf && report yes "$name" || report no "$way: parts.gltf has $name"
+  done
+  [ "$(grep -c '"indices"' parts.gltf)" = 4 ] && report yes primitives || report no "$way: a primitive for every material of an object"
+done
+works "objects and materials, binary" "$export" parts.obj --cage box.obj --twist all:z,0,4,40 --skin 4 -o parts.glb
+sed "s|^map_Kd.*|map_Kd ../outside_$$/secret.png|" parts.mtl >escaping.mtl
+sed 's/^mtllib.*/mtllib escaping.mtl/' parts.obj >escaping.obj
+works "a texture of another folder" "$export" escaping.obj --cage box.obj --skin 4 -o escaping.glb
+says "the texture \"../outside_$$/secret.png\" of the material \"wood\" is not in its folder"
+grep -q 'not ours' escaping.glb && report no "nothing of another folder is taken" || report yes escaping
+rm -r ../outside_$$
+sed 's/^mtllib.*/mtllib nowhere.mtl/' parts.obj >lost.obj
+works "materials that are not there" "$export" lost.obj --cage box.obj --skin 4 -o lost.glb
+says 'its materials, "nowhere.mtl", are not in its folder'
+mkdir -p posed
+works "materials of a posed file" "$programs/deform_mesh" parts.obj --cage box.obj --twist all:z,0,4,40 -o posed/parts.obj
+says 'note: posed/parts.obj names its materials as parts.obj does: "parts.mtl"'
+grep -q '^mtllib parts.mtl' posed/parts.obj && report yes mtllib || report no "groups and materials stay"
+works "a cage that is made" "$export" parts.obj --cage hull:20 --bend all:zx,1,3,40 --skin 8 -o made.glb
+works "a cage that is made, packed" "$programs/bind_mesh" parts.obj --cage hull:20 --bend all:zx,1,3,40 -o made.figure
+refuses 'a box has 8 vertices' "$export" parts.obj --cage box:9 --skin 8 -o out.glb
+refuses 'but only one of them' "$export" parts.obj --cage box.obj --pose box_pose.obj --twist all:z,0,4,40 --skin 8 -o out.glb
 
 # ---- what is refused ----
 works "help" "$export" --help
