@@ -254,6 +254,8 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
 
 int run_program(int argc, char** argv) {
     CommandLine line("Deforms an OBJ figure by a cage, a closed mesh around it, and a pose of the cage.");
+    line.set_examples({"model.obj --cage auto:60 -o look.obj --picture look.png",
+                       "model.obj --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.obj"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file to deform").required();
     line.add("--cage", given.cage,

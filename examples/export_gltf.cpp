@@ -561,6 +561,9 @@ int export_figure(const Arguments& given, const Scene& scene) {
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
+    line.set_examples(
+        {"character.obj --cage auto --turn 5-9:30,z -o character.glb",
+         "character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file").required();
     line.add("--cage", given.cage,

@@ -359,6 +359,9 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Finds the weights of bones on an OBJ figure, and writes the figure with its skin as glTF 2.0.");
+    line.set_examples(
+        {"character.obj --bones character.bones.csv -o skinned.glb",
+         "character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file: a mesh, best a closed one").required();
     line.add("--bones", given.bones, "its bones: a CSV file").required();
