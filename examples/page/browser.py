@@ -105,6 +105,10 @@ class Browser:
                   {'width': width, 'height': height, 'deviceScaleFactor': scale, 'mobile': phone})
         self.call('Emulation.setTouchEmulationEnabled', {'enabled': phone})
 
+    def still(self):
+        """As for who has asked for less motion."""
+        self.call('Emulation.setEmulatedMedia', {'features': [{'name': 'prefers-reduced-motion', 'value': 'reduce'}]})
+
     def mouse(self, kind, x, y, held=True, **more):
         button = 'left' if held else 'none'
         self.call('Input.dispatchMouseEvent', {'type': kind, 'x': x, 'y': y, 'button': button, 'buttons': int(held),

@@ -179,9 +179,26 @@ std::vector<std::array<std::uint32_t, 3>> read_faces(Reader& reader, std::size_t
 
 #if defined(__wasm__)
 #define PAGE_EXPORT(name) extern "C" __attribute__((export_name(#name)))
+/// Told the fraction that is done of what takes long.
+extern "C" __attribute__((import_module("page"), import_name("progress"))) void page_progress(double done);
 #else // read natively, by a test
 #define PAGE_EXPORT(name) extern "C"
+extern "C" inline void page_progress(double) {}
 #endif
+
+namespace {
+
+cageform::MakeCageOptions cage_options(std::size_t vertices) {
+    cageform::MakeCageOptions options;
+    options.vertices = vertices;
+    options.running.progress = [](double done) {
+        page_progress(done);
+        return true; // the page stops the thread instead
+    };
+    return options;
+}
+
+} // namespace
 
 /// Room for `numbers` doubles that the next call reads.
 PAGE_EXPORT(page_input) double* page_input(std::size_t numbers) {
@@ -233,17 +250,15 @@ PAGE_EXPORT(page_weights) std::size_t page_weights(std::size_t type, std::size_t
 /// A cage for what is drawn. In: segments, each two ends and a radius. Out: loops, clearance, seconds, sizes of the
 /// loops, vertices.
 PAGE_EXPORT(page_make_cage)
-int page_make_cage(std::size_t segments, std::size_t vertices, double margin) {
+int page_make_cage(std::size_t segments, std::size_t vertices) {
     std::vector<cageform::DrawnSegment<double>> drawn;
     Reader reader;
     for (std::size_t i = 0; i < segments; ++i) {
         const auto ends = reader.points<2>(2);
         drawn.push_back({ends[0], ends[1], reader.number()});
     }
-    cageform::MakeCageOptions options;
-    options.vertices = vertices;
-    options.margin = margin;
-    const auto made = cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn), options);
+    const auto made =
+        cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn), cage_options(vertices));
     output = {double(made.cage.loops().size()), made.report.clearance, made.report.seconds};
     for (const auto& loop : made.cage.loops()) output.push_back(double(loop.size()));
     for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1]});
@@ -277,9 +292,7 @@ PAGE_EXPORT(page_make_shell)
 int page_make_shell(std::size_t points, std::size_t faces, std::size_t vertices) {
     Reader reader;
     const auto places = reader.points<3>(points);
-    cageform::MakeCageOptions options;
-    options.vertices = vertices;
-    const auto made = cageform::make_cage(places, read_faces(reader, faces), options);
+    const auto made = cageform::make_cage(places, read_faces(reader, faces), cage_options(vertices));
     output = {double(made.cage.size()), double(made.cage.faces().size()), made.report.clearance};
     for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1], p[2]});
     for (const auto& [a, b, c] : made.cage.faces())
@@ -315,6 +328,13 @@ PAGE_EXPORT(page_mesh_clone) const Point3* page_mesh_clone(std::size_t vertices)
 PAGE_EXPORT(page_mesh_normals) const Point3* page_mesh_normals() {
     find_normals();
     return space.normals.data();
+}
+
+/// Out: the weight of a vertex of the cage at every point of the mesh.
+PAGE_EXPORT(page_mesh_field) std::size_t page_mesh_field(std::size_t vertex) {
+    output.resize(space.binding.point_count());
+    for (std::size_t i = 0; i < output.size(); ++i) output[i] = double(space.binding.weight(i, vertex));
+    return output.size();
 }
 
 /// Makes a skin of the mesh for the graphics card. Answers 0, then joints and weights lie at page_mesh_joints() and

@@ -17,9 +17,11 @@ echo "the character (its program takes some minutes to build the first time)"
 cmake --build build --target make_character >$work/build.txt 2>&1 || { cat $work/build.txt; exit 1; }
 build/examples/make_character $work >/dev/null
 
-echo "the library to WebAssembly (a minute)"
-clang++-19 --target=wasm32-wasi -mexec-model=reactor -std=c++20 -O2 -flto -msimd128 -DNDEBUG -fno-exceptions -fno-rtti \
-  -Wall -Wextra -Iinclude -isystem /usr/include/eigen3 $page/page.cpp -Wl,--strip-all -o $work/page.wasm
+if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/page.cpp -newer $work/page.wasm -type f)" ]; then
+  echo "the library to WebAssembly (a minute)"
+  clang++-19 --target=wasm32-wasi -mexec-model=reactor -std=c++20 -O2 -flto -msimd128 -DNDEBUG -fno-exceptions -fno-rtti \
+    -Wall -Wextra -Iinclude -isystem /usr/include/eigen3 $page/page.cpp -Wl,--strip-all -o $work/page.wasm
+fi
 
 # packed FILE: as a string of JavaScript
 packed() {
@@ -35,26 +37,23 @@ text() {
   cat "$1"
   printf '`'
 }
-# Of the mesh only places and faces: normals are made anew.
+# Of the mesh only places and faces: normals are made anew. A face stands as soon as its vertices are there and counts
+# back to them, which packs better.
 for name in character character_cage character_pose; do
-  sed -n -e 's|//[0-9]*||g' -e '/^[vf] /p' $work/$name.obj >$work/$name.txt
+  sed -n -e 's|//[0-9]*||g' -e '/^[vf] /p' $work/$name.obj | awk '
+    /^v / { place[++count] = $0 }
+    /^f / {
+      last = 0; face = "f"
+      for (k = 2; k <= NF; ++k) if ($k + 0 > last) last = $k + 0
+      for (k = 2; k <= NF; ++k) face = face " " $k - last - 1
+      faces[last] = faces[last] face "\n"
+    }
+    END { for (i = 1; i <= count; ++i) printf "%s\n%s", place[i], faces[i] }' >$work/$name.txt
 done
 
+# The script as it will stand in the page. Parts share one scope, in this order.
 {
-  cat <<'END'
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:">
-<title>cageform</title>
-<style>
-END
-  cat $page/style.css
-  printf '</style>\n</head>\n<body>\n'
-  cat $page/page.html
-  printf '<div id="stage" aria-hidden="true"></div>\n<script>\n"use strict";\nconst DATA = {\n'
+  printf '\n"use strict";\nconst DATA = {\n'
   for name in cat aleph biped; do
     printf '%s: { figure: ' $name
     text $data/$name.svg
@@ -75,7 +74,31 @@ END
   printf ' },\nwasm: '
   packed $work/page.wasm
   printf '\n};\n'
-  for part in engine path figure cage field clip view app pointer timeline save mesh main; do cat $page/js/$part.js; done
+  for part in engine path safe_svg figure cage field clip view app pointer timeline save mesh main; do cat $page/js/$part.js; done
+} >$work/page.js
+
+# hash FILE: what a content security policy knows a script or style by
+hash() {
+  printf "'sha256-%s'" "$(sha256sum <"$1" | cut -c 1-64 | tr a-f A-F | basenc --base16 -d | base64)"
+}
+
+# No other script and no other style is let in, whatever comes to stand in the page.
+{
+  cat <<END
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src $(hash $work/page.js) 'wasm-unsafe-eval'; style-src $(hash $page/style.css); img-src data: blob:; worker-src blob:; base-uri 'none'; form-action 'none'">
+<title>cageform</title>
+END
+  printf '<style>'
+  cat $page/style.css
+  printf '</style>\n</head>\n<body>\n'
+  cat $page/page.html
+  printf '<div id="stage" aria-hidden="true"></div>\n<script>'
+  cat $work/page.js
   printf '</script>\n</body>\n</html>\n'
 } >$work/cageform.html
 mv $work/cageform.html out/cageform.html

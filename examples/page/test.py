@@ -34,6 +34,7 @@ class Page(Browser):
         super().__init__()
         self.downloads = tempfile.mkdtemp()
         self.call('Browser.setDownloadBehavior', {'behavior': 'allow', 'downloadPath': self.downloads, 'eventsEnabled': True}, session=None)
+        self.still()
         start = time.time()
         self.open(path)
         self.opened_after = time.time() - start
@@ -319,7 +320,7 @@ def test_dropped_mesh(page, folder):
                 file.write('f %d %d %d %d\n' % tuple(1 + p * n + q for p, q in ((i, j), (i, m), (k, m), (k, j))))
     page.drop([path])
     page.wait("page.mesh.name === 'ring'", 120)
-    check(page.run('page.mesh.cage.vertices.length') == 3 * 112, 'a dropped OBJ gets a cage of 112 vertices in %.1f s' % (page.run('page.mesh.madeIn') / 1000))
+    check(page.run('page.mesh.cage.vertices.length') == 3 * 112, 'a dropped OBJ gets a cage of 112 vertices in %.1f s' % (page.run('page.mesh.cage.milliseconds') / 1000))
     page.frames(3)
     moved = page.run('Array.from(page.engine.cloneMesh(page.mesh.pose, page.mesh.mesh.vertices.length / 3))')
     check(max(abs(a - b) for a, b in zip(moved, page.run('Array.from(page.mesh.mesh.vertices)'))) < 1e-6, 'which leaves it where it is')
@@ -327,7 +328,7 @@ def test_dropped_mesh(page, folder):
 
 def test_mesh(page, folder):
     page.click('[data-figure=character]')
-    page.wait("page.mesh.name === 'Character' && page.mesh.places")
+    page.wait("page.mesh.name === 'Character' && page.mesh.places?.length === page.mesh.cage.vertices.length / 3")
     page.frames(3)
     place = page.run('page.mesh.places[40]')
     box = page.run('(() => { const b = page.mesh.canvas.getBoundingClientRect(); return [b.left, b.top]; })()')

@@ -7,19 +7,26 @@ class App {
     this.views = [];
     this.selection = new Set();
     this.hovered = -1;
-    this.showsWeights = this.showsCage = true;
+    this.showsWeights = false;
+    this.showsCage = true;
     this.isEditing = false;
     this.history = new History(this);
+    this.sessions = new Map(); // of figures that were left, by name
     this.timings = TYPE_NAMES.map(() => ({ bind: 0, clone: 0, clones: 0 }));
     new ResizeObserver(() => this.redraw()).observe(document.getElementById('views'));
   }
 
   // ---- the figure ----
 
-  /** Another figure with a cage; throws where it cannot be bound. */
-  setFigure(figure, cage) {
+  /** What is shown, with its way back: show() goes on with it. */
+  session() {
+    const { figure, cage, pose, clip, window, history: { earlier, later } } = this;
+    return { figure, cage, pose, clip, window, earlier, later };
+  }
+  /** Shows a figure in its cage, as new or as session() left it. Throws where it cannot be bound, and nothing changes. */
+  show({ figure, cage, pose = cage.rest.slice(), clip = new Clip(), window = null, earlier = [], later = [] }) {
     const before = [this.figure, this.cage, this.pose, this.clip];
-    [this.figure, this.cage, this.pose, this.clip] = [figure, cage, cage.rest.slice(), new Clip()];
+    [this.figure, this.cage, this.pose, this.clip] = [figure, cage, pose, clip];
     this.bound = TYPE_NAMES.map(() => null);
     this.fields = TYPE_NAMES.map(() => null);
     try {
@@ -31,11 +38,18 @@ class App {
     }
     this.selection.clear();
     this.hovered = -1;
-    this.history.clear();
-    const all = pairs(cage.rest), box = boundsOf(all), pad = 0.07 * Math.hypot(box[2] - box[0], box[3] - box[1]);
-    this.window = { x: box[0] - pad, y: box[1] - pad, w: box[2] - box[0] + 2 * pad, h: box[3] - box[1] + 2.6 * pad }; // room for the caption
+    this.history.set(earlier, later);
+    this.window = window;
+    if (!window) this.fit();
     this.views.forEach(view => view.rebuild());
     this.onClip?.();
+    this.redraw();
+  }
+  /** Shows all of the figure and its cage, as they are posed. */
+  fit() {
+    const pose = this.shownPose, box = boundsOf([...pairs(pose), ...pairs(this.cloneFigure(this.types?.[0] ?? 0, pose))]);
+    const pad = 0.07 * Math.hypot(box[2] - box[0], box[3] - box[1]);
+    this.window = { x: box[0] - pad, y: box[1] - pad, w: box[2] - box[0] + 2 * pad, h: box[3] - box[1] + 2.6 * pad }; // room for the caption
     this.redraw();
   }
 
@@ -130,6 +144,7 @@ class App {
         : `  bound in ${bind.toFixed(bind < 10 ? 1 : 0)} ms, cloned in ${clones ? (clone / clones).toPrecision(2) : '…'} ms` +
           (outside ? `, ${number.format(outside)} points outside` : ''));
     }
+    tellLegend(this, this.weightVertex);
     if (this.notice) return;
     const count = this.cage.rest.length / 2;
     this.say(`${this.figure.name}: ${number.format(this.figure.points.length / 2)} points in a cage of ${count} vertices` +
@@ -140,7 +155,7 @@ class App {
   /** A sentence under the views; a fault or a notice stays for some seconds. */
   say(text, stays = true, isFault = false) {
     const place = document.getElementById('status');
-    place.textContent = text;
+    if (place.textContent !== text) place.textContent = text;
     place.classList.toggle('fault', isFault);
     if (!stays) return;
     clearTimeout(this.notice);
@@ -204,10 +219,35 @@ class App {
     const gone = this.selection;
     this.replaceCage(next, [], () => this.clip.removeVertices(gone));
   }
-  /** A cage around what is drawn, at rest. */
-  makeCage(vertices) {
-    const start = performance.now(), made = this.engine.makeCage(this.figure.drawnSegments(), vertices);
-    return { ...made, milliseconds: performance.now() - start };
+  /** Selects the next vertex, or that before; `adds` keeps those selected. */
+  stepVertex(by, adds) {
+    const count = this.pose.length / 2, last = [...this.selection].pop();
+    const next = last === undefined ? (by > 0 ? 0 : count - 1) : (last + by + count) % count;
+    if (!adds) this.selection.clear();
+    this.selection.delete(next); // the last of a set is the one put in last
+    this.selection.add(next);
+    this.hovered = -1;
+    this.onSelect?.(next);
+    this.redraw();
+  }
+
+  // ---- undo ----
+
+  state() {
+    const { cage, pose, clip } = this;
+    return { cage, pose, clip: clip.copy() };
+  }
+  restore({ cage, pose, clip }) {
+    const isOther = cage !== this.cage;
+    Object.assign(this, { cage, pose, clip });
+    if (isOther) {
+      this.selection.clear();
+      this.hovered = -1;
+      this.rebind();
+      this.views.forEach(view => view.rebuildCage());
+    }
+    this.onClip?.();
+    this.redraw();
   }
 
   /** The box about the selection with its corners to scale by and the place to turn by; null for less than two. */
@@ -222,17 +262,13 @@ class App {
   }
 }
 
-/** Undo and redo: states of cage, pose and clip. */
+/** Undo and redo: states that the owner's state() and restore() give and take. */
 class History {
-  constructor(app) { this.app = app; this.clear(); }
-  clear() { this.earlier = []; this.later = []; this.changed(); }
-  state() {
-    const { cage, pose, clip } = this.app;
-    return { cage, pose, clip: clip.copy() };
-  }
+  constructor(owner) { this.owner = owner; this.set([], []); }
+  set(earlier, later) { [this.earlier, this.later] = [earlier, later]; this.changed(); }
   /** Before a change. */
   remember() {
-    this.earlier.push(this.state());
+    this.earlier.push(this.owner.state());
     if (this.earlier.length > 200) this.earlier.shift();
     this.later = [];
     this.changed();
@@ -241,24 +277,15 @@ class History {
   redo() { this.go(this.later, this.earlier); }
   go(from, to) {
     if (from.length === 0) return;
-    to.push(this.state());
-    this.restore(from.pop());
+    to.push(this.owner.state());
+    this.owner.restore(from.pop());
     this.changed();
   }
-  restore({ cage, pose, clip }) {
-    const { app } = this, isOther = cage !== app.cage;
-    Object.assign(app, { cage, pose, clip });
-    if (isOther) {
-      app.selection.clear();
-      app.hovered = -1;
-      app.rebind();
-      app.views.forEach(view => view.rebuildCage());
-    }
-    app.onClip?.();
-    app.redraw();
-  }
-  changed() {
-    document.getElementById('undo').disabled = this.earlier.length === 0;
-    document.getElementById('redo').disabled = this.later.length === 0;
-  }
+  changed() { this.onChange?.(); }
+}
+
+/** Says what the colours of weights mean, and whose they are; -1: of none yet. */
+function tellLegend(app, vertex) {
+  document.getElementById('legend').hidden = !app.showsWeights;
+  document.getElementById('legend-vertex').textContent = vertex < 0 ? 'the vertex that is pointed at or selected' : 'vertex ' + vertex;
 }

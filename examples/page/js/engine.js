@@ -9,8 +9,8 @@ async function unpack(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** What WASI's C library asks its host for: a clock, and nowhere to write to. */
-function wasiHost(memory) {
+/** What WASI's C library asks its host for: a clock, and nowhere to write to; and what is told how much is done. */
+function wasiHost(memory, onProgress) {
   const view = () => new DataView(memory().buffer);
   const known = {
     clock_time_get(id, precision, at) {
@@ -23,6 +23,7 @@ function wasiHost(memory) {
       view().setUint32(written, size, true);
       return 0;
     },
+    progress: onProgress,
     proc_exit(code) { throw new Error('the library has ended with ' + code); },
   };
   const badFile = 8;
@@ -30,10 +31,10 @@ function wasiHost(memory) {
 }
 
 class Engine {
-  static async start(packedWasm) {
+  /** The library in an instance of its own; `onProgress` is told the fraction done of what takes long. */
+  static async start(module, onProgress = () => {}) {
     const engine = new Engine();
-    const module = await WebAssembly.compile(await unpack(packedWasm));
-    const host = wasiHost(() => engine.calls.memory);
+    const host = wasiHost(() => engine.calls.memory, onProgress);
     const imports = {};
     for (const { module: group, name } of WebAssembly.Module.imports(module)) (imports[group] ??= {})[name] = host[name];
     engine.calls = (await WebAssembly.instantiate(module, imports)).exports;
@@ -82,9 +83,9 @@ class Engine {
   weights(type, batch, vertex) { return this.taken(this.calls.page_weights(type, batch, vertex)); }
 
   /** A cage for segments (ax, ay, bx, by, radius each). */
-  makeCage(segments, vertices, margin = 0) {
+  makeCage(segments, vertices) {
     this.give(segments);
-    this.check(this.calls.page_make_cage(segments.length / 5, vertices, margin));
+    this.check(this.calls.page_make_cage(segments.length / 5, vertices));
     const [loops, clearance, seconds] = this.taken(3);
     const sizes = Array.from(this.taken(loops, 3));
     const count = sizes.reduce((sum, n) => sum + n, 0);
@@ -117,6 +118,8 @@ class Engine {
     if (at === 0) throw new Error(this.text(this.calls.page_message()));
     return new Float32Array(this.calls.memory.buffer, at, 3 * count);
   }
+  /** The weight of a vertex at every point of the mesh. */
+  meshField(vertex) { return this.taken(this.calls.page_mesh_field(vertex)); }
   meshNormals(count) { return new Float32Array(this.calls.memory.buffer, this.calls.page_mesh_normals(), 3 * count); }
   meshSkin(influences, count) {
     this.check(this.calls.page_mesh_skin(influences));
@@ -126,4 +129,42 @@ class Engine {
     };
   }
   glsl() { return this.text(this.calls.page_glsl()); }
+}
+
+/** Makes cages in a thread of its own, so that the page goes on meanwhile. One at a time. */
+class CageMaker {
+  constructor(module) { this.module = module; }
+
+  /** Calls makeCage() or makeShell() there; throws what is wrong, and where it is stopped. */
+  make(method, given, vertices, onProgress) {
+    this.stop();
+    const text = `${wasiHost}\n${Engine}
+      onmessage = async ({ data: { module, method, given, vertices } }) => {
+        try {
+          let told = 0;
+          const engine = await Engine.start(module, done => { if (done > told + 0.005) postMessage({ done: told = done }); });
+          postMessage({ result: engine[method](given, vertices) });
+        } catch (error) {
+          postMessage({ fault: error.message });
+        }
+      };`;
+    const url = URL.createObjectURL(new Blob([text], { type: 'text/javascript' })), worker = this.worker = new Worker(url);
+    const start = performance.now();
+    return new Promise((done, failed) => {
+      this.stop = () => {
+        worker.terminate();
+        URL.revokeObjectURL(url);
+        this.stop = () => {};
+        failed(new Error('make_cage was stopped'));
+      };
+      worker.onmessage = ({ data }) => {
+        if (data.done !== undefined) return onProgress(data.done);
+        if (data.fault) failed(new Error(data.fault)); else done({ ...data.result, milliseconds: performance.now() - start });
+        this.stop();
+      };
+      worker.onerror = event => { failed(new Error(event.message)); this.stop(); };
+      worker.postMessage({ module: this.module, method, given, vertices });
+    });
+  }
+  stop() {} // nothing is at work
 }

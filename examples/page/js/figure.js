@@ -3,11 +3,10 @@
 // Every segment of a shape becomes some pieces; of each its ends and the places at one and two thirds are bound. Moved,
 // the four points make a cubic again (that through them), so lines bend and curves stay smooth.
 
-const SHAPES = 'path,rect,circle,ellipse,line,polyline,polygon';
 const NOT_DRAWN = 'defs,clipPath,mask,pattern,marker,symbol,filter,linearGradient,radialGradient';
 const PAINT = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-linecap', 'stroke-linejoin',
-  'stroke-miterlimit', 'stroke-dasharray', 'stroke-dashoffset', 'opacity'];
-const SVG_NS = 'http://www.w3.org/2000/svg';
+  'stroke-miterlimit', 'stroke-dasharray', 'stroke-dashoffset', 'opacity', 'marker-start', 'marker-mid', 'marker-end'];
+const MOST_POINTS = 400000; // of a figure: with more, a frame takes seconds
 
 function svgElement(name, attributes = {}, parent = null) {
   const element = document.createElementNS(SVG_NS, name);
@@ -16,37 +15,35 @@ function svgElement(name, attributes = {}, parent = null) {
   return element;
 }
 
-/** Takes out of a document what could run, or ask for something elsewhere. */
-function sanitise(root) {
-  root.querySelectorAll('script,foreignObject,iframe,animate,animateTransform,animateMotion,set').forEach(e => e.remove());
-  for (const element of [root, ...root.querySelectorAll('*')]) {
-    for (const { name, value } of [...element.attributes]) {
-      const reference = /(^|:)href$/.test(name) && !/^\s*(#|data:image\/)/.test(value);
-      if (/^on/i.test(name) || reference) element.removeAttribute(name);
-    }
-  }
+/** Copies attributes and style, but for some attributes. A style is set by script, which the page's policy allows. */
+function copyLook(from, to, left) {
+  for (const { name, namespaceURI, value } of from.attributes) if (name !== 'style' && !left.test(name)) to.setAttributeNS(namespaceURI, name, value);
+  to.style.cssText = from.style.cssText;
 }
 
-/** Puts what `use` elements point to in their place. */
+/** Puts what `use` elements point to in their place; readSafeSvg() has counted it. */
 function expandUses(root) {
-  for (let round = 0; round < 8; ++round) {
-    const uses = [...root.querySelectorAll('use')].filter(use => !use.closest(NOT_DRAWN));
-    if (uses.length === 0) return;
+  for (let uses = drawnUses(root); uses.length > 0; uses = drawnUses(root)) {
     for (const use of uses) {
-      const id = (use.getAttribute('href') ?? use.getAttributeNS('http://www.w3.org/1999/xlink', 'href') ?? '').slice(1);
-      const target = id && root.querySelector('#' + CSS.escape(id));
+      const href = use.getAttribute('href') ?? '', target = href.startsWith('#') && root.querySelector('#' + CSS.escape(href.slice(1)));
       const group = svgElement('g');
-      for (const { name, value } of use.attributes) if (!/^(x|y|width|height|.*href)$/.test(name)) group.setAttribute(name, value);
+      copyLook(use, group, /^(x|y|width|height|href)$/);
       const x = lengthOf(use, 'x'), y = lengthOf(use, 'y');
       if (x !== 0 || y !== 0) group.setAttribute('transform', `${use.getAttribute('transform') ?? ''} translate(${x} ${y})`);
-      if (target && !target.contains(use)) {
-        const copy = target.cloneNode(true);
-        if (copy.localName === 'symbol') group.append(...copy.childNodes);
-        else group.append(copy);
-      }
+      if (target) group.append(usedCopy(use, target));
       use.replaceWith(group);
     }
   }
+}
+const drawnUses = root => [...root.querySelectorAll('use')].filter(use => !use.closest(NOT_DRAWN));
+/** A copy of what a `use` points to; a symbol becomes a nested picture, as large as the `use` says. */
+function usedCopy(use, target) {
+  if (target.localName !== 'symbol' && target.localName !== 'svg') return target.cloneNode(true);
+  const copy = svgElement('svg', { overflow: 'visible' });
+  copyLook(target, copy, /^overflow$/);
+  for (const name of ['width', 'height']) if (use.hasAttribute(name)) copy.setAttribute(name, use.getAttribute(name));
+  copy.append(...target.cloneNode(true).childNodes);
+  return copy;
 }
 
 /** The map from an element's coordinates to the document's, as [a, b, c, d, e, f]. */
@@ -76,18 +73,21 @@ const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 class Figure {
   /** From the text of an SVG document; throws a sentence where it is none, or draws nothing. */
   constructor(text, name) {
-    const parsed = new DOMParser().parseFromString(text, 'image/svg+xml');
-    if (parsed.querySelector('parsererror') || parsed.documentElement.localName !== 'svg')
-      throw new Error(name + ' is no SVG document');
+    const { root, css } = readSafeSvg(text, name);
     this.name = name;
-    this.root = document.importNode(parsed.documentElement, true);
-    sanitise(this.root);
+    this.css = css;
+    this.sheet = sheetOf(css.replaceAll(':root', ':host')); // for the shadow trees that the figure is shown in
+    this.root = document.importNode(root, true);
     const stage = document.getElementById('stage');
     const shadow = (stage.shadowRoot ?? stage.attachShadow({ mode: 'open' }));
+    shadow.adoptedStyleSheets = [this.sheet];
     shadow.replaceChildren(this.root);
-    expandUses(this.root);
-    this.readShapes();
-    shadow.replaceChildren();
+    try {
+      expandUses(this.root);
+      this.readShapes();
+    } finally {
+      shadow.replaceChildren();
+    }
     if (this.points.length === 0) throw new Error(name + ' draws nothing that a cage could hold');
   }
 
@@ -95,13 +95,18 @@ class Figure {
     const drawn = [...this.root.querySelectorAll(SHAPES + ',text,image')].filter(e => !e.closest(NOT_DRAWN) && isShown(e));
     const shapes = drawn.map(element => this.readShape(element)).filter(shape => shape !== null);
     this.box = boundsOf(shapes.flatMap(shape => shape.corners));
+    if (shapes.length > 0 && !this.box.every(x => Math.abs(x) < 1e15)) throw new Error(this.name + ' has coordinates out of range');
     const size = Math.hypot(this.box[2] - this.box[0], this.box[3] - this.box[1]);
     const points = [];
     this.decimals = Math.max(0, 5 - Math.floor(Math.log10(size || 1)));
-    this.shapes = shapes.map(shape => shape.outline ? bindOutline(shape, points, size / 40) : bindBox(shape, points));
+    this.shapes = shapes.map(shape => {
+      if (points.length > MOST_POINTS) throw new Error(this.name + ' is drawn by more points than can be moved here');
+      return shape.outline ? bindOutline(shape, points, size / 40) : bindBox(shape, points);
+    });
     this.points = new Float64Array(points.flat());
     this.size = size;
     this.gradients = this.shapes.flatMap((shape, index) => userSpaceGradients(this.root, shape, index));
+    this.filters = filtersOf(this.root, this.shapes);
   }
 
   /** A shape's outline in the document's coordinates, and what its stroke adds; of text and images the box. */
@@ -124,6 +129,7 @@ class Figure {
       radius: stroked ? parseFloat(style.strokeWidth) / 2 * largestScale(map) : 0,
       miter: style.strokeLinejoin === 'miter' ? parseFloat(style.strokeMiterlimit) : 0,
       square: style.strokeLinecap === 'square',
+      marker: style.markerMid,
       paint: PAINT.map(name => [name, style.getPropertyValue(name)]), // style sheets may go by a shape's kind
       corners: outline.flatMap(({ start, segments }) => [start, ...segments.map(s => s.to)]),
     };
@@ -153,7 +159,7 @@ class Figure {
       if (!shape.outline || element.localName === 'path') return element;
       const path = svgElement('path');
       const geometry = /^(x|y|width|height|rx|ry|cx|cy|r|x1|y1|x2|y2|points)$/;
-      for (const { name, value } of element.attributes) if (!geometry.test(name)) path.setAttribute(name, value);
+      copyLook(element, path, geometry);
       path.append(...element.childNodes);
       for (const [name, value] of shape.paint) path.style.setProperty(name, value);
       element.replaceWith(path);
@@ -166,19 +172,23 @@ class Figure {
       targets[index].style.setProperty(paint, `url("#${own.id}")`);
       return { own, shape: this.shapes[index], base };
     });
-    return { root: copy, targets, gradients };
+    const marks = this.shapes.map((shape, i) => shape.outline && shape.marker !== 'none' ? markVertices(shape, targets[i]) : null);
+    const filters = this.filters.filter(({ region }) => region).map(filter => ({ ...filter, own: twin.get(filter.region) }));
+    return { root: copy, targets, gradients, marks, filters };
   }
 
   /** Writes moved points into a copy. */
   write(copy, places) {
     this.shapes.forEach((shape, i) => {
       if (shape.outline) copy.targets[i].setAttribute('d', pathData(shape, places, this.decimals));
-      else copy.targets[i].setAttribute('transform', boxTransform(shape, places));
+      else copy.targets[i].setAttribute('transform', `${shape.transform} matrix(${boxMap(shape, places).join(' ')})`);
+      copy.marks[i]?.setAttribute('d', vertexData(shape, places, this.decimals));
     });
-    for (const { own, shape, base } of copy.gradients) {
-      const moved = product(shape.back, product(affineFit(shape, this.points, places), shape.map));
-      own.setAttribute('gradientTransform', `matrix(${product(moved, base).join(' ')})`);
-    }
+    for (const gradient of copy.gradients) gradient.own.setAttribute('gradientTransform', `matrix(${this.gradientMap(gradient, places).join(' ')})`);
+    for (const filter of copy.filters) growRegion(filter, places);
+  }
+  gradientMap({ shape, base }, places) {
+    return product(product(shape.back, product(affineFit(shape, this.points, places), shape.map)), base);
   }
 }
 
@@ -203,7 +213,7 @@ function userSpaceGradients(root, shape, index) {
     const inherited = name => { // attributes come from the gradients that it refers to
       for (let e = element, hops = 0; e && hops < 8; ++hops) {
         if (e.hasAttribute(name)) return e;
-        const to = (e.getAttribute('href') ?? e.getAttributeNS('http://www.w3.org/1999/xlink', 'href') ?? '').slice(1);
+        const to = (e.getAttribute('href') ?? '').slice(1);
         e = to && root.querySelector('#' + CSS.escape(to));
       }
       return null;
@@ -242,19 +252,22 @@ function boundsOf(points) {
 /** Puts the points of a shape's pieces, no longer than `step`, behind `points`. */
 function bindOutline(shape, points, step) {
   const begin = points.length;
-  const pieces = shape.outline.map(({ start, segments }) => {
+  const counts = shape.outline.map(({ start, segments }) => {
     points.push(start);
-    let count = 0, from = start;
+    let from = start;
+    const each = [];
+    if (points.length + segments.length > MOST_POINTS) throw new Error('the outline of a shape has too many points');
     for (const segment of segments) {
       const length = distance(from, segment.c1) + distance(segment.c1, segment.c2) + distance(segment.c2, segment.to);
       const n = Math.min(400, Math.max(1, Math.ceil(length / step)));
       for (let k = 1; k <= 3 * n; ++k) points.push(k === 3 * n ? segment.to : cubicAt(from, segment, k / (3 * n)));
-      count += n;
+      each.push(n);
       from = segment.to;
     }
-    return count;
+    return each;
   });
-  return { ...shape, begin, pieces, back: inverted(shape.map) };
+  const pieces = counts.map(each => each.reduce((sum, n) => sum + n, 0));
+  return { ...shape, begin, counts, pieces, back: inverted(shape.map) };
 }
 
 /** Text and images are moved by the affine map that fits their box's corners. */
@@ -264,20 +277,28 @@ function bindBox(shape, points) {
   return { ...shape, begin, back: inverted(shape.map), transform: shape.element.getAttribute('transform') ?? '' };
 }
 
+/** The control points of the cubic through the four points from the `at`th on, and its end; along one axis. */
+const controlsAt = (of, at) => {
+  const p = of(at), q = of(at + 1), r = of(at + 2), s = of(at + 3);
+  return [(-5 * p + 18 * q - 9 * r + 2 * s) / 6, (2 * p - 9 * q + 18 * r - 5 * s) / 6, s];
+};
 function pathData(shape, places, decimals) {
+  return writePath(shape, places, decimals, shape.counts.map(each => each.flatMap(n => Array(n).fill(1))));
+}
+/** The same with a segment for each of the original path, whatever its pieces: markers stand at the ends of these. */
+function vertexData(shape, places, decimals) { return writePath(shape, places, decimals, shape.counts); }
+function writePath(shape, places, decimals, counts) {
   const [a, b, c, d, e, f] = shape.back;
   const x = i => (a * places[2 * i] + c * places[2 * i + 1] + e), y = i => (b * places[2 * i] + d * places[2 * i + 1] + f);
   const scale = 10 ** decimals, short = n => Math.round(n * scale) / scale;
   const data = [];
   let at = shape.begin;
-  shape.pieces.forEach((count, k) => {
+  counts.forEach((each, k) => {
     data.push('M', short(x(at)), short(y(at)));
-    for (let i = 0; i < count; ++i, at += 3) {
-      const line = [x, y].map(of => {
-        const p = of(at), q = of(at + 1), r = of(at + 2), s = of(at + 3);
-        return [(-5 * p + 18 * q - 9 * r + 2 * s) / 6, (2 * p - 9 * q + 18 * r - 5 * s) / 6, s].map(short);
-      });
-      data.push('C', line[0][0], line[1][0], line[0][1], line[1][1], line[0][2], line[1][2]);
+    for (const n of each) { // it leaves like the first of its pieces, and arrives like the last
+      const [first, last] = [at, at + 3 * (n - 1)], xs = controlsAt(x, last), ys = controlsAt(y, last);
+      data.push('C', short(controlsAt(x, first)[0]), short(controlsAt(y, first)[0]), short(xs[1]), short(ys[1]), short(xs[2]), short(ys[2]));
+      at += 3 * n;
     }
     ++at;
     if (shape.outline[k].closed) data.push('Z');
@@ -285,8 +306,50 @@ function pathData(shape, places, decimals) {
   return data.join(' ');
 }
 
-/** The affine map that takes the rest corners of a box nearest to where they are now, before the element's own. */
-function boxTransform(shape, places) {
+/** A path over a shape's own that shows the markers at its vertices, which the shape's own leaves out. */
+function markVertices(shape, target) {
+  const path = target.cloneNode(false);
+  path.removeAttribute('id');
+  for (const [name, value] of [['marker-start', 'none'], ['marker-mid', shape.marker], ['marker-end', 'none'],
+    ['fill-opacity', '0'], ['stroke-opacity', '0']]) path.style.setProperty(name, value, 'important');
+  target.style.setProperty('marker-mid', 'none', 'important');
+  target.after(path);
+  return path;
+}
+
+/** What is filtered: { element, reach, map, back, inside, region }. `reach` is how far in the element's units a filter paints beyond what
+ *  it is given, `inside` the shapes of the element; `region` is the filter element where its region is in user space, else null. */
+function filtersOf(root, shapes) {
+  return [...root.querySelectorAll('*')].flatMap(element => {
+    const value = element.closest(NOT_DRAWN) ? 'none' : getComputedStyle(element).filter;
+    if (!value || value === 'none') return [];
+    const id = referenced(value)[0], filter = id && root.querySelector('#' + CSS.escape(id)), map = mapToRoot(root, element);
+    const inside = shapes.filter(shape => element.contains(shape.element));
+    if (inside.length === 0) return [];
+    const region = filter?.getAttribute('filterUnits') === 'userSpaceOnUse' ? filter : null;
+    const rest = region && ['x', 'y', 'width', 'height'].map(name => region[name].baseVal.value);
+    const reach = filter ? [...filter.children].reduce((sum, primitive) => sum + reachOf(primitive), 0) : 3 * Math.max(0, ...numbersIn(value));
+    return [{ element, reach, map, back: inverted(map), inside, region, rest: rest && [rest[0], rest[1], rest[0] + rest[2], rest[1] + rest[3]] }];
+  });
+}
+function reachOf(primitive) {
+  const most = (...names) => Math.max(0, ...names.flatMap(name => numbersIn(primitive.getAttribute(name) ?? '').map(Math.abs)));
+  return 3 * most('stdDeviation') + most('dx', 'dy') + most('radius') + (primitive.localName === 'feDisplacementMap' ? most('scale') / 2 : 0);
+}
+/** A region in user space holds what has moved, as it held what was at rest. */
+function growRegion({ own, inside, back, reach, rest }, places) {
+  const corners = inside.flatMap(shape => {
+    const end = shape.begin + (shape.outline ? shape.pieces.reduce((sum, n) => sum + 3 * n + 1, 0) : 4), r = shape.radius ?? 0;
+    const [x0, y0, x1, y1] = boundsOf(pairs(places.subarray(2 * shape.begin, 2 * end)));
+    return [[x0 - r, y0 - r], [x1 + r, y0 - r], [x0 - r, y1 + r], [x1 + r, y1 + r]].map(p => mapped(back, p));
+  });
+  const [x0, y0, x1, y1] = boundsOf(corners);
+  const box = boundsOf([[rest[0], rest[1]], [rest[2], rest[3]], [x0 - reach, y0 - reach], [x1 + reach, y1 + reach]]);
+  for (const [name, value] of [['x', box[0]], ['y', box[1]], ['width', box[2] - box[0]], ['height', box[3] - box[1]]]) own.setAttribute(name, value);
+}
+
+/** The affine map that takes the rest corners of a box nearest to where they are now, behind the element's own transform. */
+function boxMap(shape, places) {
   const p = k => [places[2 * (shape.begin + k)], places[2 * (shape.begin + k) + 1]], r = shape.corners;
   const half = (i, j, k, l, of) => [0, 1].map(n => (of(i)[n] - of(j)[n] + of(k)[n] - of(l)[n]) / 2);
   const middle = of => [0, 1].map(n => (of(0)[n] + of(1)[n] + of(2)[n] + of(3)[n]) / 4), rest = k => r[k];
@@ -294,8 +357,7 @@ function boxTransform(shape, places) {
   const [u, v, m] = [half(1, 0, 3, 2, p), half(2, 0, 3, 1, p), middle(p)];
   const back = inverted([...u0, ...v0, ...m0]), now = [...u, ...v, ...m];
   const moved = product(now, back);                         // in the document's coordinates
-  const own = product(shape.back, product(moved, shape.map)); // in the element's
-  return `${shape.transform} matrix(${own.join(' ')})`;
+  return product(shape.back, product(moved, shape.map)); // in the element's
 }
 function product([a, b, c, d, e, f], [g, h, i, j, k, l]) {
   return [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f];

@@ -2,78 +2,107 @@
 
 const byId = id => document.getElementById(id);
 
-/** The project's own figures, with their own cages. */
-function openFigure(app, name) {
-  app.setFigure(new Figure(DATA[name].figure, name), cageOfSvg(DATA[name].cage));
-}
+const isInSpace = () => document.body.classList.contains('in-space');
 
 /** Lets the browser draw before what takes long. */
 const nextFrame = () => new Promise(done => requestAnimationFrame(() => setTimeout(done)));
 
+// ---- figures ----
+
 /** A dropped or opened file gets a cage by make_cage. */
 async function openFile(app, file) {
-  if (/\.obj$/i.test(file.name)) return openMesh(app, file);
-  try {
-    const figure = new Figure(await file.text(), file.name.replace(/\.svg$/i, ''));
-    showPlane(app);
-    const start = performance.now(), made = app.engine.makeCage(figure.drawnSegments(), wantedVertices());
-    const time = performance.now() - start;
-    app.setFigure(figure, made);
-    markFigure(null);
-    app.say(`${figure.name}: make_cage took ${time.toFixed(0)} ms for ${made.rest.length / 2} vertices, ` +
-            `${made.clearance.toPrecision(3)} from what is drawn at least`);
-  } catch (error) {
-    app.sayFault(error);
-  }
-}
-async function openMesh(app, file) {
   await attempt(app, async () => {
-    const mesh = parseObj(await file.text(), file.name);
-    showSpace(app);
-    await makeShell(app, file.name.replace(/\.obj$/i, ''), mesh);
-    markFigure(null);
+    const name = file.name.replace(/\.(svg|obj)$/i, '');
+    if (/\.obj$/i.test(file.name)) return openMesh(app, name, parseObj(await file.text(), file.name));
+    const figure = new Figure(await file.text(), name);
+    const cage = await makeCage(app, 'makeCage', figure.drawnSegments(), wantedVertices());
+    showFigure(app, 'drawing', { figure, cage });
+    app.say(`${name}: ${tellMade(cage, cage.rest.length / 2)}, ${cage.clearance.toPrecision(3)} from what is drawn at least`);
   });
 }
-async function makeShell(app, name, mesh) {
-  app.say('make_cage is at work: some seconds');
-  await nextFrame();
-  app.mesh.makeCage(name, mesh, Math.max(8, Math.min(400, Math.round(Number(byId('mesh-count').value)) || 112)));
+async function openMesh(app, name, mesh) {
+  const vertices = Math.max(8, Math.min(400, Math.round(Number(byId('mesh-count').value)) || 112));
+  const cage = await makeCage(app, 'makeShell', mesh, vertices);
+  showSpace(app, 'mesh', { name, mesh, cage });
+  app.say(`${name}: ${tellMade(cage, cage.vertices.length / 3)}`);
 }
 const wantedVertices = () => Math.max(4, Math.min(80, Math.round(Number(byId('count').value)) || 24));
+const tellMade = ({ milliseconds }, count) =>
+  `make_cage took ${milliseconds < 1000 ? milliseconds.toFixed(0) + ' ms' : (milliseconds / 1000).toFixed(1) + ' s'} for ${count} vertices`;
 
-function markFigure(name) {
-  for (const button of document.querySelectorAll('#figures button')) button.classList.toggle('chosen', button.dataset.figure === name);
-  byId('walk').disabled = name !== 'cat';
-  for (const id of ['mesh-pose', 'mesh-dance']) byId(id).disabled = name !== 'character';
+/** A cage by make_cage, with a bar that can be stopped. */
+async function makeCage(app, method, given, vertices) {
+  byId('work').hidden = false;
+  const tell = done => {
+    byId('work-bar').value = done;
+    byId('work-text').textContent = `make_cage: ${Math.round(100 * done)} %`;
+  };
+  tell(0);
+  try {
+    return await app.cageMaker.make(method, given, vertices, tell);
+  } finally {
+    byId('work').hidden = true;
+  }
 }
+
+/** Shows a figure in the plane, as new; the one before is kept as it is, to come back to. */
+function showFigure(app, name, session) {
+  app.pause();
+  if (app.current && app.current !== name) app.sessions.set(app.current, app.session());
+  app.show(session);
+  app.current = name;
+  showPlane(app);
+}
+function markFigure(app) {
+  const shown = isInSpace() ? app.mesh.current : app.current;
+  for (const button of document.querySelectorAll('#figures button')) button.classList.toggle('chosen', button.dataset.figure === shown);
+  for (const [name, title] of [['drawing', (app.current === 'drawing' ? app : app.sessions.get('drawing'))?.figure.name],
+    ['mesh', (app.mesh.current === 'mesh' ? app.mesh : app.mesh.sessions.get('mesh'))?.name]]) {
+    const button = document.querySelector(`[data-figure=${name}]`);
+    button.hidden = !title;
+    button.textContent = title ?? '';
+  }
+  byId('walk').disabled = shown !== 'cat';
+  for (const id of ['mesh-pose', 'mesh-dance']) byId(id).disabled = shown !== 'character';
+  markHistory(app);
+}
+function markHistory(app) {
+  const { earlier, later } = historyOf(app);
+  byId('undo').disabled = earlier.length === 0;
+  byId('redo').disabled = later.length === 0;
+}
+const historyOf = app => isInSpace() ? app.mesh.history : app.history;
+
 function showPlane(app) {
   dance(app, false);
   document.body.classList.remove('in-space');
+  markFigure(app);
   app.redraw();
 }
-function showSpace(app) {
+/** Shows a mesh, as new where a session is given, else as it was left. */
+function showSpace(app, name, session) {
   app.pause();
   dance(app, false);
   document.body.classList.add('in-space');
+  if (session) app.mesh.leave(name, session);
+  markFigure(app);
+  app.mesh.redraw();
 }
 function dance(app, isOn) {
   byId('mesh-dance').setAttribute('aria-pressed', isOn);
   app.mesh.toggleDance(isOn);
 }
+/** Shows a figure as it was left: the project's own ones with their own cages. */
 async function chooseFigure(app, name) {
-  try {
-    if (name === 'character') {
-      showSpace(app);
-      markFigure(name);
-      await app.mesh.openCharacter(DATA.character);
-      return markFigure(name);
+  await attempt(app, async () => {
+    if (name === 'character' || name === 'mesh') {
+      const isNew = name !== app.mesh.current;
+      return showSpace(app, name, isNew ? app.mesh.sessions.get(name) ?? await readCharacter(DATA.character) : null);
     }
-    openFigure(app, name);
-    showPlane(app);
-    markFigure(name);
-  } catch (error) {
-    app.sayFault(error);
-  }
+    if (name === app.current) return showPlane(app);
+    showFigure(app, name, app.sessions.get(name) ??
+      { figure: new Figure(DATA[name].figure, name), cage: cageOfSvg(DATA[name].cage) });
+  });
 }
 function chooseTypes(app, word) {
   app.setTypes(word === 'all' ? [0, 1, 2, 3] : [Number(word)]);
@@ -84,44 +113,57 @@ function toggle(app, id, name) {
   app[name] = !app[name];
   byId(id).setAttribute('aria-pressed', app[name]);
   app.redraw();
+  app.mesh.redraw();
 }
 
 function connectButtons(app) {
   for (const button of document.querySelectorAll('#figures button')) button.onclick = () => chooseFigure(app, button.dataset.figure);
   for (const button of document.querySelectorAll('#types button')) button.onclick = () => chooseTypes(app, button.dataset.type);
   const actions = {
-    undo: () => app.history.undo(),
-    redo: () => app.history.redo(),
-    rest: () => { app.history.remember(); app.pose = app.cage.rest.slice(); app.redraw(); },
+    undo: () => historyOf(app).undo(),
+    redo: () => historyOf(app).redo(),
+    rest: () => {
+      if (isInSpace()) return poseMesh(app, app.mesh.cage.vertices);
+      app.pause();
+      app.history.remember();
+      app.pose = app.cage.rest.slice();
+      app.redraw();
+    },
+    'fit-view': () => (isInSpace() ? app.mesh : app).fit(),
+    more: () => byId('more').setAttribute('aria-expanded', byId('bar').classList.toggle('open')),
     weights: () => toggle(app, 'weights', 'showsWeights'),
     cage: () => toggle(app, 'cage', 'showsCage'),
     edit: () => { app.pause(); toggle(app, 'edit', 'isEditing'); },
     add: () => app.selection.size === 1 ? app.addVertex([...app.selection][0]) : app.say('Select one vertex first'),
     remove: () => app.selection.size > 0 ? app.removeSelected() : app.say('Select vertices first'),
-    make: () => {
-      const made = app.makeCage(wantedVertices());
+    make: async () => {
+      const { figure } = app, made = await makeCage(app, 'makeCage', figure.drawnSegments(), wantedVertices());
+      if (figure !== app.figure) return;
       app.replaceCage({ cage: made, pose: made.rest.slice() }, [], () => { app.clip = new Clip(app.clip.length); });
-      app.say(`make_cage took ${made.milliseconds.toFixed(0)} ms for ${made.rest.length / 2} vertices`);
+      app.say(tellMade(made, made.rest.length / 2));
     },
     walk: () => { app.timeline.replaceClip(Clip.fromCsv(DATA.walk, app.cage.rest)); app.timeline.toggle(); },
     'save-svg': () => saveSvg(app),
     'save-png': () => savePng(app),
+    'save-animation': () => saveAnimation(app),
     'save-pose': () => savePose(app),
     'save-cage': () => saveCage(app),
-    'mesh-rest': () => poseMesh(app, app.mesh.cage.vertices),
+    'save-clip': () => saveClip(app),
     'mesh-pose': () => poseMesh(app, app.mesh.examplePose),
     'mesh-dance': () => dance(app, byId('mesh-dance').getAttribute('aria-pressed') !== 'true'),
-    'mesh-make': async () => {
-      dance(app, false);
-      await makeShell(app, app.mesh.name, app.mesh.mesh);
-      markFigure(null);
-    },
+    'mesh-make': () => openMesh(app, app.mesh.name, app.mesh.mesh),
     'mesh-gpu': () => { app.mesh.cloneTime = 0; toggleMesh(app); },
+    'save-obj': () => saveObj(app.mesh),
+    'save-glb': () => saveGlb(app.mesh),
+    'save-mesh-pose': () => saveShell(app.mesh, app.mesh.pose, 'pose'),
+    'save-mesh-cage': () => saveShell(app.mesh, app.mesh.cage.vertices, 'cage'),
+    'work-stop': () => app.cageMaker.stop(),
   };
   for (const [id, action] of Object.entries(actions)) byId(id).onclick = () => attempt(app, action);
 }
 function poseMesh(app, pose) {
   dance(app, false);
+  app.mesh.history.remember();
   app.mesh.pose = pose.slice();
   app.mesh.redraw();
 }
@@ -146,36 +188,75 @@ function middleOfSelection(app) {
   const pose = app.shownPose, box = boundsOf([...app.selection].map(i => [pose[2 * i], pose[2 * i + 1]]));
   return [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
 }
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const PRESSES = { w: 'weights', c: 'cage', r: 'rest', f: 'fit-view' };
+const PLANE_PRESSES = { e: 'edit', k: 'key', ' ': 'play', Delete: 'remove', Backspace: 'remove', Insert: 'add' };
+
 function connectKeys(app) {
-  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-  const presses = { w: 'weights', c: 'cage', e: 'edit', r: 'rest', k: 'key', ' ': 'play', Delete: 'remove', Backspace: 'remove', Insert: 'add' };
   addEventListener('keydown', event => {
-    if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || document.body.classList.contains('in-space')) return;
-    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, step = app.figure.size / 400 * (event.shiftKey ? 10 : 1);
+    if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, plane = !isInSpace();
+    const isPress = /^(BUTTON|SUMMARY)$/.test(event.target.tagName) && key === ' '; // that of the button
+    if (isPress || event.altKey) return;
     if (event.ctrlKey || event.metaKey) {
       if (key !== 'z' && key !== 'y') return;
-      app.history[key === 'y' || event.shiftKey ? 'redo' : 'undo']();
-    } else if (arrows[key]) {
-      if (event.target.id === 'timeline') app.timeline.setTime(app.timeline.time + arrows[key][0] * app.clip.length / 48);
-      else nudge(app, (x, y) => [x + step * arrows[key][0], y + step * arrows[key][1]]);
-    } else if (key === '[' || key === ']') {
-      nudge(app, turned(middleOfSelection(app), (key === '[' ? -1 : 1) * Math.PI / 36));
-    } else if (key === '-' || key === '+' || key === '=') {
-      const [mx, my] = middleOfSelection(app), f = key === '-' ? 1 / 1.05 : 1.05;
-      nudge(app, (x, y) => [mx + f * (x - mx), my + f * (y - my)]);
-    } else if (key === 'a' || key === 'Escape') {
-      app.selection = new Set(key === 'a' ? Array.from({ length: app.pose.length / 2 }, (x, i) => i) : []);
-      app.redraw();
-    } else if (/^[1-5]$/.test(key)) {
-      chooseTypes(app, key === '5' ? 'all' : String(key - 1));
-    } else if (presses[key]) {
-      if (event.target.tagName === 'BUTTON' && key === ' ') return; // the button's own
-      byId(presses[key]).click();
-    } else {
+      historyOf(app)[key === 'y' || event.shiftKey ? 'redo' : 'undo']();
+    } else if (key === 'Escape' && !byId('work').hidden) {
+      app.cageMaker.stop();
+    } else if (key === 'n' || key === 'p') {
+      (plane ? app : app.mesh).stepVertex(key === 'n' ? 1 : -1, event.shiftKey);
+    } else if (PRESSES[key] ?? (plane && PLANE_PRESSES[key])) {
+      byId(PRESSES[key] ?? PLANE_PRESSES[key]).click();
+    } else if (!(plane ? pressInPlane(app, key, event) : pressInSpace(app.mesh, key, event))) {
       return;
     }
     event.preventDefault();
   });
+}
+/** What a key does to a figure in the plane; false: nothing. */
+function pressInPlane(app, key, event) {
+  const step = app.figure.size / 400 * (event.shiftKey ? 10 : 1);
+  if (ARROWS[key]) {
+    const [dx, dy] = ARROWS[key];
+    if (app.timeline.pressArrow(event, dx, dy)) return true;
+    if (app.selection.size > 0) nudge(app, (x, y) => [x + step * dx, y + step * dy]);
+    else app.window = { ...app.window, x: app.window.x + dx * app.window.w / 20, y: app.window.y + dy * app.window.w / 20 };
+    app.redraw();
+  } else if (key === '[' || key === ']') {
+    nudge(app, turned(middleOfSelection(app), (key === '[' ? -1 : 1) * Math.PI / 36));
+  } else if (key === '-' || key === '+' || key === '=') {
+    const [mx, my] = middleOfSelection(app), f = key === '-' ? 1 / 1.05 : 1.05;
+    nudge(app, (x, y) => [mx + f * (x - mx), my + f * (y - my)]);
+  } else if (key === 'a' || key === 'Escape') {
+    app.selection = new Set(key === 'a' ? Array.from({ length: app.pose.length / 2 }, (x, i) => i) : []);
+    app.redraw();
+  } else if (/^[1-5]$/.test(key)) {
+    chooseTypes(app, key === '5' ? 'all' : String(key - 1));
+  } else if (key === ',' || key === '.') {
+    app.timeline.goToKey(key === '.');
+  } else if (key === 'PageUp' || key === 'PageDown') {
+    const { x, y, w, h } = app.window;
+    zoom(app, [x + w / 2, y + h / 2], key === 'PageUp' ? 1 / 1.2 : 1.2);
+  } else {
+    return false;
+  }
+  return true;
+}
+/** What a key does in space; false: nothing. */
+function pressInSpace(mesh, key, event) {
+  if (ARROWS[key]) {
+    const [dx, dy] = ARROWS[key], step = event.shiftKey ? 20 : 2;
+    if (mesh.selected >= 0) mesh.nudge(step * dx, step * dy);
+    else orbit(mesh)(12 * dx, 12 * dy);
+  } else if (key === 'Escape') {
+    mesh.selected = -1;
+  } else if (/^(-|\+|=|PageUp|PageDown)$/.test(key)) {
+    mesh.far = Math.max(0.2, Math.min(4, mesh.far * (/^(-|PageDown)$/.test(key) ? 1.1 : 1 / 1.1)));
+  } else {
+    return false;
+  }
+  mesh.redraw();
+  return true;
 }
 function connectDrops(app) {
   const mark = isOver => document.body.classList.toggle('dropping', isOver);
@@ -189,11 +270,27 @@ function connectDrops(app) {
   byId('open').onchange = event => { if (event.target.files[0]) openFile(app, event.target.files[0]); event.target.value = ''; };
 }
 
+/** The first scene moves by itself until anything is touched; not for who asked for less motion. */
+function playFirstScene(app) {
+  if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
+  byId('walk').click();
+  app.history.set([], []);
+  const stop = event => {
+    for (const kind of ['pointerdown', 'keydown']) removeEventListener(kind, stop, true);
+    const isPlay = event.target.id === 'play' || event.key === ' '; // these stop it themselves
+    if (!isPlay) app.pause();
+  };
+  for (const kind of ['pointerdown', 'keydown']) addEventListener(kind, stop, true);
+}
+
 async function startPage() {
-  const app = new App(await Engine.start(DATA.wasm));
+  const module = await WebAssembly.compile(await unpack(DATA.wasm)), app = new App(await Engine.start(module));
+  app.cageMaker = new CageMaker(module);
   app.clip = new Clip();
   app.mesh = new MeshView(app);
   app.timeline = new Timeline(app);
+  app.mesh.onDrag = () => dance(app, false);
+  app.history.onChange = app.mesh.history.onChange = () => markHistory(app);
   connectButtons(app);
   connectKeys(app);
   connectDrops(app);
@@ -201,6 +298,7 @@ async function startPage() {
   await chooseFigure(app, 'cat');
   app.draw();
   app.timeline.update();
+  playFirstScene(app);
   window.page = app; // for tests, and for who looks
   app.readyAfter = performance.now();
   document.documentElement.dataset.ready = 'yes';

@@ -12,7 +12,7 @@ function parseObj(text, name) {
   }
   if (faces.length === 0 || !faces.every(i => i >= 0 && 3 * i < vertices.length) || !vertices.every(Number.isFinite))
     throw new Error(name + ' is no OBJ of faces');
-  return { vertices: Float64Array.from(vertices), faces: Float64Array.from(faces) };
+  return { text, vertices: Float64Array.from(vertices), faces: Float64Array.from(faces) };
 }
 
 /** A dance of the cage: its poses in time (support/clip_file.hpp, poses in space). */
@@ -48,19 +48,32 @@ const MESH_FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 at, normal;
 out vec4 colour;
-uniform float smooth_normals;
+uniform float smooth_normals, shows_weights;
+in float w;
+/// As in the plane: blue where negative, from white by pink to plum, a line every tenth.
+vec3 weight_colour() {
+  float size = clamp(abs(w), 0.0, 1.0), change = max(fwidth(w), 1e-9), level = 10.0 * w;
+  vec3 c = w < 0.0 ? vec3(0.1, 0.32, 0.8) : mix(vec3(0.95, 0.42, 0.66), vec3(0.5, 0.02, 0.36), smoothstep(0.35, 1.0, size));
+  c = mix(vec3(1.0), c, smoothstep(0.0, w < 0.0 ? 0.2 : 0.5, size));
+  float off = abs(level - round(level)) / (10.0 * change);
+  return abs(level) > 0.5 ? c * mix(0.55, 1.0, smoothstep(0.4, 1.4, off)) : c;
+}
 void main() {
   vec3 n = normalize(smooth_normals > 0.5 ? normal : cross(dFdx(at), dFdy(at)));
   vec3 key = normalize(vec3(0.35, 0.8, 0.7)), fill = normalize(vec3(-0.8, 0.1, 0.3));
   float light = 0.30 + 0.62 * max(dot(n, key), 0.0) + 0.18 * max(dot(n, fill), 0.0);
   float rim = pow(1.0 - abs(n.z), 3.0) * 0.12;
-  colour = vec4(pow(vec3(0.93, 0.62, 0.36) * light + rim, vec3(0.9)), 1.0);
+  vec3 paint = shows_weights > 0.5 ? 0.9 * weight_colour() : vec3(0.93, 0.62, 0.36);
+  colour = vec4(pow(paint * light + rim, vec3(0.9)), 1.0);
 }`;
 const MESH_VERTEX = `#version 300 es
 in vec3 place, side;
+in float weight;
 uniform mat4 to_clip, to_eye;
 out vec3 at, normal;
+out float w;
 void main() {
+  w = weight;
   at = (to_eye * vec4(place, 1.0)).xyz;
   normal = mat3(to_eye) * side;
   gl_Position = to_clip * vec4(place, 1.0);
@@ -69,10 +82,13 @@ const skinVertex = (glsl, handles, sets) => `#version 300 es
 #define CAGEFORM_UNIFORM_HANDLES ${handles}
 ${glsl}
 in vec3 place;
+in float weight;
 ${Array.from({ length: sets }, (x, k) => `in uvec4 joints${k}; in vec4 weights${k};`).join('\n')}
 uniform mat4 to_clip, to_eye;
 out vec3 at, normal;
+out float w;
 void main() {
+  w = weight;
   vec3 moved = place;
 ${Array.from({ length: sets }, (x, k) => `  moved += cageform_skin(joints${k}, weights${k});`).join('\n')}
   at = (to_eye * vec4(moved, 1.0)).xyz;
@@ -91,55 +107,90 @@ function perspective(aspect, near, far) {
   return new Float32Array([f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0]);
 }
 
+/** The project's own character: its mesh and cage, a pose and a dance. */
+async function readCharacter(data) {
+  const [mesh, cage, pose, dance] = await Promise.all([data.mesh, data.cage, data.pose, data.dance].map(async packed =>
+    new TextDecoder().decode(await unpack(packed))));
+  return { name: 'Character', mesh: parseObj(mesh), cage: parseObj(cage), examplePose: parseObj(pose).vertices, dance: new Dance(dance) };
+}
+
 class MeshView {
   constructor(app) {
     this.app = app;
     this.canvas = document.getElementById('mesh');
     this.overlay = document.getElementById('mesh-cage');
-    this.turn = 0.3; this.rise = 0.12; this.far = 1; this.near = -1;
+    this.turn = 0.3; this.rise = 0.12; this.far = 1; this.near = this.selected = -1;
     this.skinSets = 4;
+    this.history = new History(this);
+    this.sessions = new Map(); // of meshes that were left, by name
     attachOrbit(this);
     new ResizeObserver(() => this.redraw()).observe(this.canvas);
   }
 
-  /** Unpacks and binds the character. */
-  async openCharacter(data) {
-    const [mesh, cage, pose, dance] = await Promise.all([data.mesh, data.cage, data.pose, data.dance].map(async packed =>
-      new TextDecoder().decode(await unpack(packed))));
-    this.show('Character', parseObj(mesh), parseObj(cage));
-    this.examplePose = parseObj(pose).vertices;
-    this.dance = new Dance(dance);
+  /** Shows a mesh, as new or as it was left; the one before is kept. */
+  leave(current, session) {
+    if (this.current && this.current !== current) {
+      const { name, mesh, cage, pose, examplePose, dance, history: { earlier, later } } = this;
+      this.sessions.set(this.current, { name, mesh, cage, pose, examplePose, dance, earlier, later });
+    }
+    this.show(session);
+    this.current = current;
   }
-  /** A mesh in its cage, bound. */
-  show(name, mesh, cage) {
+  /** A mesh in its cage, bound; throws where it cannot be. */
+  show({ name, mesh, cage, pose = cage.vertices.slice(), examplePose = null, dance = null, earlier = [], later = [] }) {
     const start = performance.now();
     this.app.engine.bindMesh(mesh, cage);
-    Object.assign(this, { name, mesh, cage, bindTime: performance.now() - start, pose: cage.vertices.slice(), cloneTime: 0,
-      skin: null, near: -1, madeIn: 0, examplePose: null, dance: null });
+    Object.assign(this, { name, mesh, cage, bindTime: performance.now() - start, pose, cloneTime: 0, skin: null, near: -1, selected: -1,
+      shaded: -1, examplePose, dance });
+    this.history.set(earlier, later);
+    this.edges = uniqueEdges(cage.faces);
+    this.makeOverlay();
+    this.makeBuffers();
+    this.fit();
+  }
+  /** Looks at all of the posed cage. */
+  fit() {
     const box = [0, 1, 2].map(axis => {
-      const values = cage.vertices.filter((v, k) => k % 3 === axis);
+      const values = this.pose.filter((v, k) => k % 3 === axis);
       return [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))];
     });
     this.middle = box.map(([a, b]) => (a + b) / 2);
     this.size = Math.hypot(...box.map(([a, b]) => b - a));
-    this.edges = uniqueEdges(cage.faces);
-    this.makeOverlay();
-    this.makeBuffers();
+    this.far = 1;
     this.redraw();
   }
-  /** Another cage for the mesh that is shown, by make_cage. */
-  makeCage(name, mesh, vertices) {
-    const start = performance.now(), cage = this.app.engine.makeShell(mesh, vertices), time = performance.now() - start;
-    this.show(name, mesh, cage);
-    this.madeIn = time;
+
+  // ---- undo ----
+
+  state() { return this.pose.slice(); }
+  restore(pose) {
+    this.pose = pose;
+    this.redraw();
+  }
+
+  // ---- motion ----
+
+  stepVertex(by) {
+    const count = this.pose.length / 3;
+    this.selected = this.selected < 0 ? (by > 0 ? 0 : count - 1) : (this.selected + by + count) % count;
+    this.near = this.selected;
+    this.redraw();
+  }
+  /** Moves the vertex selected by pixels, as one step of undo. */
+  nudge(dx, dy) {
+    this.history.remember();
+    dragMeshVertex(this, this.selected)(dx, dy);
   }
   /** Plays the dance, or stops it. */
   toggleDance(isOn) {
     cancelAnimationFrame(this.dancing);
     this.dancing = 0;
     if (!isOn || !this.dance) return;
-    const begin = performance.now(), step = now => {
+    this.history.remember();
+    let begin = null; // by the clock of frames, which is behind that of performance.now()
+    const step = now => {
       if (!this.dance || !document.body.classList.contains('in-space')) return;
+      begin ??= now;
       this.pose = this.dance.poseAt((now - begin) / 1000);
       this.draw();
       this.dancing = requestAnimationFrame(step);
@@ -155,7 +206,7 @@ class MeshView {
     const gl = this.gl ??= this.canvas.getContext('webgl2', { antialias: true, preserveDrawingBuffer: true });
     if (!gl) throw new Error('This browser has no WebGL 2');
     this.program ??= compileProgram(gl, MESH_VERTEX, MESH_FRAGMENT);
-    this.buffers ??= { place: gl.createBuffer(), side: gl.createBuffer(), index: gl.createBuffer() };
+    this.buffers ??= { place: gl.createBuffer(), side: gl.createBuffer(), weight: gl.createBuffer(), index: gl.createBuffer() };
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers.index);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from(this.mesh.faces), gl.STATIC_DRAW);
   }
@@ -200,6 +251,7 @@ class MeshView {
     if (this.onCard && !this.skin) this.makeSkin();
     const start = performance.now();
     if (this.onCard) this.feedSkin(); else this.feedPlaces();
+    this.feedWeights(this.onCard ? this.skin.program : this.program);
     this.cloneTime = this.cloneTime ? 0.9 * this.cloneTime + 0.1 * (performance.now() - start) : performance.now() - start;
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers.index);
     gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
@@ -263,7 +315,21 @@ class MeshView {
     gl.bindBufferBase(gl.UNIFORM_BUFFER, 0, block);
   }
 
+  /** The vertex whose weights show; -1: none. */
+  get weightVertex() { return this.app.showsWeights ? this.near >= 0 ? this.near : this.selected : -1; }
+  feedWeights(program) {
+    const { gl } = this, vertex = this.weightVertex;
+    gl.uniform1f(gl.getUniformLocation(program, 'shows_weights'), vertex >= 0 ? 1 : 0);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.weight);
+    if (vertex >= 0 && vertex !== this.shaded) {
+      gl.bufferData(gl.ARRAY_BUFFER, Float32Array.from(this.app.engine.meshField(vertex)), gl.DYNAMIC_DRAW);
+      this.shaded = vertex;
+    }
+    if (vertex >= 0) this.attribute(program, 'weight', this.buffers.weight, 1);
+  }
+
   drawCage(width, height) {
+    this.overlay.classList.toggle('bare', !this.app.showsCage);
     const places = this.places = [];
     for (let k = 0; k < this.pose.length; k += 3) places.push(this.project(this.pose[k], this.pose[k + 1], this.pose[k + 2], width, height));
     const middle = this.project(...this.middle, width, height)[2];
@@ -274,16 +340,18 @@ class MeshView {
     this.dots.forEach((dot, i) => {
       dot.setAttribute('cx', places[i][0].toFixed(1));
       dot.setAttribute('cy', places[i][1].toFixed(1));
-      dot.setAttribute('r', i === this.near ? 6 : 3.6);
-      dot.setAttribute('class', i === this.near ? 'near' : places[i][2] > middle ? 'back' : '');
+      const isMarked = i === this.near || i === this.selected;
+      dot.setAttribute('r', isMarked ? 6 : 3.6);
+      dot.setAttribute('class', isMarked ? 'near' : places[i][2] > middle ? 'back' : '');
     });
   }
   tell() {
     const clone = this.onCard ? `displacements handed to the card in ${this.cloneTime.toFixed(2)} ms (skin of ${4 * this.skinSets} weights made in ${this.skinTime.toFixed(0)} ms)`
       : `cloned, with normals, in ${this.cloneTime.toFixed(2)} ms`;
-    const made = this.madeIn ? `make_cage took ${(this.madeIn / 1000).toFixed(1)} s; ` : '';
-    this.app.say(`${this.name}: ${made}${(this.mesh.vertices.length / 3).toLocaleString('en')} points in a cage of ${this.cage.vertices.length / 3} vertices, ` +
-                 `mean value; bound in ${this.bindTime.toFixed(0)} ms, ${clone}`, false);
+    tellLegend(this.app, this.weightVertex);
+    if (this.app.notice) return;
+    this.app.say(`${this.name}: ${(this.mesh.vertices.length / 3).toLocaleString('en')} points in a cage of ${this.cage.vertices.length / 3} vertices, ` +
+                 `mean value; bound in ${this.bindTime.toFixed(0)} ms, ${clone}` + (this.selected >= 0 ? `; vertex ${this.selected} selected` : ''), false);
   }
 }
 
@@ -316,8 +384,9 @@ function attachOrbit(view) {
     if (!view.mesh) return;
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, placeOf(event));
-    view.near = nearest(placeOf(event), reachOf(event));
-    gesture = fingers.size === 2 ? pinchMesh(view, fingers) : view.near >= 0 ? dragMeshVertex(view, view.near) : orbit(view);
+    view.near = view.app.showsCage ? nearest(placeOf(event), reachOf(event)) : -1;
+    if (fingers.size === 1) view.selected = view.near;
+    gesture = fingers.size === 2 ? pinchMesh(view, fingers) : view.near >= 0 ? rememberedDrag(view, view.near) : orbit(view);
     view.redraw();
     event.preventDefault();
   });
@@ -351,6 +420,17 @@ function dragMeshVertex(view, vertex) {
   return (dx, dy) => {
     const unit = view.places[vertex][2] * Math.tan(0.3) * 2 / view.canvas.clientHeight, m = view.toEye;
     for (let k = 0; k < 3; ++k) view.pose[3 * vertex + k] += unit * (dx * m[4 * k] - dy * m[4 * k + 1]);
+  };
+}
+/** The same, as one step of undo; a dance ends. */
+function rememberedDrag(view, vertex) {
+  const drag = dragMeshVertex(view, vertex);
+  let moved = false;
+  return (dx, dy) => {
+    if (!moved) view.onDrag?.();
+    if (!moved) view.history.remember();
+    moved = true;
+    drag(dx, dy);
   };
 }
 function pinchMesh(view, fingers) {

@@ -8,21 +8,32 @@ function download(name, parts, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** The posed figure of the first view as SVG text; its viewBox grows to hold what has moved. */
-function posedSvg(app) {
-  const copy = app.figure.makeCopy();
+/** The figure of the first view as it is at some poses: a copy of the document that shows the first, and where its points are in all of
+ *  them. Its viewBox holds them all. */
+function posedCopy(app, poses) {
+  const copy = app.figure.makeCopy(), { figure } = app;
   app.ensureBound(app.types[0]);
-  const places = app.cloneFigure(app.types[0], app.pose);
-  app.figure.write(copy, places);
-  const { root } = copy, widest = Math.max(0, ...app.figure.shapes.map(shape => shape.radius ?? 0));
-  const box = boundsOf(pairs(places)), view = numbersIn(root.getAttribute('viewBox') ?? '');
-  const all = boundsOf([[box[0] - widest, box[1] - widest], [box[2] + widest, box[3] + widest],
+  const all = poses.map(pose => app.cloneFigure(app.types[0], pose).slice());
+  figure.write(copy, all[0]);
+  const { root } = copy, view = numbersIn(root.getAttribute('viewBox') ?? '');
+  const widest = Math.max(0, ...figure.shapes.map(shape => shape.radius ?? 0), ...figure.filters.map(({ reach, map }) => reach * largestScale(map)));
+  const boxes = all.map(places => boundsOf(pairs(places)));
+  const box = boundsOf([...boxes.flatMap(([x0, y0, x1, y1]) => [[x0 - widest, y0 - widest], [x1 + widest, y1 + widest]]),
     ...(view.length === 4 ? [[view[0], view[1]], [view[0] + view[2], view[1] + view[3]]] : [])]);
-  const [w, h] = [all[2] - all[0], all[3] - all[1]];
-  root.setAttribute('viewBox', `${all[0]} ${all[1]} ${w} ${h}`);
+  const [width, height] = [box[2] - box[0], box[3] - box[1]];
+  root.setAttribute('viewBox', `${box[0]} ${box[1]} ${width} ${height}`);
   for (const name of ['width', 'height', 'x', 'y', 'style']) root.removeAttribute(name);
-  root.setAttribute('xmlns', SVG_NS);
-  return { text: new XMLSerializer().serializeToString(root), width: w, height: h };
+  if (figure.css) {
+    const style = svgElement('style');
+    style.textContent = figure.css;
+    root.querySelector('metadata').replaceWith(style); // which keeps the place of one
+  }
+  return { copy, all, width, height };
+}
+/** The posed figure as SVG text. */
+function posedSvg(app) {
+  const { copy, width, height } = posedCopy(app, [app.pose]);
+  return { text: new XMLSerializer().serializeToString(copy.root), width, height };
 }
 
 function saveSvg(app) { download(app.figure.name + '_posed.svg', [posedSvg(app).text, '\n'], 'image/svg+xml'); }
@@ -45,4 +56,130 @@ function savePose(app) {
 }
 function saveCage(app) {
   download(app.figure.name + '_cage.csv', [cageCsv(app.cage.loops, app.cage.rest, `the cage of ${app.figure.name}`)], 'text/csv');
+}
+
+// ---- animations ----
+
+/** An affine map as a product: moved, turned (degrees), skewed along x (degrees), scaled. */
+function affineParts([a, b, c, d, e, f]) {
+  const angle = Math.atan2(b, a), [cos, sin] = [Math.cos(angle), Math.sin(angle)], sx = Math.hypot(a, b), sy = cos * d - sin * c;
+  const skew = sy === 0 ? 0 : Math.atan((cos * c + sin * d) / sy);
+  return [[e, f], [angle * 180 / Math.PI], [skew * 180 / Math.PI], [sx, sy]];
+}
+/** Animates an attribute through values, one a frame, and round again. */
+function animate(element, kind, attributes, values, seconds) {
+  if (values.every(value => value === values[0])) return;
+  svgElement(kind, { ...attributes, dur: seconds + 's', repeatCount: 'indefinite', values: [...values, values[0]].join(';') }, element);
+}
+/** Animates a transform through maps; `additive` says what becomes of the element's own. */
+function animateMaps(element, name, maps, seconds, additive) {
+  const parts = maps.map(affineParts);
+  parts.forEach((part, k) => { // angles go on where a turn ends
+    if (k > 0) part[1][0] += 360 * Math.round((parts[k - 1][1][0] - part[1][0]) / 360);
+  });
+  ['translate', 'rotate', 'skewX', 'scale'].forEach((type, n) => {
+    const values = parts.map(part => part[n].map(x => +x.toFixed(5)).join(' '));
+    svgElement('animateTransform', { attributeName: name, type, additive: n === 0 ? additive : 'sum', dur: seconds + 's',
+      repeatCount: 'indefinite', values: [...values, values[0]].join(';') }, element);
+  });
+}
+
+/** The animation as SVG text, which every browser plays: frames of outlines, between which the browser goes straight. */
+function animatedSvg(app, framesPerSecond = 15) {
+  const { clip, figure, engine } = app, count = Math.max(2, Math.min(600, Math.round(framesPerSecond * clip.length)));
+  const poses = Array.from({ length: count }, (x, k) => clip.poseAt(k * clip.length / count, app.cage.rest, engine));
+  const { copy, all } = posedCopy(app, poses), seconds = clip.length;
+  figure.shapes.forEach((shape, i) => {
+    const target = copy.targets[i];
+    if (shape.outline) {
+      animate(target, 'animate', { attributeName: 'd' }, all.map(places => pathData(shape, places, figure.decimals)), seconds);
+      if (copy.marks[i]) animate(copy.marks[i], 'animate', { attributeName: 'd' }, all.map(places => vertexData(shape, places, figure.decimals)), seconds);
+      return;
+    }
+    if (shape.transform) target.setAttribute('transform', shape.transform); else target.removeAttribute('transform');
+    animateMaps(target, 'transform', all.map(places => boxMap(shape, places)), seconds, 'sum');
+  });
+  for (const gradient of copy.gradients)
+    animateMaps(gradient.own, 'gradientTransform', all.map(places => figure.gradientMap(gradient, places)), seconds, 'replace');
+  return new XMLSerializer().serializeToString(copy.root);
+}
+function saveAnimation(app) {
+  if (app.clip.isEmpty) return app.say('Nothing to save: set key frames (K) at two times');
+  download(app.figure.name + '_animated.svg', [animatedSvg(app), '\n'], 'image/svg+xml');
+}
+
+const WORD_OF_KIND = Object.fromEntries(Object.entries(KIND_OF_WORD).map(([word, kind]) => [kind, word]));
+/** The rows time, value, kind of a track, and that at which it begins again. Curves with handles become many rows. */
+function rowsOf(track, clip, engine) {
+  const { keys, period } = track, [first] = keys;
+  const rows = keys.some(key => key.in || key.out)
+    ? Array.from({ length: 64 }, (x, k) => first.t + period * k / 64).map(t => [t, clip.valueOf(track, t % clip.length, engine), 'automatic'])
+    : keys.map(({ t, v, kind }) => [t, v, WORD_OF_KIND[kind]]);
+  return [...rows, [first.t + period, rows[0][1], rows[0][2]]];
+}
+/** The animation in the format of the programs: a control for every track and axis. */
+function clipCsv(clip, engine, heading) {
+  const lines = ['# ' + heading, 'length,' + clip.length];
+  for (const track of clip.tracks) {
+    for (const axis of [0, 1]) {
+      const moved = track.targets.filter(target => target[1 + axis] !== 0);
+      if (moved.length === 0) continue;
+      lines.push('', `control,${track.name.replace(/,/g, '')} along ${'xy'[axis]}`, 'vertices,' + moved.map(target => `${target[0]}:${target[1 + axis]}`).join(','));
+      lines.push('time,x,y,turn,kind', ...rowsOf(track, clip, engine).map(([t, v, kind]) => [t, axis === 0 ? v : 0, axis === 1 ? v : 0, 0, kind].join(',')));
+    }
+  }
+  return lines.join('\n') + '\n';
+}
+function saveClip(app) {
+  if (app.clip.isEmpty) return app.say('Nothing to save: set key frames (K) at two times');
+  download(app.figure.name + '_clip.csv', [clipCsv(app.clip, app.engine, `an animation of the cage of ${app.figure.name}`)], 'text/csv');
+}
+
+// ---- in space ----
+
+/** The posed mesh as OBJ: the text it came from with other places, and without normals, which are others now. */
+function objText(mesh, places) {
+  let at = 0;
+  return mesh.text.split('\n').filter(line => !/^\s*vn\s/.test(line)).map(line => {
+    if (/^\s*v\s/.test(line)) return ['v', ...places.subarray(at, at += 3), ...line.trim().split(/\s+/).slice(4)].join(' ');
+    return /^\s*f\s/.test(line) ? line.replace(/(\d)\/(-?\d*)\/-?\d+/g, (all, end, texture) => texture ? `${end}/${texture}` : end) : line;
+  }).join('\n');
+}
+function posedPlaces(view) { return view.app.engine.cloneMesh(view.pose, view.mesh.vertices.length / 3).slice(); }
+function saveObj(view) { download(view.name + '_posed.obj', [objText(view.mesh, posedPlaces(view)), '\n'], 'model/obj'); }
+
+/** A cage as OBJ. */
+function saveShell(view, places, what) {
+  const { faces } = view.cage, lines = [];
+  for (let k = 0; k < places.length; k += 3) lines.push(`v ${places[k]} ${places[k + 1]} ${places[k + 2]}`);
+  for (let k = 0; k < faces.length; k += 3) lines.push(`f ${faces[k] + 1} ${faces[k + 1] + 1} ${faces[k + 2] + 1}`);
+  download(`${view.name}_${what}.obj`, [lines.join('\n'), '\n'], 'model/obj');
+}
+
+/** A mesh as binary glTF: a node, a mesh, one material. */
+function glbBytes(name, places, normals, faces) {
+  const least = [0, 1, 2].map(axis => places.reduce((m, x, k) => k % 3 === axis ? Math.min(m, x) : m, Infinity));
+  const most = [0, 1, 2].map(axis => places.reduce((m, x, k) => k % 3 === axis ? Math.max(m, x) : m, -Infinity));
+  const units = normals.map((x, k) => {
+    const first = k - k % 3, length = Math.hypot(normals[first], normals[first + 1], normals[first + 2]);
+    return length > 0 ? x / length : k % 3 === 2 ? 1 : 0;
+  });
+  const parts = [places, units, faces], sizes = parts.map(part => part.byteLength);
+  const json = {
+    asset: { version: '2.0', generator: 'cageform' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ name, mesh: 0 }],
+    meshes: [{ name, primitives: [{ attributes: { POSITION: 0, NORMAL: 1 }, indices: 2, material: 0 }] }],
+    materials: [{ name: 'clay', pbrMetallicRoughness: { baseColorFactor: [0.86, 0.35, 0.11, 1], metallicFactor: 0, roughnessFactor: 0.8 } }],
+    buffers: [{ byteLength: sizes[0] + sizes[1] + sizes[2] }],
+    bufferViews: sizes.map((byteLength, k) => ({ buffer: 0, byteOffset: sizes.slice(0, k).reduce((a, b) => a + b, 0), byteLength, target: k < 2 ? 34962 : 34963 })),
+    accessors: [{ bufferView: 0, componentType: 5126, count: places.length / 3, type: 'VEC3', min: least, max: most },
+      { bufferView: 1, componentType: 5126, count: units.length / 3, type: 'VEC3' }, { bufferView: 2, componentType: 5125, count: faces.length, type: 'SCALAR' }],
+  };
+  let text = new TextEncoder().encode(JSON.stringify(json));
+  text = new Uint8Array([...text, ...Array((4 - text.length % 4) % 4).fill(32)]);
+  const chunk = (size, kind) => new Uint32Array([size, kind]), size = sizes[0] + sizes[1] + sizes[2];
+  return [new Uint32Array([0x46546c67, 2, 12 + 8 + text.length + 8 + size]), chunk(text.length, 0x4e4f534a), text, chunk(size, 0x4e4942), ...parts];
+}
+function saveGlb(view) {
+  const places = posedPlaces(view), normals = view.app.engine.meshNormals(places.length / 3).slice();
+  download(view.name + '_posed.glb', glbBytes(view.name, places, normals, Uint32Array.from(view.mesh.faces)), 'model/gltf-binary');
 }

@@ -31,8 +31,9 @@ class Timeline {
     if (this.playing) return this.pause();
     if (this.app.clip.isEmpty) return this.app.say('Nothing to play: make key frames (K) at two times, or let the cat walk');
     this.app.isEditing = false;
-    const begin = performance.now() - 1000 * this.time;
+    let begin = null; // by the clock of frames, which is behind that of performance.now()
     const step = now => {
+      begin ??= now - 1000 * this.time;
       this.setTime(((now - begin) / 1000) % this.app.clip.length);
       this.playing = requestAnimationFrame(step);
     };
@@ -88,6 +89,38 @@ class Timeline {
     });
   }
 
+  /** To the key frame behind this time, or before it. */
+  goToKey(isNext) {
+    const { time } = this, times = this.app.clip.keyTimes.filter(t => isNext ? t > time + 1e-6 : t < time - 1e-6);
+    if (times.length > 0) this.setTime(isNext ? times[0] : times[times.length - 1]);
+  }
+  /** An arrow on the time line moves the time, with Shift the key frame; in the chart the choice of a key, or its value. */
+  pressArrow({ target, shiftKey }, dx, dy) {
+    const { app } = this, to = this.time + dx * app.clip.length / 48;
+    if (target === this.strip) {
+      this.pause();
+      const key = shiftKey ? app.clip.keyTimes.find(t => Math.abs(t - this.time) < app.clip.length / 100) : undefined;
+      if (key === undefined) this.setTime(to);
+      else this.change(() => { this.time = app.clip.moveKeys(key, to); });
+      return true;
+    }
+    if (target !== this.chart || !this.track) return false;
+    const { keys } = this.track;
+    this.pause();
+    if (dx !== 0 || this.chosen === null) {
+      this.chosen = this.chosen === null ? 0 : (this.chosen + dx + keys.length) % keys.length;
+      this.setTime(keys[this.chosen].t);
+      this.drawChart();
+    } else {
+      const { low, high } = this.chartFrame();
+      this.change(() => {
+        this.dragKey({ index: this.chosen }, keys[this.chosen].v - dy * ((high - low) / 50 || 1) * (shiftKey ? 5 : 1));
+        this.track.fitted = undefined;
+      });
+    }
+    return true;
+  }
+
   // ---- the strip ----
 
   timeAt(event) {
@@ -121,6 +154,8 @@ class Timeline {
       svgElement('path', { d: `M${x(t)} ${height - 21}l6 7l-6 7l-6-7z`, fill: '#c2377a', stroke: '#fff' }, strip);
     svgElement('line', { x1: x(this.time), x2: x(this.time), y1: 0, y2: height, stroke: '#1f6fb8', 'stroke-width': 2 }, strip);
     document.getElementById('time').textContent = this.time.toFixed(2) + ' s';
+    strip.setAttribute('aria-valuemax', +length.toFixed(2));
+    strip.setAttribute('aria-valuenow', this.time.toFixed(2));
   }
 
   // ---- curves ----

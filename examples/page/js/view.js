@@ -27,6 +27,7 @@ class View {
     root.setAttribute('height', '100%');
     root.setAttribute('preserveAspectRatio', 'xMidYMid meet');
     root.style.overflow = 'visible';
+    this.shadow.adoptedStyleSheets = [this.app.figure.sheet];
     this.shadow.replaceChildren(root);
     this.rebuildCage();
   }

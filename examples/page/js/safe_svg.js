@@ -1,0 +1,222 @@
+// A document from elsewhere becomes one that can be shown: a copy of what is known to be harmless, made before anything
+// of it is part of the page. It holds no script, asks for nothing elsewhere, and does not expand to more than a browser
+// can draw.
+
+const SVG_NS = 'http://www.w3.org/2000/svg', XLINK_NS = 'http://www.w3.org/1999/xlink';
+const INKSCAPE_NS = 'http://www.inkscape.org/namespaces/inkscape', XML_NS = 'http://www.w3.org/XML/1998/namespace';
+const MOST_INSTANCES = 30000, DEEPEST = 200, MOST_PIXELS = 1e8;
+
+const SHAPES = 'path,rect,circle,ellipse,line,polyline,polygon';
+const words = text => new Set(text.trim().split(/\s+/));
+const FILTER_PRIMITIVES = `feBlend feColorMatrix feComponentTransfer feComposite feConvolveMatrix feDiffuseLighting feDisplacementMap
+  feDistantLight feDropShadow feFlood feFuncA feFuncB feFuncG feFuncR feGaussianBlur feImage feMerge feMergeNode feMorphology feOffset
+  fePointLight feSpecularLighting feSpotLight feTile feTurbulence`;
+const SAFE_ELEMENTS = words(`svg g defs symbol use switch a text tspan textPath image linearGradient radialGradient stop clipPath mask
+  pattern marker filter title desc metadata style ${SHAPES.replaceAll(',', ' ')} ${FILTER_PRIMITIVES}`);
+const PLAIN_TEXT = words('id class label groupmode role aria-label data-name lang space'); // no browser acts on their values
+const SAFE_ATTRIBUTES = words(`viewBox preserveAspectRatio x y width height rx ry cx cy r fx fy fr x1 y1 x2 y2 dx dy d points pathLength
+  offset gradientUnits gradientTransform spreadMethod patternUnits patternContentUnits patternTransform clipPathUnits maskUnits
+  maskContentUnits mask-type markerUnits markerWidth markerHeight refX refY orient filterUnits primitiveUnits in in2 result mode type
+  values tableValues slope intercept amplitude exponent operator k1 k2 k3 k4 order kernelMatrix divisor bias targetX targetY edgeMode
+  kernelUnitLength preserveAlpha surfaceScale diffuseConstant specularConstant specularExponent azimuth elevation z pointsAtX pointsAtY
+  pointsAtZ limitingConeAngle scale xChannelSelector yChannelSelector stdDeviation radius baseFrequency numOctaves seed stitchTiles
+  startOffset method spacing textLength lengthAdjust rotate systemLanguage requiredFeatures version`);
+// Properties of styles, most of which are attributes too.
+const SAFE_PROPERTY = new RegExp(`^(--[\\w-]+|(fill|stroke|marker|mask|clip|flood|stop|color|font|text|transform|overflow)(-[a-z-]+)?|
+  filter|lighting-color|opacity|visibility|display|letter-spacing|word-spacing|white-space(-collapse)?|line-height|direction|
+  unicode-bidi|writing-mode|dominant-baseline|alignment-baseline|baseline-shift|rotate|scale|translate|shape-rendering|
+  image-rendering|vector-effect|paint-order|mix-blend-mode|isolation|enable-background|[dxyr]|cx|cy|rx|ry|width|height)$`.replace(/\s/g, ''));
+const SAFE_FUNCTIONS = words(`url rgb rgba hsl hsla hwb lab lch oklab oklch color color-mix icc-color calc min max clamp var matrix
+  translate translatex translatey scale scalex scaley rotate skew skewx skewy blur brightness contrast drop-shadow grayscale hue-rotate
+  invert opacity saturate sepia circle ellipse inset polygon path rect`);
+
+/** Whether a value of a style or an attribute calls nothing but what is known, and refers to this document alone. */
+function isSafeValue(text) {
+  if (/[\\{}@]/.test(text)) return false;
+  for (const [, name] of text.matchAll(/([\w-]*)\s*\(/g)) if (name && !SAFE_FUNCTIONS.has(name.toLowerCase())) return false;
+  return !/url\s*\(/i.test(text.replace(/url\(\s*(["']?)#[^"'()\s]+\1\s*\)/gi, ''));
+}
+
+/** The declarations of a style that are safe: [name, value, priority]. A variable refers to nothing: it could do so anywhere. */
+function safeDeclarations(style) {
+  return Array.from(style, name => [name, style.getPropertyValue(name).trim(), style.getPropertyPriority(name)])
+    .filter(([name, value]) => SAFE_PROPERTY.test(name) && isSafeValue(value) && !(name.startsWith('--') && /url\s*\(/i.test(value)));
+}
+/** Style rules without what is not safe; other rules (of fonts, imports, animations) are left out. */
+function safeRules(rules) {
+  return Array.from(rules, rule => {
+    if (rule instanceof CSSMediaRule) return `@media ${rule.conditionText} {\n${safeRules(rule.cssRules)}\n}`;
+    if (!(rule instanceof CSSStyleRule) || /:has\(/i.test(rule.selectorText)) return '';
+    const declarations = safeDeclarations(rule.style).map(([name, value, priority]) => `${name}: ${value}${priority && ' !' + priority};`);
+    return `${rule.selectorText} { ${declarations.join(' ')} }`;
+  }).filter(text => text).join('\n');
+}
+/** A style sheet of a text; built by script, so that no policy against styles in documents forbids it. */
+function sheetOf(text) {
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(text);
+  return sheet;
+}
+
+/** A data URI of a picture with the type that its first bytes show; null where they show none, or a picture too large. */
+function pictureUri(text) {
+  const found = /^\s*data:[^,]*?base64\s*,/i.exec(text);
+  if (!found) return null;
+  let head = '';
+  try {
+    head = atob(decodeURIComponent(text.slice(found[0].length, found[0].length + 400)).replace(/\s/g, '').slice(0, 64));
+  } catch {
+    return null; // these are no bytes
+  }
+  const byte = k => head.charCodeAt(k), type = head.startsWith('\x89PNG') ? 'png' : head.startsWith('\xff\xd8\xff') ? 'jpeg'
+    : head.startsWith('GIF8') ? 'gif' : head.startsWith('RIFF') && head.slice(8, 12) === 'WEBP' ? 'webp' : null;
+  const four = k => ((byte(k) * 256 + byte(k + 1)) * 256 + byte(k + 2)) * 256 + byte(k + 3), two = k => byte(k) + 256 * byte(k + 1);
+  const pixels = type === 'png' ? four(16) * four(20) : type === 'gif' ? two(6) * two(8) : 0;
+  return type && pixels <= MOST_PIXELS ? `data:image/${type};base64,` + text.slice(found[0].length) : null;
+}
+
+/** What an element refers to by its href: "#id" or a picture's data; null for all else. */
+function safeReference(kind, text) {
+  if (kind === 'a') return null;
+  if (/^\s*#/.test(text)) return text.trim();
+  return kind === 'image' || kind === 'feImage' ? pictureUri(text) : null;
+}
+
+function copyAttributes(from, to) {
+  for (const { localName: name, namespaceURI: space, value } of from.attributes) {
+    if (name === 'href' && (space === null || space === XLINK_NS)) {
+      const reference = safeReference(from.localName, value);
+      if (reference !== null) to.setAttribute('href', reference);
+    } else if (space === XML_NS && (name === 'space' || name === 'lang')) {
+      to.setAttributeNS(space, 'xml:' + name, value);
+    } else if (space === INKSCAPE_NS && (name === 'label' || name === 'groupmode')) {
+      to.setAttributeNS(space, 'inkscape:' + name, value); // the names of layers
+    } else if (space === null && (PLAIN_TEXT.has(name) || (SAFE_ATTRIBUTES.has(name) || SAFE_PROPERTY.test(name)) && isSafeValue(value))) {
+      to.setAttribute(name, value);
+    }
+  }
+  const style = from.getAttribute(SET_ASIDE);
+  if (!style) return;
+  const scratch = document.createElement('span').style; // parsed as if it were set, and belongs to nothing
+  scratch.cssText = style;
+  for (const declaration of safeDeclarations(scratch)) to.style.setProperty(...declaration);
+}
+
+// A parser applies the page's policy to every style attribute of a text, with a complaint for each: they are read under another name.
+const SET_ASIDE = 'cageform-style';
+const withoutStyles = text => text.replace(/(\s)style(\s*=\s*["'])/g, `$1${SET_ASIDE}$2`);
+const withStyles = text => text.replaceAll(SET_ASIDE, 'style');
+
+/** Copies an element that is safe, with what it holds; the rules of styles are put into `rules`. */
+function copySafe(from, parent, rules, depth) {
+  if (depth > DEEPEST) throw new Error('elements are nested too deeply');
+  const kind = from.localName;
+  if (from.namespaceURI !== SVG_NS || !SAFE_ELEMENTS.has(kind)) return null;
+  const isStyle = kind === 'style', to = parent.ownerDocument.createElementNS(SVG_NS, isStyle ? 'metadata' : kind);
+  parent.append(to);
+  if (isStyle) { // an empty element keeps its place, for selectors that count
+    const media = from.getAttribute('media'), type = from.getAttribute('type');
+    if (type && type !== 'text/css') return to;
+    rules.push(safeRules(sheetOf(media && isSafeValue(media) ? `@media ${media} {${from.textContent}}` : from.textContent).cssRules));
+    return to;
+  }
+  copyAttributes(from, to);
+  for (const child of kind === 'metadata' ? [] : from.childNodes) {
+    if (child.nodeType === Node.ELEMENT_NODE) copySafe(child, to, rules, depth + 1);
+    else if (child.nodeType === Node.TEXT_NODE || child.nodeType === Node.CDATA_SECTION_NODE) to.append(withStyles(child.data));
+  }
+  return to;
+}
+
+// ---- how much a document draws ----
+
+const referenced = text => [...text.matchAll(/url\(\s*["']?#([^"')]+)/gi)].map(([, id]) => id);
+/** How often what a property refers to is drawn: with every shape, at every vertex, or once. */
+const multiplier = name => /^(fill|stroke)/.test(name) ? 'shapes' : name.startsWith('marker') ? 'vertices' : null;
+/** What an element costs to draw, as a number of shapes: filters work on every pixel. */
+const ownCost = kind => /^fe(Turbulence|Morphology|ConvolveMatrix)$/.test(kind) ? 300 : kind === 'feGaussianBlur' || /Lighting$/.test(kind) ? 60
+  : kind.startsWith('fe') || kind === 'mask' || kind === 'clipPath' || kind === 'pattern' ? 15 : 1;
+
+/** Counts the instances of elements that a document draws once all it refers to is in its place. */
+class InstanceCount {
+  constructor(root, css) {
+    this.ids = new Map();
+    for (const element of root.querySelectorAll('[id]')) if (!this.ids.has(element.id)) this.ids.set(element.id, element);
+    this.ruled = new Map(); // what rules of styles refer to, by element
+    const visit = rules => {
+      for (const rule of rules) {
+        if (rule instanceof CSSMediaRule) { visit(rule.cssRules); continue; }
+        const references = referencesOf(rule.style);
+        if (references.length === 0) continue;
+        for (const element of [root, ...root.querySelectorAll('*')])
+          if (element.matches(rule.selectorText)) this.ruled.set(element, [...this.ruled.get(element) ?? [], ...references]);
+      }
+    };
+    visit(sheetOf(css).cssRules);
+    this.known = new Map();
+    this.active = new Set();
+  }
+
+  /** { all, shapes, vertices, height } of an element, with what it holds and refers to. */
+  of(element, depth = 0) {
+    const known = this.known.get(element);
+    if (known && depth + known.height <= DEEPEST) return known;
+    if (depth > DEEPEST) throw new Error('elements are nested too deeply');
+    this.active.add(element);
+    const kind = element.localName, sum = { all: ownCost(kind), shapes: 0, vertices: 0, height: 0 };
+    const add = (part, times, isDrawn) => {
+      sum.all += times * part.all;
+      sum.height = Math.max(sum.height, part.height + 1);
+      if (isDrawn) { sum.shapes += part.shapes; sum.vertices += part.vertices; }
+    };
+    if (kind === 'text' || kind === 'tspan' || kind === 'image' || element.matches(SHAPES)) {
+      sum.shapes = 1;
+      sum.vertices = numbersIn(element.getAttribute('d') ?? element.getAttribute('points') ?? '').length / 2 + 4;
+    }
+    for (const child of element.children) add(this.of(child, depth + 1), 1, true);
+    for (const [name, id] of this.referencesFrom(element)) {
+      const target = this.ids.get(id);
+      if (!target) continue;
+      if (this.active.has(target)) throw new Error(`"#${id}" refers to itself through <${kind}>`);
+      const part = this.of(target, depth + 1), by = multiplier(name);
+      add(part, by ? sum[by] : 1, name === 'href');
+      if (sum.all > MOST_INSTANCES) throw new Error(`"#${id}" and what else it refers to expand to more than a browser can draw`);
+    }
+    this.active.delete(element);
+    if (sum.all > MOST_INSTANCES) throw new Error('it holds more than a browser can draw');
+    this.known.set(element, sum);
+    return sum;
+  }
+  referencesFrom(element) {
+    const href = element.getAttribute('href'), isCopied = /^(use|pattern|feImage)$/.test(element.localName);
+    const own = Array.from(element.attributes, ({ name, value }) => name === 'style' ? [] : referenced(value).map(id => [name, id])).flat();
+    return [...(isCopied && href?.startsWith('#') ? [['href', href.slice(1)]] : []), ...own, ...referencesOf(element.style), ...this.ruled.get(element) ?? []];
+  }
+}
+const referencesOf = style => Array.from(style, name => referenced(style.getPropertyValue(name)).map(id => [name, id])).flat();
+
+// ---- reading ----
+
+/** Text with the namespaces that were left out. */
+function withNamespaces(text) {
+  return text.replace(/<svg\b[^>]*>/, tag => [['xmlns', SVG_NS], ['xmlns:xlink', XLINK_NS], ['xmlns:inkscape', INKSCAPE_NS]]
+    .reduce((all, [name, space]) => new RegExp(`\\s${name}\\s*=`).test(all) ? all : all.replace('<svg', `<svg ${name}="${space}"`), tag));
+}
+function parseSvg(text) {
+  const root = new DOMParser().parseFromString(text, 'image/svg+xml').documentElement;
+  return root.localName === 'svg' && root.namespaceURI === SVG_NS && !root.querySelector('parsererror') ? root : null;
+}
+
+/** The safe part of an SVG document: { root, css }. Throws a sentence where it is none, or draws too much. */
+function readSafeSvg(text, name) {
+  const aside = withoutStyles(text), parsed = parseSvg(aside) ?? parseSvg(withNamespaces(aside));
+  if (!parsed) throw new Error(name + ' is no SVG document');
+  const inert = document.implementation.createDocument(null, 'holder'), rules = [];
+  try {
+    const root = copySafe(parsed, inert.documentElement, rules, 0), css = rules.filter(text => text).join('\n');
+    new InstanceCount(root, css).of(root);
+    return { root, css };
+  } catch (error) {
+    throw new Error(`${name} cannot be shown: ${error.message}`);
+  }
+}
