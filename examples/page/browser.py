@@ -29,7 +29,7 @@ class Browser:
             os.dup2(high, 4)
 
         flags = ['--headless=new', '--no-sandbox', '--remote-debugging-pipe', '--user-data-dir=' + self.folder,
-                 '--no-first-run', '--disable-gpu-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+                 '--no-first-run', '--disable-gpu-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-rasterization',
                  '--hide-scrollbars', '--force-color-profile=srgb', '--js-flags=--expose-gc', 'about:blank']
         self.process = subprocess.Popen([program] + flags, preexec_fn=take_pipes, close_fds=False,
                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -1,6 +1,7 @@
 """Tests of the page in a real browser; see test.sh."""
 
 import csv
+import http.server
 import json
 import math
 import os
@@ -8,9 +9,11 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 from browser import Browser
+from hostile import hostile_svg
 
 PROGRAMS, DATA, BUILT = 'build/examples/', 'examples/data/', 'build/page/'
 TYPES = {'mean-value': 0, 'harmonic': 1, 'green': 2, 'sibson': 3}
@@ -306,6 +309,162 @@ def test_drop(page, folder):
     check(page.run('page.figure.name') == 'hard', 'what is no SVG is refused: ' + page.run("document.getElementById('status').textContent"))
 
 
+# The frame's address is a script; a page of its own asks for it as soon as the frame is part of it.
+FRAME_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><rect width="80" height="60"/>
+<frame xmlns="http://www.w3.org/1999/xhtml" src="javascript:parent.ran='frame'"/><g><iframe xmlns="http://www.w3.org/1999/xhtml"
+srcdoc="&lt;script&gt;parent.ran='srcdoc'&lt;/script&gt;"/></g></svg>'''
+# Seven levels of ten: ten million squares in little more than a thousand bytes.
+NESTED_SVG = ('<svg xmlns="http://www.w3.org/2000/svg"><rect id="a" width="9" height="9"/>' + ''.join(
+    '<g id="%s">%s</g>' % (b, '<use href="#%s"/>' % a * 10) for a, b in zip('abcdefg', 'bcdefgh')) + '</svg>')
+
+
+def chain_svg(element, attribute):
+    """Levels of ten of definitions that are not `use`."""
+    shape = '<path d="M0 0h5v5z" %s/>'
+
+    def reference(k):
+        return 'class="u%d"' % k if attribute == 'class' else '%s="url(#u%d)"' % (attribute, k)
+    return '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><defs>%s</defs>%s</svg>' % (''.join(
+        '<%s id="u%d" width="5" height="5" patternUnits="userSpaceOnUse">%s</%s>' % (element, k, shape % (reference(k - 1) if k else '') * 10, element)
+        for k in range(8)), shape % reference(7))
+
+
+def test_script(page, folder):
+    """Nothing of a dropped document runs, by the list of what is let in and by the page's policy."""
+    path = os.path.join(folder, 'frame.svg')
+    with open(path, 'w') as file:
+        file.write(FRAME_SVG)
+    page.drop([path])
+    page.wait("page.figure.name === 'frame'")
+    time.sleep(0.2)
+    check(page.run('window.ran') is None, 'frames of a dropped SVG run no script')
+    check(page.run("page.views[0].shadow.querySelectorAll('frame, iframe').length") == 0, 'and are left out')
+    policy = page.run("document.querySelector('meta[http-equiv=Content-Security-Policy]').content")
+    check('unsafe-inline' not in policy and policy.count('sha256-') == 2, 'the policy lets in the page\'s own script and style, by their hashes')
+    tried = page.run('''(async () => {
+      const script = document.createElement('script');
+      script.textContent = 'window.ran = 1';
+      document.body.append(script);
+      const holder = document.createElement('div');
+      holder.innerHTML = '<img src="data:x" onerror="window.ran = 2"><p style="color: red">';
+      document.body.append(holder);
+      await new Promise(done => setTimeout(done, 300));
+      const colour = getComputedStyle(holder.lastChild).color;
+      holder.remove();
+      script.remove();
+      return [window.ran ?? null, colour];
+    })()''')
+    check(tried[0] is None and tried[1] != 'rgb(255, 0, 0)', 'the policy holds: a script, a handler and a style put into the page do nothing')
+    page.events = [e for e in page.events if not (e.get('method') == 'Log.entryAdded' and 'Content Security Policy' in e['params']['entry']['text'])]
+
+
+def test_expansion(page, folder):
+    """What expands to millions of instances is refused by name."""
+    cases = {'use': NESTED_SVG, 'pattern': chain_svg('pattern', 'fill'), 'mask': chain_svg('mask', 'mask'), 'clip': chain_svg('clipPath', 'clip-path'),
+             'marker': chain_svg('marker', 'marker-mid'), 'style': chain_svg('pattern', 'class').replace('</svg>', '<style>%s</style></svg>' % ''.join('.u%d { fill: url(#u%d) } ' % (k, k) for k in range(8)))}
+    before = page.run('page.figure.name')
+    for name, text in cases.items():
+        path = os.path.join(folder, name + '.svg')
+        with open(path, 'w') as file:
+            file.write(text)
+        page.run("document.getElementById('status').classList.remove('fault')")
+        start = time.time()
+        page.drop([path])
+        page.wait("document.getElementById('status').classList.contains('fault')")
+        said = page.run("document.getElementById('status').textContent")
+        check(re.match(name + ' cannot be shown: "#[a-z0-9]+" expands', said) and page.run('page.figure.name') == before, '%s (%.2f s)' % (said, time.time() - start))
+    deep = '<svg xmlns="http://www.w3.org/2000/svg">' + '<g>' * 2000 + '</g>' * 2000 + '</svg>'
+    check('too deeply' in page.run('try { new Figure(%s, "deep"); "" } catch (error) { error.message }' % json.dumps(deep)), 'so are 2000 levels of groups')
+
+
+class Elsewhere(http.server.BaseHTTPRequestHandler):
+    """A server that nothing may ask for anything."""
+    asked = []
+
+    def do_GET(self):
+        self.asked.append(self.path)
+        self.send_response(200)
+        self.end_headers()
+
+    do_POST = do_PUT = do_HEAD = do_OPTIONS = do_GET
+
+    def log_message(self, *arguments):
+        pass
+
+
+FEED = '''
+addEventListener('securitypolicyviolation', event => { window.violations = (window.violations ?? 0) + 1; window.lastViolation = event.blockedURI + ' ' + event.violatedDirective; });
+const isHarmless = root => [root, ...root.querySelectorAll('*')].every(element => element.namespaceURI === 'http://www.w3.org/2000/svg' &&
+  !/script|foreignobject|frame|animate|^set$|handler|object|embed/i.test(element.localName) &&
+  [...element.attributes].every(({ name, value }) => !/^on/i.test(name) && !/javascript:/i.test(value) &&
+    (!/href$/.test(name) || /^(#|data:image\\/(png|jpeg|gif|webp);)/.test(value)) && !/url\\(\\s*["']?(?!#)[^"'#]/i.test(value)));
+// Shows a text as a dropped file: every twentieth all the way, others in a cage about their box. Answers what went wrong.
+window.feed = async (seed, text) => {
+  const isBroken = !parseSvg(aside(text)), start = performance.now(), faults = [];
+  let cageTime = 0, outcome = 'shown';
+  try {
+    if (seed % 20 === 0) {
+      const stop = setTimeout(() => page.cageMaker.stop(), 1000);
+      byId('status').classList.remove('fault');
+      const before = performance.now();
+      await openFile(page, new File([text], seed + '.svg'));
+      cageTime = performance.now() - before;
+      clearTimeout(stop);
+      if (byId('status').classList.contains('fault')) outcome = 'refused';
+    } else {
+      const figure = new Figure(text, String(seed)), [x0, y0, x1, y1] = figure.box, pad = 0.1 * Math.hypot(x1 - x0, y1 - y0);
+      showFigure(page, 'drawing', { figure, cage: { loops: [4], rest: Float64Array.of(x0 - pad, y0 - pad, x1 + pad, y0 - pad, x1 + pad, y1 + pad, x0 - pad, y1 + pad) } });
+    }
+  } catch (error) {
+    outcome = 'refused';
+    if (error instanceof TypeError || error instanceof RangeError || error.message.includes('undefined')) faults.push(error.stack);
+  }
+  for (let k = 0; k < 4; ++k) await nextFrame(); // what is slow to paint holds the frames behind it up
+  if (outcome === 'shown') {
+    const saved = posedSvg(page).text, root = new DOMParser().parseFromString(aside(saved), 'image/svg+xml').documentElement;
+    if (!isHarmless(page.views[0].copy.root) || !isHarmless(root)) faults.push('what is shown or saved is not harmless');
+  }
+  const spent = performance.now() - start - cageTime;
+  if (spent > 2000) faults.push(`took ${spent.toFixed(0)} ms`);
+  if (window.ran !== undefined) faults.push('ran ' + window.ran);
+  const isBrowsersOwn = isBroken && window.lastViolation === 'inline style-src-attr'; // of its words about what is wrong
+  if (window.violations && !isBrowsersOwn) faults.push('tried what the policy forbids: ' + window.lastViolation);
+  window.ran = window.violations = undefined;
+  return { outcome, spent, faults };
+};
+'''
+
+
+def test_hostile(page, count, first):
+    """Documents that are out for no good, by seeds: nothing runs, nothing is asked for, nothing takes two seconds."""
+    server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), Elsewhere)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    elsewhere = 'http://127.0.0.1:%d' % server.server_port
+    page.click('[data-figure=cat]')
+    page.click('[data-type="0"]')
+    page.run(FEED + 'window.isHere = true')
+    page.resize(640, 480)
+    faults, shown, longest, page.events = [], 0, (0, 0), []
+    for seed in range(first, first + count):
+        answer = page.run('feed(%d, %s)' % (seed, json.dumps(hostile_svg(seed, elsewhere))))
+        faults += ['seed %d: %s' % (seed, fault) for fault in answer['faults']]
+        shown += answer['outcome'] == 'shown'
+        longest = max(longest, (answer['spent'], seed))
+        asked = [e['params']['request']['url'] for e in page.events if e.get('method') == 'Network.requestWillBeSent']
+        faults += ['seed %d asks for %s' % (seed, url[:80]) for url in asked if not url.startswith(('data:image/', 'blob:'))]
+        gone = [e for e in page.events if e.get('method') in ('Page.frameNavigated', 'Page.frameAttached', 'Page.javascriptDialogOpening')]
+        faults += ['seed %d: %s' % (seed, e['method']) for e in gone]
+        page.events = [e for e in page.events if e.get('method') == 'Runtime.exceptionThrown']
+    faults += ['the server was asked for ' + path for path in Elsewhere.asked]
+    check(page.run('window.isHere'), 'the page is still there')
+    check(shown > count / 3, '%d hostile documents from seed %d: %d shown, others refused' % (count, first, shown))
+    check(not faults, 'nothing runs, nothing is asked for, the longest takes %.0f ms (seed %d)' % longest if not faults
+          else '%d faults: %s' % (len(faults), '; '.join(faults[:12])))
+    server.shutdown()
+    page.resize(1280, 900)
+    page.click('[data-type="1"]')
+
+
 def test_dropped_mesh(page, folder):
     """A torus with a quadrilateral a face."""
     path, n = os.path.join(folder, 'ring.obj'), 24
@@ -480,9 +639,15 @@ def take_pictures(page, out):
     print('pictures: ' + os.path.join(out, 'page_*.png'))
 
 
+def option(name, otherwise):
+    return sys.argv[sys.argv.index(name) + 1] if name in sys.argv else otherwise
+
+
 def main():
     path, out = sys.argv[1:3]
     quick = '--quick' in sys.argv or '--if-there' in sys.argv
+    hostile_count = int(option('--hostile', 200 if quick else 2000))
+    first_seed = int(option('--seed', time.time()))
     page = Page(path)
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -495,6 +660,9 @@ def main():
             test_cage_edits(page)
             test_clip(page, folder)
             test_drop(page, folder)
+            test_script(page, folder)
+            test_expansion(page, folder)
+            test_hostile(page, hostile_count, first_seed)
             test_dropped_mesh(page, folder)
             test_mesh(page, folder)
             if not quick:

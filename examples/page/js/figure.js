@@ -6,7 +6,8 @@
 const NOT_DRAWN = 'defs,clipPath,mask,pattern,marker,symbol,filter,linearGradient,radialGradient';
 const PAINT = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-linecap', 'stroke-linejoin',
   'stroke-miterlimit', 'stroke-dasharray', 'stroke-dashoffset', 'opacity', 'marker-start', 'marker-mid', 'marker-end'];
-const MOST_POINTS = 400000; // of a figure: with more, a frame takes seconds
+const MOST_POINTS = 400000;  // of a figure: with more, a frame takes seconds
+const MANY_POINTS = 100000; // beyond these, pieces get longer
 
 function svgElement(name, attributes = {}, parent = null) {
   const element = document.createElementNS(SVG_NS, name);
@@ -99,10 +100,8 @@ class Figure {
     const size = Math.hypot(this.box[2] - this.box[0], this.box[3] - this.box[1]);
     const points = [];
     this.decimals = Math.max(0, 5 - Math.floor(Math.log10(size || 1)));
-    this.shapes = shapes.map(shape => {
-      if (points.length > MOST_POINTS) throw new Error(this.name + ' is drawn by more points than can be moved here');
-      return shape.outline ? bindOutline(shape, points, size / 40) : bindBox(shape, points);
-    });
+    const step = stepOf(shapes, size / 40, this.name);
+    this.shapes = shapes.map(shape => shape.outline ? bindOutline(shape, points, step) : bindBox(shape, points));
     this.points = new Float64Array(points.flat());
     this.size = size;
     this.gradients = this.shapes.flatMap((shape, index) => userSpaceGradients(this.root, shape, index));
@@ -249,6 +248,18 @@ function boundsOf(points) {
   return box;
 }
 
+const polygonLength = (from, { c1, c2, to }) => distance(from, c1) + distance(c1, c2) + distance(c2, to);
+const pieceCount = (length, step) => Math.min(400, Math.max(1, Math.ceil(length / step)));
+/** How long pieces may be: longer where they were too many. Throws where even whole segments are. */
+function stepOf(shapes, step, name) {
+  const lengths = shapes.flatMap(({ outline }) => outline ?? []).flatMap(({ start, segments }) =>
+    segments.map((segment, k) => polygonLength(k === 0 ? start : segments[k - 1].to, segment)));
+  if (3 * lengths.length > MOST_POINTS) throw new Error(name + ' is drawn by more points than can be moved here');
+  const count = () => lengths.reduce((sum, length) => sum + 3 * pieceCount(length, step), 0);
+  for (let k = 0; k < 10 && count() > MANY_POINTS; ++k) step *= 2;
+  return step;
+}
+
 /** Puts the points of a shape's pieces, no longer than `step`, behind `points`. */
 function bindOutline(shape, points, step) {
   const begin = points.length;
@@ -256,10 +267,8 @@ function bindOutline(shape, points, step) {
     points.push(start);
     let from = start;
     const each = [];
-    if (points.length + segments.length > MOST_POINTS) throw new Error('the outline of a shape has too many points');
     for (const segment of segments) {
-      const length = distance(from, segment.c1) + distance(segment.c1, segment.c2) + distance(segment.c2, segment.to);
-      const n = Math.min(400, Math.max(1, Math.ceil(length / step)));
+      const n = pieceCount(polygonLength(from, segment), step);
       for (let k = 1; k <= 3 * n; ++k) points.push(k === 3 * n ? segment.to : cubicAt(from, segment, k / (3 * n)));
       each.push(n);
       from = segment.to;

@@ -4,7 +4,7 @@
 
 const SVG_NS = 'http://www.w3.org/2000/svg', XLINK_NS = 'http://www.w3.org/1999/xlink';
 const INKSCAPE_NS = 'http://www.inkscape.org/namespaces/inkscape', XML_NS = 'http://www.w3.org/XML/1998/namespace';
-const MOST_INSTANCES = 30000, DEEPEST = 200, MOST_PIXELS = 1e8;
+const MOST_INSTANCES = 8000, DEEPEST = 200, MOST_PIXELS = 1e8; // the first beyond what stands in the text itself
 
 const SHAPES = 'path,rect,circle,ellipse,line,polyline,polygon';
 const words = text => new Set(text.trim().split(/\s+/));
@@ -95,22 +95,22 @@ function copyAttributes(from, to) {
       to.setAttribute(name, value);
     }
   }
-  const style = from.getAttribute(SET_ASIDE);
+  const style = from.getAttribute('cageform-style');
   if (!style) return;
   const scratch = document.createElement('span').style; // parsed as if it were set, and belongs to nothing
   scratch.cssText = style;
   for (const declaration of safeDeclarations(scratch)) to.style.setProperty(...declaration);
 }
 
-// A parser applies the page's policy to every style attribute of a text, with a complaint for each: they are read under another name.
-const SET_ASIDE = 'cageform-style';
-const withoutStyles = text => text.replace(/(\s)style(\s*=\s*["'])/g, `$1${SET_ASIDE}$2`);
-const withStyles = text => text.replaceAll(SET_ASIDE, 'style');
+// A parser applies the page's policy to styles and handlers of a text, inert as it is, with a complaint for each: they are read
+// under other names.
+const aside = text => text.replace(/(\s)(style|on\w+)(\s*=\s*["'])/gi, '$1cageform-$2$3').replace(/(<\/?(?:[\w-]+:)?)style(?=[\s>\/])/gi, '$1cageform-style');
+const notAside = text => text.replaceAll('cageform-', '');
 
 /** Copies an element that is safe, with what it holds; the rules of styles are put into `rules`. */
 function copySafe(from, parent, rules, depth) {
   if (depth > DEEPEST) throw new Error('elements are nested too deeply');
-  const kind = from.localName;
+  const kind = notAside(from.localName);
   if (from.namespaceURI !== SVG_NS || !SAFE_ELEMENTS.has(kind)) return null;
   const isStyle = kind === 'style', to = parent.ownerDocument.createElementNS(SVG_NS, isStyle ? 'metadata' : kind);
   parent.append(to);
@@ -123,7 +123,7 @@ function copySafe(from, parent, rules, depth) {
   copyAttributes(from, to);
   for (const child of kind === 'metadata' ? [] : from.childNodes) {
     if (child.nodeType === Node.ELEMENT_NODE) copySafe(child, to, rules, depth + 1);
-    else if (child.nodeType === Node.TEXT_NODE || child.nodeType === Node.CDATA_SECTION_NODE) to.append(withStyles(child.data));
+    else if (child.nodeType === Node.TEXT_NODE || child.nodeType === Node.CDATA_SECTION_NODE) to.append(notAside(child.data));
   }
   return to;
 }
@@ -141,6 +141,7 @@ const ownCost = kind => /^fe(Turbulence|Morphology|ConvolveMatrix)$/.test(kind) 
 class InstanceCount {
   constructor(root, css) {
     this.ids = new Map();
+    this.most = MOST_INSTANCES + 2 * root.querySelectorAll('*').length;
     for (const element of root.querySelectorAll('[id]')) if (!this.ids.has(element.id)) this.ids.set(element.id, element);
     this.ruled = new Map(); // what rules of styles refer to, by element
     const visit = rules => {
@@ -180,10 +181,9 @@ class InstanceCount {
       if (this.active.has(target)) throw new Error(`"#${id}" refers to itself through <${kind}>`);
       const part = this.of(target, depth + 1), by = multiplier(name);
       add(part, by ? sum[by] : 1, name === 'href');
-      if (sum.all > MOST_INSTANCES) throw new Error(`"#${id}" and what else it refers to expand to more than a browser can draw`);
     }
     this.active.delete(element);
-    if (sum.all > MOST_INSTANCES) throw new Error('it holds more than a browser can draw');
+    if (sum.all > this.most) throw new Error(`${element.id ? `"#${element.id}"` : `<${kind}>`} expands to more than a browser can draw`);
     this.known.set(element, sum);
     return sum;
   }
@@ -209,7 +209,7 @@ function parseSvg(text) {
 
 /** The safe part of an SVG document: { root, css }. Throws a sentence where it is none, or draws too much. */
 function readSafeSvg(text, name) {
-  const aside = withoutStyles(text), parsed = parseSvg(aside) ?? parseSvg(withNamespaces(aside));
+  const parsed = parseSvg(aside(text)) ?? parseSvg(withNamespaces(aside(text)));
   if (!parsed) throw new Error(name + ' is no SVG document');
   const inert = document.implementation.createDocument(null, 'holder'), rules = [];
   try {
