@@ -104,7 +104,7 @@ function copyAttributes(from, to) {
 
 // A parser applies the page's policy to styles and handlers of a text, inert as it is, with a complaint for each: they are read
 // under other names.
-const aside = text => text.replace(/(\s)(style|on\w+)(\s*=\s*["'])/gi, '$1cageform-$2$3').replace(/(<\/?(?:[\w-]+:)?)style(?=[\s>\/])/gi, '$1cageform-style');
+const aside = text => text.replace(/(\s)(style|on\w+)(\s*=\s*["'])/gi, '$1cageform-$2$3').replace(/(<\/?(?:[\w-]+:)?)(style|base)(?=[\s>\/])/gi, '$1cageform-$2');
 const notAside = text => text.replaceAll('cageform-', '');
 
 /** Copies an element that is safe, with what it holds; the rules of styles are put into `rules`. */
