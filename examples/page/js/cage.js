@@ -17,7 +17,7 @@ function loopOf(loops, vertex) {
 
 /** The first closed polygon of an SVG document: how the project's own cages are written. */
 function cageOfSvg(text) {
-  const polygon = parseSvg(aside(text)).querySelector('polygon');
+  const polygon = parseSvg(text).querySelector('polygon');
   const rest = Float64Array.from(numbersIn(polygon.getAttribute('points')));
   return { loops: [rest.length / 2], rest };
 }

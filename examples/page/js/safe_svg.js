@@ -199,17 +199,19 @@ const referencesOf = style => Array.from(style, name => referenced(style.getProp
 
 /** Text with the namespaces that were left out. */
 function withNamespaces(text) {
-  return text.replace(/<svg\b[^>]*>/, tag => [['xmlns', SVG_NS], ['xmlns:xlink', XLINK_NS], ['xmlns:inkscape', INKSCAPE_NS]]
+  return text.replace(/<svg(?=[\s>])[^>]*>/, tag => [['xmlns', SVG_NS], ['xmlns:xlink', XLINK_NS], ['xmlns:inkscape', INKSCAPE_NS]]
     .reduce((all, [name, space]) => new RegExp(`\\s${name}\\s*=`).test(all) ? all : all.replace('<svg', `<svg ${name}="${space}"`), tag));
 }
+/** The root of an inert document; null where the text is no SVG. */
 function parseSvg(text) {
-  const root = new DOMParser().parseFromString(text, 'image/svg+xml').documentElement;
+  if (!/<([\w-]+:)?svg[\s>]/.test(text)) return null;
+  const root = new DOMParser().parseFromString(aside(text), 'image/svg+xml').documentElement;
   return root.localName === 'svg' && root.namespaceURI === SVG_NS && !root.querySelector('parsererror') ? root : null;
 }
 
 /** The safe part of an SVG document: { root, css }. Throws a sentence where it is none, or draws too much. */
 function readSafeSvg(text, name) {
-  const parsed = parseSvg(aside(text)) ?? parseSvg(withNamespaces(aside(text)));
+  const parsed = parseSvg(withNamespaces(text)) ?? parseSvg(text);
   if (!parsed) throw new Error(name + ' is no SVG document');
   const inert = document.implementation.createDocument(null, 'holder'), rules = [];
   try {
