@@ -93,7 +93,7 @@ class Figure {
   }
 
   readShapes() {
-    const drawn = [...this.root.querySelectorAll(SHAPES + ',text,image')].filter(e => !e.closest(NOT_DRAWN) && isShown(e));
+    const groups = new Map(), drawn = [...this.root.querySelectorAll(SHAPES + ',text,image')].filter(e => !e.closest(NOT_DRAWN) && isShown(e, groups));
     const shapes = drawn.map(element => this.readShape(element)).filter(shape => shape !== null);
     this.box = boundsOf(shapes.flatMap(shape => shape.corners));
     if (shapes.length > 0 && !this.box.every(x => Math.abs(x) < 1e15)) throw new Error(this.name + ' has coordinates out of range');
@@ -160,7 +160,7 @@ class Figure {
       const geometry = /^(x|y|width|height|rx|ry|cx|cy|r|x1|y1|x2|y2|points)$/;
       copyLook(element, path, geometry);
       path.append(...element.childNodes);
-      for (const [name, value] of shape.paint) path.style.setProperty(name, value);
+      path.style.cssText += shape.paint.map(([name, value]) => `;${name}:${value}`).join('');
       element.replaceWith(path);
       return path;
     });
@@ -191,15 +191,19 @@ class Figure {
   }
 }
 
-/** Whether an element shows at all. */
-function isShown(element) {
+/** Whether an element shows at all; `known` says it of groups. */
+function isShown(element, known) {
   const style = getComputedStyle(element);
-  const painted = /^(text|image)$/.test(element.localName) || style.fill !== 'none' || style.stroke !== 'none';
-  for (let e = element; e instanceof SVGElement; e = e.parentNode) {
-    const { display, opacity } = getComputedStyle(e);
-    if (display === 'none' || parseFloat(opacity) === 0) return false;
-  }
-  return painted;
+  const isVisible = e => {
+    if (!(e instanceof SVGElement)) return true;
+    if (!known.has(e)) {
+      const { display, opacity } = getComputedStyle(e);
+      known.set(e, display !== 'none' && parseFloat(opacity) !== 0 && isVisible(e.parentNode));
+    }
+    return known.get(e);
+  };
+  const isPainted = /^(text|image)$/.test(element.localName) || style.fill !== 'none' || style.stroke !== 'none';
+  return isPainted && isVisible(element);
 }
 
 /** The gradients in user space that paint a shape: they follow the affine map nearest to what moves it. */

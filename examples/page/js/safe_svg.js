@@ -82,6 +82,14 @@ function safeReference(kind, text) {
   return kind === 'image' || kind === 'feImage' ? pictureUri(text) : null;
 }
 
+const LARGEST = { radius: 200, numOctaves: 10, order: 30 }; // of filters, which work on every pixel so often
+/** Whether a filter works on no more pixels than somebody may have meant: its region is given in widths of what it filters, too. */
+function isSmallEnough(element, name, value) {
+  const most = LARGEST[name] ?? (element.localName === 'filter' && /^(x|y|width|height)$/.test(name) ?
+    element.getAttribute('filterUnits') === 'userSpaceOnUse' ? 1e5 : /%/.test(value) ? 2000 : 20 : Infinity);
+  return most === Infinity || numbersIn(value).every(number => Math.abs(number) <= most);
+}
+
 function copyAttributes(from, to) {
   for (const { localName: name, namespaceURI: space, value } of from.attributes) {
     if (name === 'href' && (space === null || space === XLINK_NS)) {
@@ -91,7 +99,8 @@ function copyAttributes(from, to) {
       to.setAttributeNS(space, 'xml:' + name, value);
     } else if (space === INKSCAPE_NS && (name === 'label' || name === 'groupmode')) {
       to.setAttributeNS(space, 'inkscape:' + name, value); // the names of layers
-    } else if (space === null && (PLAIN_TEXT.has(name) || (SAFE_ATTRIBUTES.has(name) || SAFE_PROPERTY.test(name)) && isSafeValue(value))) {
+    } else if (space === null && (PLAIN_TEXT.has(name) || (SAFE_ATTRIBUTES.has(name) || SAFE_PROPERTY.test(name)) &&
+               isSafeValue(value) && isSmallEnough(from, name, value))) {
       to.setAttribute(name, value);
     }
   }
