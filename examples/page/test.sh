@@ -3,8 +3,9 @@
 # Tests out/cageform.html (examples/page/run.sh makes it, if it is not there) in a headless Chromium, which is installed
 # (Debian): real drags, drops and saves, positions against the native programs, 10,000 drags without growth. Pictures
 # go to out/page_*.png.
-#   --quick      without the 10,000 drags
-#   --if-there   the same, and installs and builds nothing: exit status 77 says what is missing
+#   --quick      without the 10,000 drags, and with 200 hostile SVGs in place of 2,000
+#   --hostile COUNT, --seed FIRST   so many hostile SVGs, from this seed on
+#   --if-there   as --quick, and installs and builds nothing: exit status 77 says what is missing
 set -eu
 cd "$(dirname "$0")/../.."
 programs='cage_weights deform_mesh deform_svg animate_svg'
