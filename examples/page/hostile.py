@@ -148,7 +148,7 @@ class Hostile:
         return self.pick(
             self.chain(), self.chain(), self.chain(), self.chain(),
             '<g>' * deep + SHAPES[0] + '/>' + '</g>' * deep, '<svg>' * (deep % 1900) + SHAPES[0] + '/>' + '</svg>' * (deep % 1900),
-            (self.pick(*SHAPES[:5]) + '/>') * n(1, 5000), '<path d="M0 0' + ''.join('L%d %d' % (n(0, 100), n(0, 100)) for _ in range(n(1, 3000))) + '"/>',
+            (self.pick(*SHAPES[:5]) + '/>') * n(1, 3000), '<path d="M0 0' + ''.join('L%d %d' % (n(0, 100), n(0, 100)) for _ in range(n(1, 3000))) + '"/>',
             '<path stroke="red" stroke-dasharray="%s" stroke-width="%s" d="M0 0L100 100%s"/>' % (self.pick('1e-9', '0.0001 0.0001', '1e30'), number, 'L0 9L99 3' * n(1, 300)),
             '<filter id="f" x="%s" y="-9" width="%s" height="99">%s</filter>' % (number, self.pick('1e9', '3', number), ''.join(self.pick(*filters) for _ in range(n(1, 12)))) +
             ('<g filter="url(#f)">' + SHAPES[0] + '/></g>') * n(1, 30),

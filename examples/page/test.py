@@ -44,6 +44,11 @@ class Page(Browser):
         self.open(path)
         self.opened_after = time.time() - start
 
+    def computed(self):
+        """Seconds that all threads of the page have computed for."""
+        self.call('Performance.enable')
+        return next(m['value'] for m in self.call('Performance.getMetrics')['metrics'] if m['name'] == 'ProcessTime')
+
     def pose(self):
         return self.run('Array.from(page.pose)')
 
@@ -424,11 +429,11 @@ window.feed = async (seed, text) => {
     if (error instanceof TypeError || error instanceof RangeError || error.message.includes('undefined')) faults.push(error.stack);
   }
   for (let k = 0; k < 4; ++k) await nextFrame(); // what is slow to paint holds the frames behind it up
+  const spent = performance.now() - start - cageTime;
   if (outcome === 'shown') {
     const saved = posedSvg(page).text, root = parseSvg(saved);
     if (!isHarmless(page.views[0].copy.root) || !isHarmless(root)) faults.push('what is shown or saved is not harmless');
   }
-  const spent = performance.now() - start - cageTime;
   if (window.ran !== undefined) faults.push('ran ' + window.ran);
   const isBrowsersOwn = isBroken && window.lastViolation === 'inline style-src-attr'; // of its words about what is wrong
   if (window.violations && !isBrowsersOwn) faults.push('tried what the policy forbids: ' + window.lastViolation);
@@ -454,8 +459,11 @@ def test_hostile(page, count, first):
         faults += ['seed %d: %s' % (seed, fault) for fault in answer['faults']]
         shown += answer['outcome'] == 'shown'
         spent = answer['spent']
-        for _ in range(3):  # what is slow because the machine is busy is not slow every time
-            spent = min(spent, page.run(call)['spent']) if spent > 2000 else spent
+        for _ in range(3):  # what is slow because the machine is busy does not compute for so long, or not every time
+            if spent > 2000:
+                computed = page.computed()
+                again = page.run(call)['spent']
+                spent = min(spent, again, 1000 * (page.computed() - computed))
         faults += ['seed %d takes %.0f ms' % (seed, spent)] if spent > 2000 else []
         longest = max(longest, (spent, seed))
         asked = [e['params']['request']['url'] for e in page.events if e.get('method') == 'Network.requestWillBeSent']

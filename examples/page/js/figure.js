@@ -7,7 +7,7 @@ const NOT_DRAWN = 'defs,clipPath,mask,pattern,marker,symbol,filter,linearGradien
 const PAINT = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-linecap', 'stroke-linejoin',
   'stroke-miterlimit', 'stroke-dasharray', 'stroke-dashoffset', 'opacity', 'marker-start', 'marker-mid', 'marker-end'];
 const MOST_POINTS = 400000;  // of a figure: with more, a frame takes seconds
-const MANY_POINTS = 100000; // beyond these, pieces get longer
+const MANY_POINTS = 60000;  // beyond these, pieces get longer
 
 function svgElement(name, attributes = {}, parent = null) {
   const element = document.createElementNS(SVG_NS, name);
