@@ -904,6 +904,7 @@ def test_touch(page):
 def take_pictures(page, out):
     page.resize(1440, 900)
     page.click('[data-figure=cat]')
+    page.click('#fit-view')
     page.click('[data-type=all]')
     page.run('''page.pose = page.pose.map((x, k) => x + ({ 16: 30, 17: 60, 18: 120, 19: 170, 20: 100, 21: 190, 8: -90, 10: -90, 9: -30, 11: -30 }[k] ?? 0));
                 page.selection = new Set([9]); page.showsWeights = true; page.draw()''')
