@@ -27,8 +27,8 @@ using Point3 = cageform::Vec<double, 3>;
 /// For --help.
 inline constexpr const char* obj_format =
     "OBJ files: v, vn and f are read, faces of any number of corners, indices also\n"
-    "negative; what else there is stays as it is, or is left out where another\n"
-    "format is written. Numbers are finite. No curves, no binary files, at most\n"
+    "negative; what else there is stays as it is; glTF files get objects, materials\n"
+    "and textures, and leave the rest out. Numbers are finite. No curves, no binary files, at most\n"
     "4,294,967,294 vertices. A cage is a closed mesh, faces counter-clockwise seen\n"
     "from outside, of any genus, also several shells; a pose of it is the same mesh\n"
     "with its vertices moved.\n";

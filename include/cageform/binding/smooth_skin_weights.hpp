@@ -143,7 +143,7 @@ private:
 ///              under which weights that fade out still do. Where the handles kept do not surround the point, others take
 ///              their places, and the surface may crease there: with 4 handles in space everywhere, with 8 hardly
 ///   returns    the skin and its report, as skin_weights()
-///   cost       800 passes over the weights kept, each of some thirty numbers a weight: 0.5 ms a point for 60 handles
+///   cost       480 passes over the weights kept, each of some thirty numbers a weight: 0.7 ms a point for 60 handles
 ///              and K of 8. Memory: #points · (#handles floats twice, and 120 doubles)
 ///   fails      as skin_weights(); index_out_of_range
 template <Scalar T, std::size_t D, FaceRange F>
