@@ -62,6 +62,9 @@ constexpr std::array pieces{
     R"x( xmlns:xlink="x")x",
     R"x(<text x="1 2" y="3" font-size="9" text-anchor="end">ab<tspan x="3">c</tspan></text>)x",
     R"x(<image width="9" height="4"/>)x",
+    R"x(<text font-size="2"><textPath href="#a" startOffset="20%">on it</textPath></text>)x",
+    R"x(<switch><foreignObject requiredExtensions="e" width="1" height="1"/>)x",
+    R"x(<feSpotLight x="1" pointsAtY="9"/>)x",
     R"x(<foreignObject width="1%" height="1"/>)x",
     "<style>",
     "</style>",
@@ -104,6 +107,13 @@ bool wave(std::span<const Point2> in, std::span<Point2> out) {
                   2 * p.y + (std::abs(p.x) < 1e3 ? std::sin(p.x) : 0)};
     }
     return true;
+}
+
+/// At rest, waved, and twice as far.
+bool three_frames(std::span<const Point2> in, std::span<const std::size_t>, std::span<Point2> out) {
+    std::copy(in.begin(), in.end(), out.begin());
+    (void)wave(in, out.subspan(in.size(), in.size()));
+    return wave(out.subspan(in.size(), in.size()), out.subspan(2 * in.size()));
 }
 
 bool rest(std::span<const Point2> in, std::span<Point2> out) {
@@ -149,6 +159,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     REQUIRE(to_text(*document) == before); // what does not move stays
     const auto report = deform(*document, wave, {.max_halvings = 2, .fit = size % 2 == 0});
     REQUIRE(!report || still);
+    const auto untouched = parse_svg(before, "frames.svg");
+    REQUIRE(untouched);
+    auto frames = animate(*untouched, three_frames, 3, {.max_halvings = 1, .fit = size % 2 == 0});
+    REQUIRE(!frames || still);
+    for (std::size_t f = 0; frames && f < 3; ++f) {
+        frames->show(f);
+        const std::string text = to_text(frames->document);
+        REQUIRE(parse_svg(text, "frame.svg"));
+    }
+    if (frames) {
+        frames->play(1);
+        REQUIRE(parse_svg(to_text(frames->document), "played.svg"));
+    }
     if (!report) {
         REQUIRE(to_text(*document) == before);
         return 0;
