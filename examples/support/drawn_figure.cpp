@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cageform_examples {
 
@@ -107,6 +108,20 @@ void add_shape(const DrawnShape& shape, double tolerance, DrawnFigure& figure) {
     for (const Outline& outline : outlines) add_stroke(outline, shape, radius, figure);
 }
 
+/// The root's viewBox, or its size; all of the plane where it has neither.
+Box page_of(const SvgDocument& document) {
+    const pugi::xml_node root = root_element(document.xml);
+    const auto view = view_box(document);
+    const auto is_given = [&](const char* name) {
+        const auto length = parse_length(attribute_text(root, name), 0); // of percentages 0
+        return length && *length > 0;
+    };
+    constexpr double far = std::numeric_limits<double>::infinity();
+    if (!view || !(root.attribute("viewBox") || (is_given("width") && is_given("height"))))
+        return {-far, -far, far, far};
+    return {view->x, view->y, view->x + view->width, view->y + view->height};
+}
+
 } // namespace detail
 
 SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
@@ -116,17 +131,25 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     detail::IdTable ids(detail::root_element(work.xml));
     const auto drawing = detail::walk(work, styles, ids, {.boxes = true}, ignored);
     if (!drawing) return drawing.error();
-    detail::Box box;
     const auto shows = [](const detail::DrawnShape& shape) {
         return shape.level == 0 && detail::is_painted(shape) && shape.is_visible && !shape.is_transparent;
     };
-    for (const auto& shape : drawing->shapes) {
-        if (shows(shape)) box.add(detail::bounds(shape.path));
+    // What lies beside the page is not seen, unless all does.
+    const auto page = detail::page_of(work);
+    const auto is_on_page = [&](const detail::DrawnShape& shape) {
+        return shows(shape) && !detail::painted_box(shape, {}).within(page).empty();
+    };
+    const auto& all = drawing->shapes;
+    const bool any = std::any_of(all.begin(), all.end(), is_on_page);
+    const auto counts = [&](const auto& shape) { return any ? is_on_page(shape) : shows(shape); };
+    detail::Box box;
+    for (const auto& shape : all) {
+        if (counts(shape)) box.add(detail::bounds(shape.path));
     }
     const double tolerance = box.empty() ? 0 : 5e-4 * std::hypot(box.width(), box.height());
     DrawnFigure figure;
-    for (const auto& shape : drawing->shapes) {
-        if (shows(shape)) detail::add_shape(shape, tolerance, figure);
+    for (const auto& shape : all) {
+        if (counts(shape)) detail::add_shape(shape, tolerance, figure);
     }
     if (figure.segments.empty()) return SvgError{document.name + " paints nothing that a cage could enclose"};
     return figure;

@@ -17,8 +17,8 @@ struct DrawnFigure {
     std::vector<cageform::PaintedArea> areas; // one for each filled shape
 };
 
-/// All that shows. Not what is not displayed, hidden, wholly transparent, or has neither fill nor stroke; nor
-/// clip paths and masks: a shape that they cut off counts whole, as it is deformed whole. Of text and images the box.
+/// All that shows. Not what is not displayed, hidden, wholly transparent, or has neither fill nor stroke; nor what lies
+/// beside the page, unless all does; nor clip paths and masks: a shape that they cut off counts whole, as it is deformed whole. Of text and images the box.
 ///
 ///   curves   become lines no farther off than 5e-4 of the document's diagonal, and as thick as that
 ///   fails    as shapes() does, and where nothing shows

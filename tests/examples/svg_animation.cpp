@@ -1,5 +1,6 @@
 // Drawings in several frames: every frame is the still of its pose. Letters on paths go where their paths go.
 
+#include "drawn_figure.hpp"
 #include "svg_document.hpp"
 #include "svg_shapes.hpp"
 #include "svg_style.hpp"
@@ -353,6 +354,27 @@ TEST_CASE("letters on a path reach as far as they stand along it", "[examples][s
     CHECK(box.y1 == Approx(58));
     CHECK(drawn_box(R"x(<svg viewBox="0 0 9 9"><text><textPath href="#none">abc</textPath></text></svg>)x")
               .empty());
+}
+
+TEST_CASE("a cage is about what is seen on the page", "[examples][svg_document][cage]") {
+    const auto width_of = [](std::string_view text) {
+        const auto figure = drawn_figure(parsed(text));
+        REQUIRE(figure);
+        double low = 1e9, high = -1e9;
+        for (const auto& segment : figure->segments) {
+            low = std::min({low, segment.a[0], segment.b[0]});
+            high = std::max({high, segment.a[0], segment.b[0]});
+        }
+        return high - low;
+    };
+    const std::string on = R"(<rect x="3" y="3" width="2" height="2"/>)",
+                      beside = R"(<rect x="50" y="3" width="4" height="2"/>)",
+                      across = R"(<rect x="8" y="3" width="4" height="2"/>)";
+    CHECK(width_of(R"(<svg viewBox="0 0 9 9">)" + on + beside + "</svg>") == Approx(2));
+    CHECK(width_of(R"(<svg viewBox="0 0 9 9">)" + on + across + "</svg>") == Approx(9));
+    CHECK(width_of(R"(<svg viewBox="0 0 9 9">)" + beside + "</svg>") == Approx(4));
+    CHECK(width_of("<svg>" + on + beside + "</svg>") == Approx(51)); // has no page
+    CHECK(width_of(R"(<svg width="9" height="9">)" + on + beside + "</svg>") == Approx(2));
 }
 
 TEST_CASE("what no renderer draws is nothing", "[examples][svg_document][text]") {
