@@ -178,8 +178,8 @@ OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordina
                                                : ": the grid is too coarse, raise --resolution"),
                 {}};
     }
-    if (!some || word != "auto") return {};
-    if (2 * report.outside.size() > report.points && !coordinates.takes_sites && !cage_is_made)
+    if (!some || word != "auto" || cage_is_made) return {};
+    if (2 * report.outside.size() > report.points && !coordinates.takes_sites)
         return {found + ": is it the cage of another figure? --outside says what to do with them", {}};
     const auto done = policy(coordinates);
     return {

@@ -178,7 +178,7 @@ struct OutsideChoice {
         "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
     bool with_sites = false;   // whether the program takes control points without a cage
     bool can_extend = true;    // whether the program can do with weights of points outside
-    bool cage_is_made = false; // for the figure: it holds what is seen of it
+    bool cage_is_made = false; // for the figure: what is outside is not seen
 
     void add_option(CommandLine& line);
 
