@@ -1,9 +1,14 @@
-// What a debugger is asked to print, stopped in `look`.
+// What a debugger is asked to print, stopped in `look`. With a natvis file: whether it knows the types.
 #include "../runtime/made_up.hpp"
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/buffer.hpp>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <string>
 
 namespace {
 
@@ -13,9 +18,27 @@ __attribute__((noinline)) void look(const X&... x) {
     (void)places;
 }
 
+#define CAGEFORM_TEST_TEXT_OF_EXPANDED(x) #x
+#define CAGEFORM_TEST_TEXT_OF(x) CAGEFORM_TEST_TEXT_OF_EXPANDED(x)
+
+/// Whether a natvis file knows the types of this program, by their whole names.
+bool is_known_to(const char* natvis) {
+    std::ifstream file(natvis);
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    for (const char* type :
+         {"Vec&lt;*,2", "Vec&lt;*,3", "Buffer&lt;*", "Binding&lt;*,*", "BindingView&lt;*,*",
+          "PackedBindingView&lt;*,*", "Polygon&lt;*", "TriangleMesh&lt;*"}) {
+        const std::string name =
+            std::string("\"cageform::" CAGEFORM_TEST_TEXT_OF(CAGEFORM_ABI) "::") + type + "&gt;\"";
+        if (text.find(name) == std::string::npos) return std::printf("%s is missing\n", name.c_str()), false;
+    }
+    return true;
+}
+
 } // namespace
 
-int main() {
+int main(int count, char** arguments) {
+    if (count > 1) return is_known_to(arguments[1]) ? 0 : 1;
     const cageform::Vec<double, 3> vec{1, 2.5, -3};
     const cageform::Status status = cageform::Status::cage_not_closed;
     cageform::Buffer<int> buffer;
