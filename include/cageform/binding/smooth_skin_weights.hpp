@@ -47,11 +47,11 @@ public:
         std::vector<SkinnedPoint> points(binding_.point_count());
         const std::size_t most = options_.influences;
         const Status status = for_each_block(points.size(), storing, [&](std::size_t begin, std::size_t end) {
-            NearWeights<D> near;
-            ConvexWeights<D> far;
+            NearWeights<D> nearest;
+            ConvexWeights<D> convex;
             for (std::size_t i = begin; i < end; ++i) {
                 if (!places_[i].is_bound) continue;
-                points[i] = make(near, far, i, weights, std::span(skin.joints).subspan(i * most, most),
+                points[i] = make(nearest, convex, i, weights, std::span(skin.joints).subspan(i * most, most),
                                  std::span(skin.weights).subspan(i * most, most));
             }
         });
@@ -95,7 +95,7 @@ private:
 
     /// The smooth weights of a point; where they do not reproduce its place, the nearest to those of twice as many
     /// handles that do.
-    SkinnedPoint make(NearWeights<D>& near, ConvexWeights<D>& far, std::size_t i,
+    SkinnedPoint make(NearWeights<D>& nearest, ConvexWeights<D>& convex, std::size_t i,
                       const SmoothWeights<D>& smooth, std::span<std::uint16_t> joints,
                       std::span<float> weights) const {
         const auto frame = measure_.frame_of(places_[i]);
@@ -107,16 +107,16 @@ private:
                 weights, result);
             return result;
         };
-        near.load(smooth.row(node_[i]), binding_.handle_view(), frame);
-        if (near.reproduce(options_.threshold)) return store(near, true);
-        if (options_.influences <= D) return store(near, false);
+        nearest.load(smooth.row(node_[i]), binding_.handle_view(), frame);
+        if (nearest.reproduce(options_.threshold)) return store(nearest, true);
+        if (options_.influences <= D) return store(nearest, false);
         const auto wide = smooth.wide_row(node_[i]);
-        far.load(binding_.handle_view(), frame, [&](std::size_t h) {
+        convex.load(binding_.handle_view(), frame, [&](std::size_t h) {
             const auto at = std::find_if(wide.begin(), wide.end(),
                                          [&](const HandleWeight& entry) { return entry.handle == h; });
             return at == wide.end() ? 0.0 : at->weight;
         });
-        return store(far, far.reduce(options_.influences, options_.threshold));
+        return store(convex, convex.reduce(options_.influences, options_.threshold));
     }
 
     const BindingView<T, D>& binding_;

@@ -216,14 +216,14 @@ private:
         for (int times = 0; times < 3; ++times) {
             std::vector<float> other(smoothed_.size());
             for_each_node(running, [&](std::size_t n) {
-                const auto near = neighbours_of(n);
+                const auto around = neighbours_of(n);
                 for (std::size_t h = 0; h < handle_count_; ++h) {
                     float sum = 0;
-                    for (const Neighbour& neighbour : near)
+                    for (const Neighbour& neighbour : around)
                         sum += smoothed_[neighbour.node * handle_count_ + h];
                     const float own = smoothed_[n * handle_count_ + h];
                     other[n * handle_count_ + h] =
-                        near.empty() ? own : 0.5F * own + 0.5F * sum / float(near.size());
+                        around.empty() ? own : 0.5F * own + 0.5F * sum / float(around.size());
                 }
             });
             smoothed_.swap(other);
