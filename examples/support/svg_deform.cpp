@@ -82,7 +82,7 @@ void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
         const std::size_t unit = std::min(text.find_first_not_of("+-.0123456789"), text.size());
         const auto number = parse_length(text.substr(0, unit), 0);
         if (!number || text.substr(unit) == "%") return;
-        set_attribute(root, name, format_number(*number * factor, 6) + text.substr(unit));
+        set_attribute(root, name, format_number(*number * factor, 6) + escaped(text.substr(unit)));
     };
     grow("width", to.width() / view.width);
     grow("height", to.height() / view.height);
