@@ -553,8 +553,9 @@ TEST_CASE("the picture grows to what has moved when asked", "[examples][svg_docu
     CHECK(deformed(text, by({1, 0, 0, 1, 0, 1}), {.fit = true}).text.find("viewBox=\"0 0 100 50\"") !=
           std::string::npos);
     // a unit that is none stays what it is
-    const Result odd = deformed(R"(<svg viewBox="0 0 9 9" width="9&quot;"><rect width="1" height="1"/></svg>)",
-                                by({1, 0, 0, 1, 100, 0}), {.fit = true});
+    const Result odd =
+        deformed(R"(<svg viewBox="0 0 9 9" width="9&quot;"><rect width="1" height="1"/></svg>)",
+                 by({1, 0, 0, 1, 100, 0}), {.fit = true});
     CHECK(parse_svg(odd.text, "odd.svg"));
     // without a viewBox the size is it
     const Result bare = deformed(R"(<svg width="100" height="50"><rect width="10" height="10"/></svg>)",
