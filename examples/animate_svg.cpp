@@ -93,7 +93,7 @@ SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
     return clip_to(*pose, cage, settings.seconds);
 }
 
-/// What a clip asks for.
+/// The number of frames of a clip, and the way of its ground.
 struct Plan {
     std::size_t frames = 0;
     double passed = 0; // what the ground passes by in the clip's length

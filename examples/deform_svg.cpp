@@ -45,13 +45,13 @@ SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
     return points;
 }
 
-/// What --cage and --pose say, and the operations in place of a pose.
+/// The values of --cage and --pose, and the operations in place of a pose.
 struct CagePaths {
     std::string cage, pose;
     PoseChoice operations;
 };
 
-/// What moves the figure, and the pose to be drawn.
+/// The control that moves the figure, and the pose to be drawn.
 struct Control {
     FigureControl control;
     CageFile drawn;

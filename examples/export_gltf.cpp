@@ -5,7 +5,7 @@
 //
 // --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most,
 // chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose what the left out
-// weights did; the file's normals do not turn, as no joint does. What is lost of places, edges and normals of the surface
+// weights did; the file's normals do not turn, as no joint does. The loss of places, edges and normals of the surface
 // is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as a share of
 // the figure's size.
 //
@@ -117,7 +117,7 @@ cageform::StridedPoints<const double, 3> pose_of(const SampledPoses& poses, std:
     return {poses.numbers.data() + p * numbers, numbers / 3};
 }
 
-/// What a skin loses: of places, of edges and of the directions in which the surface looks.
+/// The distances between a skin and the clone: of places, edges and normals of the surface.
 struct SkinLoss {
     StoredLoss places;
     double edge = 0;       // the largest difference between an edge as it ought to be and as it is

@@ -297,7 +297,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
                                              {.influences = given.influences});
     if (skin.report.status != Status::ok)
         return fail(given.bones + ": " + cageform::to_string(skin.report.status));
-    // What is drawn is what is written.
+    // The picture shows the weights that are written.
     const std::size_t most = skin.skin.influences;
     std::vector<double> written(made.weights.size(), 0.0);
     for (std::size_t n = 0; n < skin.skin.weights.size(); ++n)

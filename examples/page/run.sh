@@ -37,7 +37,7 @@ text() {
   cat "$1"
   printf '`'
 }
-# Of the mesh only places and faces: normals are made anew. A face stands as soon as its vertices are there and counts
+# The mesh keeps places and faces only: normals are made anew. A face stands as soon as its vertices are there and counts
 # back to them, which packs better.
 for name in character character_cage character_pose; do
   sed -n -e 's|//[0-9]*||g' -e '/^[vf] /p' $work/$name.obj | awk '

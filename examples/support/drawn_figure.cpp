@@ -134,7 +134,7 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     const auto shows = [](const detail::DrawnShape& shape) {
         return shape.level == 0 && detail::is_painted(shape) && shape.is_visible && !shape.is_transparent;
     };
-    // What lies beside the page is not seen, unless all does.
+    // Shapes beside the page are not seen, unless all lie there.
     const auto page = detail::page_of(work);
     const auto is_on_page = [&](const detail::DrawnShape& shape) {
         return shows(shape) && !detail::painted_box(shape, {}).within(page).empty();

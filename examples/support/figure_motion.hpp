@@ -12,7 +12,7 @@
 
 namespace cageform_examples {
 
-/// What moves a figure: coordinates, and the poses of their handles in every frame.
+/// Coordinates, and the poses of their handles in every frame: they move a figure.
 struct FigureControl {
     std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
     std::string name;                       // of the cage's or the points' file, for messages

@@ -25,7 +25,7 @@ std::string name_of(std::span<const std::string_view> words) {
     return name;
 }
 
-/// The same of a whole line.
+/// A line with one space between its words.
 std::string single_spaced(const std::string& line) {
     std::istringstream stream(line);
     std::string name;

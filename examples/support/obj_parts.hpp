@@ -20,7 +20,7 @@ struct ObjMaterial {
     std::string texture; ///< of the colour: a file that is there; empty: none
 };
 
-/// What there is in an OBJ file beside its shape.
+/// The objects and materials of an OBJ file: all that it holds beside its shape.
 struct ObjParts {
     std::vector<std::string> objects;                        ///< names, in the order of their first faces
     std::vector<ObjMaterial> materials;                      ///< that faces have, likewise

@@ -26,7 +26,7 @@ struct PoseChoice {
     posed(const std::vector<cageform::Vec<double, D>>& rest) const;
 };
 
-/// What --clip, --pose, --seconds and the operations say of how a cage in space moves: a clip, or from rest through poses
+/// --clip, --pose, --seconds and the operations say how a cage in space moves: a clip, or from rest through poses
 /// and back.
 struct MotionChoice {
     std::string clip;

@@ -89,7 +89,7 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
 
 namespace {
 
-/// What a gzip file holds, which an .svgz file is. Fails where it is damaged, or holds more than a document may.
+/// Unpacks a gzip file, which an .svgz file is. Fails where it is damaged, or holds more than a document may.
 SvgResult<std::string> unpacked(std::string_view packed, const std::string& name) {
     constexpr std::size_t most = std::size_t{1}
                                  << 28; // bytes; of zeros a file of a thousandth of that is enough

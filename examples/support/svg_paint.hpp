@@ -67,7 +67,7 @@ private:
     std::map<std::string, std::string> copies_; // by what they are of, and how they were moved
 };
 
-/// What a mask or filter of a drawing lies about, in the user space of the element that refers to it.
+/// The box that a mask or filter of a drawing lies about, in the user space of the element that refers to it.
 struct MovedRegion {
     Box before;
     std::vector<Box> after;                   // in every frame

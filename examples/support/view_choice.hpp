@@ -1,6 +1,6 @@
 #pragma once
 
-// Where pictures of meshes are seen from. The same in all programs that draw some.
+// Where pictures of meshes are seen from. All programs that draw some share it.
 
 #include "command_line.hpp"
 #include "mesh_picture.hpp"

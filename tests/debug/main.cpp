@@ -1,4 +1,4 @@
-// What a debugger is asked to print, stopped in `look`. With a natvis file: whether it knows the types.
+// A debugger prints these objects, stopped in `look`. With a natvis file the program says whether that knows their types.
 #include "../runtime/made_up.hpp"
 
 #include <cageform/cage/polygon.hpp>

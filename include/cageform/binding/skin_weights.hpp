@@ -138,7 +138,7 @@ SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span
     return result;
 }
 
-/// What a binding's weights reproduce, and how far a skin's are from them.
+/// The places that a binding's weights reproduce, and how far a skin's are from them.
 template <Scalar T, std::size_t D>
 class SkinMeasure {
 public:
