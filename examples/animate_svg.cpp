@@ -69,6 +69,14 @@ struct Settings {
     DeformOptions options;
 };
 
+std::size_t still_count_of(const Settings& settings) {
+    return settings.stills.empty() ? 0 : settings.still_count;
+}
+
+std::string still_path(const Settings& settings, std::size_t n) {
+    return settings.stills + (n < 9 ? "0" : "") + std::to_string(n + 1) + ".svg";
+}
+
 /// From rest to a pose and back, every vertex on a straight line.
 ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
     ClipFile clip{pose.name == cage.name ? "the pose" : pose.name, seconds, {}, {}, {}};
@@ -141,6 +149,11 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     const auto& [frames, passed] = *plan;
     const auto clip = make_clip(file, cage.vertices);
     if (!clip) return fail(to_string(clip.error()));
+    std::vector<std::filesystem::path> outputs_asked(settings.films.begin(), settings.films.end());
+    outputs_asked.emplace_back(settings.out);
+    for (std::size_t n = 0; n < still_count_of(settings); ++n)
+        outputs_asked.emplace_back(still_path(settings, n));
+    if (const auto why = fault_of_outputs(outputs_asked)) return fail(*why);
     FigureControl control = control_of(settings.choice, cage);
     control.pose_name = settings.clip;
     control.frames = frames;
@@ -168,11 +181,9 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     };
     OutputFiles outputs;
     // Stills and films first, by their places; then what moves.
-    const std::size_t stills = settings.stills.empty() ? 0 : settings.still_count;
-    for (std::size_t n = 0; n < stills; ++n) {
-        const std::string path = settings.stills + (n < 9 ? "0" : "") + std::to_string(n + 1) + ".svg";
-        outputs.add(path).write(text_of_frame(n * frames / stills));
-    }
+    const std::size_t stills = still_count_of(settings);
+    for (std::size_t n = 0; n < stills; ++n)
+        outputs.add(still_path(settings, n)).write(text_of_frame(n * frames / stills));
     if (!settings.films.empty()) {
         ProgressBar bar("frames");
         const auto tell = bar.callback();
@@ -269,19 +280,13 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!settings.clip.empty() && !settings.operations.operations.empty())
         return fail("--clip, or operations such as --turn, but not both");
-    if (!settings.out.ends_with(".svg") && !settings.out.ends_with(".SVG")) {
+    if (ending_of(settings.out) != ".svg") {
         settings.films.insert(settings.films.begin(), settings.out);
         settings.out.clear();
     }
     if (settings.rate == 0) settings.rate = settings.out.empty() ? 25 : 60;
-    auto document = load_figure(settings.figure);
+    const auto document = load_figure(settings.figure, settings.text_as_paths);
     if (!document) return fail(to_string(document.error()));
-    if (settings.text_as_paths) {
-        std::vector<std::string> warnings;
-        const auto count = text_to_paths(*document, warnings);
-        if (!count) return fail(to_string(count.error()));
-        for (const std::string& text : warnings) warn(text);
-    }
     settings.outside.cage_is_made = CageWord::of(settings.cage).is_auto;
     const bool is_first_look =
         settings.clip.empty() && settings.pose.empty() && settings.operations.operations.empty();

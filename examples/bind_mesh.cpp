@@ -226,9 +226,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
 
 int run_program(int argc, char** argv) {
     CommandLine line("Binds an OBJ figure to a cage and packs what a game needs of it into one file.");
-    line.set_examples(
-        {"character.obj --cage auto:112 -o character.figure",
-         "character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001"});
+    line.set_examples({"character.obj --cage auto:112 -o character.figure",
+                       "character.obj --cage character_cage.obj --clip character_clip.csv --max-distance "
+                       "0.001 -o character.figure"});
     Arguments given;
     std::string format;
     line.add("figure", given.figure, "the OBJ file to bind").required();

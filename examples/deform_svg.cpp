@@ -188,14 +188,8 @@ int run_program(int argc, char** argv) {
     if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
 
     if (pose_path.empty() && operations.operations.empty()) options.fit = true;
-    auto document = load_figure(figure_path);
+    auto document = load_figure(figure_path, text_as_paths);
     if (!document) return fail(to_string(document.error()));
-    if (text_as_paths) {
-        std::vector<std::string> warnings;
-        const auto count = text_to_paths(*document, warnings);
-        if (!count) return fail(to_string(count.error()));
-        for (const std::string& text : warnings) warn(text);
-    }
     const auto posed = read_control(choice, paths, of_sites, *document, figure_path);
     if (!posed) return fail(to_string(posed.error()));
     const std::string png_path = png ? png_of(out_path).string() : "";

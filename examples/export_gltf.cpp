@@ -562,8 +562,8 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
     line.set_examples(
-        {"character.obj --cage auto --turn 5-9:30,z -o character.glb",
-         "character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb"});
+        {"character.obj --cage auto --turn 5-9:30,z --skin 16 -o character.glb",
+         "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file").required();
     line.add("--cage", given.cage,

@@ -77,8 +77,9 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
 
 int run_program(int argc, char** argv) {
     CommandLine line("Prints how long figures take to bind and clone, and how exact they are.");
-    line.set_examples({"cat.svg cat_cage.svg cat_pose.svg mean-value,harmonic",
-                       "cat.svg cat_cage.svg cat_pose.svg mean-value harmonic"});
+    line.set_examples(
+        {"cat.svg cat_cage.svg cat_pose.svg mean-value,harmonic",
+         "cat.svg cat_cage.svg cat_pose.svg harmonic biped.svg biped_cage.svg biped_pose.svg mean-value"});
     std::vector<std::string> words;
     line.add("rows", words, "FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly").required();
     auto names = CoordinatesChoice::names();

@@ -240,7 +240,13 @@ std::string OutputFiles::undo(std::string why) {
     return why;
 }
 
-std::optional<std::string> fault_of_outputs(std::initializer_list<std::filesystem::path> paths) {
+std::string ending_of(const std::filesystem::path& path) {
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+    return ending;
+}
+
+std::optional<std::string> fault_of_outputs(const std::vector<std::filesystem::path>& paths) {
     OutputFiles outputs;
     for (const std::filesystem::path& path : paths) {
         if (!path.empty()) outputs.add(path);

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <deque>
 #include <filesystem>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace cageform_examples {
 
@@ -91,9 +91,12 @@ private:
     std::deque<AtomicFile> files_;
 };
 
+/// The ending of a path in small letters, such as ".svg": it says what kind of file is written.
+std::string ending_of(const std::filesystem::path& path);
+
 /// Why one of these files cannot be written, for a program that asks before it computes for long: after it
 /// has opened what it reads. Empty paths are left out; nothing is written.
-std::optional<std::string> fault_of_outputs(std::initializer_list<std::filesystem::path> paths);
+std::optional<std::string> fault_of_outputs(const std::vector<std::filesystem::path>& paths);
 
 /// Writes all of `contents` to `path`; returns nothing, or the reason of the failure.
 [[nodiscard]] std::optional<std::string> write_file_atomically(const std::filesystem::path& path,

@@ -237,23 +237,23 @@ std::string describe(const StoredLoss& loss) {
 
 void print_warnings(std::span<const std::string> warnings) {
     struct Kind {
-        std::string text, who, shown; // after the label; the first label; the first warning
+        std::string who, text; // the label of the first, empty where it has none; the rest
         std::size_t count = 0;
     };
     std::vector<Kind> kinds;
     for (const std::string& warning : warnings) {
-        const std::size_t label = warning.find("): "); // of an element: rect "wall" (line 12)
-        const std::string text = label == std::string::npos ? warning : warning.substr(label + 3);
+        const std::size_t end = warning.find("): "); // of a label: rect "wall" (line 12)
+        const bool has_label = end != std::string::npos;
+        std::string who = has_label ? warning.substr(0, end + 1) : "",
+                    text = has_label ? warning.substr(end + 3) : warning;
         auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) { return k.text == text; });
-        if (kind == kinds.end())
-            kind = kinds.insert(kinds.end(), {text, warning.substr(0, label + 1), warning, 0});
+        if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {std::move(who), std::move(text), 0});
         ++kind->count;
     }
     for (std::size_t i = 0; i < std::min(kinds.size(), most_listed); ++i) {
-        const Kind& kind = kinds[i];
-        warn(kind.count == 1 || kind.shown == kind.text
-                 ? kind.shown
-                 : kind.who + " and " + std::to_string(kind.count - 1) + " more: " + kind.text);
+        const auto& [who, text, count] = kinds[i];
+        const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
+        warn(who.empty() ? text : who + more + ": " + text);
     }
     if (kinds.size() > most_listed)
         warn("and " + std::to_string(kinds.size() - most_listed) + " more kinds of these");

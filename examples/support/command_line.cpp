@@ -1,5 +1,6 @@
 #include "command_line.hpp"
 
+#include "atomic_file.hpp"
 #include "guard.hpp"
 
 #include <cageform/version.hpp>
@@ -94,8 +95,8 @@ CommandOption& CommandOption::in_order() {
 }
 CommandOption& CommandOption::ends_with(const std::vector<std::string>& endings) {
     option_->check([endings](const std::string& path) -> std::string {
-        std::string ending = std::filesystem::path(path).extension().string(), known;
-        for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+        const std::string ending = ending_of(path);
+        std::string known;
         for (const std::string& one : endings) {
             if (ending == one) return {};
             known += (known.empty() ? "" : " or ") + one;

@@ -187,9 +187,9 @@ struct OutsideChoice {
 
     /// What there is to say after a bind.
     struct Verdict {
-        std::string
-            fault; ///< why the program has to end; empty where it has not. So it has where most points are
-                   ///< outside and nothing was said about them: they may be of another figure
+        /// Why the program has to end; empty where it has not. It has where most points are outside and nothing was said
+        /// about them: they may be of another figure.
+        std::string fault;
         std::string warning; ///< of points outside that nothing was said about; empty where there are none
     };
     ///   figure, cage   names of their files

@@ -18,7 +18,8 @@ struct DrawnFigure {
 };
 
 /// All that shows. Not what is not displayed, hidden, wholly transparent, or has neither fill nor stroke; nor what lies
-/// beside the page, unless all does; nor clip paths and masks: a shape that they cut off counts whole, as it is deformed whole. Text and images count as their boxes.
+/// beside the page, unless all does; nor clip paths and masks: a shape that they cut off counts whole, as it is deformed
+/// whole. Text and images count as their boxes.
 ///
 ///   curves   become lines no farther off than 5e-4 of the document's diagonal, and as thick as that
 ///   fails    as shapes() does, and where nothing shows

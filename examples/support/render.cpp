@@ -96,8 +96,7 @@ Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width
     std::vector<std::string> words{
         "ffmpeg",     "-hide_banner", "-loglevel",           "error", "-nostdin", "-y", "-f",
         "image2pipe", "-framerate",   text_of("%.6g", rate), "-c:v",  "png",      "-i", "pipe:0"};
-    std::string ending = std::filesystem::path(path).extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string ending = ending_of(path);
     if (ending == ".gif") { // of at most 256 colours, which are chosen for all frames
         words.insert(words.end(), {"-vf",
                                    "fps=" + text_of("%.6g", std::min(rate, 25.0)) +

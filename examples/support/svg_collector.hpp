@@ -105,6 +105,8 @@ private:
     /// the text gets a copy.
     bool add_text_paths(pugi::xml_node text, const Place& place);
     bool add_text_path(pugi::xml_node text_path, const Place& place);
+    /// How far the letters on a path reach: they are taken to be 0.6 em wide and to stand within 0.8 em of it.
+    bool add_reach(pugi::xml_node text_path, const Path& path, Place place);
     /// Whether an element is drawn where it stands, under this transform.
     bool is_drawn_under(pugi::xml_node node, const Affine2& to_root) const;
     Box image_box(pugi::xml_node node, const Place& place);

@@ -183,12 +183,10 @@ private:
         moved_.resize(shapes.size());
         regions_.resize(rest_.references.size());
         std::vector<bool> has_inside_at_rest;
-        std::vector<Box> box_at_rest; // in its own user space
         for (const DrawnShape& shape : shapes) {
             has_inside_at_rest.push_back(has_inside(shape.path));
-            box_at_rest.push_back(bounds(shape.path, shape.from_root));
+            boxes_at_rest_.push_back(bounds(shape.path, shape.from_root));
         }
-        boxes_at_rest_ = box_at_rest;
         for (std::size_t r = 0; r < rest_.references.size(); ++r) {
             const Reference& reference = rest_.references[r];
             regions_[r].before =
@@ -284,7 +282,7 @@ private:
     Drawing rest_; // its paths are those of the frame looked at last
     std::vector<bool> moves_;
     std::vector<Moved> moved_;
-    std::vector<Box> boxes_at_rest_;
+    std::vector<Box> boxes_at_rest_;   // each in its own user space
     std::vector<MovedRegion> regions_; // of the references
     std::vector<Box> seen_before_, seen_after_;
 };

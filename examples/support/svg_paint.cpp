@@ -154,9 +154,7 @@ std::string PaintFollower::copy_of_pattern(const Server& pattern, std::vector<Af
     pugi::xml_node copy = add_copy(original); // which has no content of its own, and so the original's
     copy_id = attribute_text(copy, "id");
     for (const pugi::xml_attribute attribute : original.attributes()) {
-        const std::string_view name = attribute.name();
-        const bool refers = name == "href" || name.ends_with(":href");
-        if (!refers && !copy.attribute(attribute.name())) copy.append_copy(attribute);
+        if (!is_reference(attribute.name()) && !copy.attribute(attribute.name())) copy.append_copy(attribute);
     }
     tracks_.push_back({copy, "patternTransform", {}, std::move(transforms)});
 

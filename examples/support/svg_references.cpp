@@ -78,9 +78,9 @@ bool ShapeCollector::visit_use(pugi::xml_node use, const Place& parent) {
 namespace {
 
 void drop_use_attributes(pugi::xml_node use) {
-    std::vector<std::string> dropped = {"x", "y", "width", "height", "href"};
+    std::vector<std::string> dropped = {"x", "y", "width", "height"};
     for (const pugi::xml_attribute attribute : use.attributes()) {
-        if (std::string_view(attribute.name()).ends_with(":href")) dropped.emplace_back(attribute.name());
+        if (is_reference(attribute.name())) dropped.emplace_back(attribute.name());
     }
     for (const std::string& name : dropped) use.remove_attribute(name.c_str());
 }
@@ -147,16 +147,12 @@ void ShapeCollector::share_images(pugi::xml_node copy) {
             for (const pugi::xml_attribute attribute : image.attributes()) {
                 const std::string_view name = attribute.name();
                 const bool is_place = std::find(place.begin(), place.end(), name) != place.end();
-                if (is_place || name == "href" || name.ends_with(":href")) shared.append_copy(attribute);
+                if (is_place || is_reference(name)) shared.append_copy(attribute);
             }
         }
         image.set_name((prefix + "use").c_str());
         for (const char* name : place) image.remove_attribute(name);
-        for (pugi::xml_attribute attribute : image.attributes()) {
-            const std::string_view name = attribute.name();
-            if (name == "href" || name.ends_with(":href"))
-                attribute.set_value(('#' + escaped(attribute_text(shared, "id"))).c_str());
-        }
+        set_reference(image, attribute_text(shared, "id"));
         uses_of_images_[image.hash_value()] = shared;
     }
 }

@@ -1,5 +1,6 @@
 #include "svg_text.hpp"
 
+#include "guard.hpp"
 #include "render.hpp"
 #include "svg_walk.hpp"
 
@@ -304,9 +305,17 @@ void measure_texts(SvgDocument& document) {
     }
 }
 
-SvgResult<SvgDocument> load_figure(const std::string& path) {
+SvgResult<SvgDocument> load_figure(const std::string& path, bool text_as_paths) {
     auto document = load_svg(path);
-    if (document) measure_texts(*document);
+    if (!document) return document;
+    if (!text_as_paths) {
+        measure_texts(*document);
+        return document;
+    }
+    std::vector<std::string> warnings;
+    const auto count = text_to_paths(*document, warnings);
+    if (!count) return count.error();
+    for (const std::string& text : warnings) warn(text);
     return document;
 }
 

@@ -22,7 +22,8 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
 /// measured (copies by <use>, where rsvg-convert is not installed or draws no letters) keep the estimate of walk().
 void measure_texts(SvgDocument& document);
 
-/// load_svg() and measure_texts(): a figure for a program that asks where its texts are.
-SvgResult<SvgDocument> load_figure(const std::string& path);
+/// A figure for a program that asks where its texts are: load_svg(), and either text_to_paths(), whose warnings go to
+/// stderr, or measure_texts().
+SvgResult<SvgDocument> load_figure(const std::string& path, bool text_as_paths = false);
 
 } // namespace cageform_examples

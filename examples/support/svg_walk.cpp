@@ -323,44 +323,44 @@ bool ShapeCollector::add_text_paths(pugi::xml_node text, const Place& place) {
 
 namespace {
 
-/// The part of a path from a length along it to another, as lines.
-Path part_of(const Path& path, double from, double to) {
+struct PlaceAlong {
+    Point2 at;
+    double length = 0; // along the path
+};
+
+/// Points along a path, in order, and how far along it they are: a step to a new subpath has no length.
+std::vector<PlaceAlong> places_along(const Path& path) {
     constexpr std::size_t steps = 32; // of a segment
-    PathBuilder part;
-    double along = 0;
-    bool begun = false;
+    std::vector<PlaceAlong> places;
+    double length = 0;
     for (const Subpath& subpath : path) {
-        Point2 start = subpath.start, last = start;
+        Point2 start = subpath.start;
+        places.push_back({start, length});
         for (const Segment& s : subpath.segments) {
             for (std::size_t k = 1; k <= steps; ++k) {
                 const Point2 p = place_on(start, s, static_cast<double>(k) / steps);
-                along += std::hypot(p.x - last.x, p.y - last.y);
-                if (along >= from && !begun) part.move_to(last);
-                begun = begun || along >= from;
-                if (begun) part.line_to(p);
-                if (along >= to) return part.take();
-                last = p;
+                length += std::hypot(p.x - places.back().at.x, p.y - places.back().at.y);
+                places.push_back({p, length});
             }
             start = s.p3;
         }
     }
-    return part.take();
+    return places;
 }
 
-double length_along(const Path& path) {
-    double length = 0;
-    for (const Subpath& subpath : path) {
-        Point2 start = subpath.start, last = start;
-        for (const Segment& s : subpath.segments) {
-            for (std::size_t k = 1; k <= 32; ++k) {
-                const Point2 p = place_on(start, s, static_cast<double>(k) / 32);
-                length += std::hypot(p.x - last.x, p.y - last.y);
-                last = p;
-            }
-            start = s.p3;
-        }
+/// The part from a length along a path to another, as lines.
+Path part_of(const std::vector<PlaceAlong>& places, double from, double to) {
+    PathBuilder part;
+    bool begun = false;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+        const PlaceAlong &before = places[i - 1], &p = places[i];
+        if (p.length < from || (p.length == before.length && !begun)) continue;
+        if (!begun) part.move_to(before.at);
+        begun = true;
+        part.line_to(p.at);
+        if (p.length >= to) break;
     }
-    return length;
+    return part.take();
 }
 
 } // namespace
@@ -375,6 +375,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     if (!path) error_ = path.error();
     if (!own) return fail_in(target, "transform", own.error());
     if (error_) return false;
+    if (path->empty()) return true;
     Place there = place;
     there.to_root = compose(place.to_root, *own);
     there.style.fill = there.style.stroke = "none";
@@ -386,31 +387,30 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
         pugi::xml_node defs = text.parent().insert_child_before((name_prefix(text) + "defs").c_str(), text);
         pugi::xml_node copy = defs.append_copy(target);
         const std::string id = ids_.name(copy, reference.substr(1));
-        for (pugi::xml_attribute attribute : text_path.attributes()) {
-            const std::string_view name = attribute.name();
-            if (name == "href" || name.ends_with(":href")) attribute.set_value(('#' + escaped(id)).c_str());
-        }
+        set_reference(text_path, id);
         if (!add(copy, *path, there)) return false;
     }
 
-    // How far its letters reach: they are taken to be 0.6 em wide and to stand within 0.8 em of the path.
+    return add_reach(text_path, *path, there);
+}
+
+bool ShapeCollector::add_reach(pugi::xml_node text_path, const Path& path, Place place) {
+    const std::vector<PlaceAlong> places = places_along(path);
     const std::string letters = unescaped(trimmed(text_path.text().get()));
-    const double whole = length_along(*path);
+    const double whole = places.back().length;
     const double width = 0.6 * place.font_size * static_cast<double>(letters.size());
     const auto offset = parse_length(attribute_text(text_path, "startOffset"), whole);
     const double at = offset ? *offset : 0;
     const double from = place.text_anchor == "end"      ? at - width
                         : place.text_anchor == "middle" ? at - width / 2
                                                         : at;
-    there.style.stroke = "currentColor";
-    there.style.stroke_width = 1.6 * place.font_size;
-    Path reach = letters.empty() ? part_of(*path, 0, whole)
-                                 : part_of(*path, std::max(from, 0.0), std::min(from + width, whole));
+    Path reach = letters.empty() ? part_of(places, 0, whole)
+                                 : part_of(places, std::max(from, 0.0), std::min(from + width, whole));
     if (reach.empty()) return true;
-    const std::size_t before = drawing.shapes.size();
-    if (!add(text_path, std::move(reach), there)) return false;
-    for (std::size_t i = before; i < drawing.shapes.size(); ++i) drawing.shapes[i].is_extent = true;
-    return true;
+    place.style.stroke = "currentColor";
+    place.style.stroke_width = 1.6 * place.font_size;
+    place.style.is_extent = true;
+    return add(text_path, std::move(reach), place);
 }
 
 Box ShapeCollector::image_box(pugi::xml_node node, const Place& place) {

@@ -101,6 +101,16 @@ void add_class(pugi::xml_node node, const std::string& name) {
     set_attribute(node, "class", old.empty() ? name : old + ' ' + name);
 }
 
+bool is_reference(std::string_view attribute) {
+    return attribute == "href" || attribute.ends_with(":href");
+}
+
+void set_reference(pugi::xml_node node, const std::string& id) {
+    for (pugi::xml_attribute attribute : node.attributes()) {
+        if (is_reference(attribute.name())) attribute.set_value(('#' + escaped(id)).c_str());
+    }
+}
+
 std::string reference_of(pugi::xml_node node) {
     if (node.attribute("href")) return attribute_text(node, "href");
     std::string reference;

@@ -27,6 +27,9 @@ std::string_view trimmed(std::string_view text);
 /// Replaces character references and the five entities of XML; others, from a doctype, are left.
 std::string unescaped(std::string_view raw);
 
+/// Whether an attribute of this name refers to another element or file: href, with a prefix or not.
+bool is_reference(std::string_view attribute);
+
 /// Text as it stands between the quotes of an attribute.
 std::string escaped(std::string_view text);
 
@@ -35,6 +38,7 @@ void add_class(pugi::xml_node node, const std::string& name);
 
 /// The value of href, or of xlink:href whatever the prefix; empty if there is none.
 std::string reference_of(pugi::xml_node node);
+void set_reference(pugi::xml_node node, const std::string& id); ///< of all attributes that refer
 
 /// Such as: rect "wall" (line 12).
 std::string label(const SvgDocument& document, pugi::xml_node node);

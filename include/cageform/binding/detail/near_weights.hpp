@@ -49,17 +49,13 @@ public:
     /// Without the weights below the threshold, where the others reproduce the place; false where none do, and the given
     /// weights stay.
     bool reproduce(double threshold) {
-        found_ = given_;
-        bool is_exact = solve(given_.size());
+        const bool is_exact = solve(given_.size());
         const auto least = std::find_if(found_.begin(), found_.end(),
                                         [&](const HandleWeight& entry) { return entry.weight < threshold; });
         const auto kept = (std::max)(std::size_t(least - found_.begin()), std::size_t{1});
         if (kept < given_.size()) {
             const std::vector<HandleWeight> all = found_;
-            if (solve(kept) || !is_exact)
-                found_.resize(kept);
-            else
-                found_ = all;
+            if (!solve(kept) && is_exact) found_ = all;
         }
         double sum = 0;
         for (const HandleWeight& entry : found_) sum += entry.weight;
