@@ -88,7 +88,7 @@ Nearest nearest_place(const CageFile& cage, const Point2& p) {
 int run_program(int argc, char** argv) {
     CommandLine line("Prints the values of a cage's harmonic function on its boundary, as formulas.");
     line.set_examples(
-        {"--cage square.csv --vertex 0 --at 1,0", "--cage cat_cage.svg --vertex 8 --at 412,88"});
+        {"--cage square.csv --vertex 0 --at 1,0", "--cage cat_cage.svg --vertex 0 --at 212.5,750"});
     std::string cage_path, place;
     std::size_t vertex = 0;
     line.add("--cage", cage_path, "an SVG or CSV file").required();

@@ -217,7 +217,7 @@ int run_program(int argc, char** argv) {
     CommandLine line("Writes the cage coordinates of points.");
     line.set_examples(
         {"--cage cat_cage.svg --points points.csv -o weights.csv",
-         "--cage character_cage.obj --points points.csv --coordinates harmonic -o weights.csv"});
+         "--cage character_cage.obj --points places.csv --coordinates harmonic -o weights.csv"});
     Settings settings;
     line.add("--cage", settings.cage_path,
              "in the plane a CSV or an SVG, in space an OBJ of a closed mesh; of sibson and sibson-c1 points")

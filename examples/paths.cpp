@@ -128,7 +128,7 @@ int run_program(int argc, char** argv) {
     CommandLine line("Draws rays and Brownian paths from a point to the boundary of its cage, and prints the "
                      "coordinates that are means over them beside the library's.");
     line.set_examples({"--cage biped_cage.svg --point 150,600 -o paths.svg --png",
-                       "--cage cat_cage.svg --point 400,300 -o paths.svg"});
+                       "--cage cat_cage.svg --point 500,400 -o paths.svg"});
     Arguments given;
     line.add("--cage", given.cage, "an SVG or CSV file").required();
     line.add("--point", given.point, "x,y: where paths begin, inside the cage").required();
