@@ -1443,6 +1443,9 @@ refuses '"out.txt" does not end with .csv' "$weights" --cage square.csv --points
 refuses '"out.bin" does not end with .figure' "$bind" character.obj --cage character_cage.obj -o out.bin
 refuses '"out.png" does not end with .svg' "$curve" --css 0,0,1,1 --pieces 2 --plot out.png
 works "an ending in capitals" "$deform" "$cat" --cage "$cage" --pose "$pose" -o CAT.SVG
+works "an ending in some capitals" "$animate" "$cat" --cage "$cage" --move 3:9,0 --rate 2 -o WAVE.Svg
+grep -q "<animate " WAVE.Svg && ok=yes || ok=no
+report $ok "is an SVG that plays"
 
 # ---- animate_svg ----
 works "a cat that walks and keeps angles" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 6 --coordinates green -o walk.svg
