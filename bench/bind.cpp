@@ -8,9 +8,7 @@
 
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/green.hpp>
-#include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_polyhedral.hpp>
 #include <cageform/coordinates/three_point.hpp>
 #include <cageform/core/threads.hpp>
 

@@ -8,9 +8,9 @@
 
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/binding/bind_packed.hpp>
-#include <cageform/coordinates/harmonic_polyhedral.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <ctime>

@@ -17,7 +17,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/normals.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <Eigen/Core>

@@ -2,7 +2,7 @@
 // search for a knot.
 #pragma once
 
-#include <cageform/animate/knots.hpp>
+#include <cageform/animate/fit/knots.hpp>
 
 namespace cageform_bench {
 

@@ -9,8 +9,8 @@
 
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
-#include <cageform/grid/pyramid/averaging_pyramid.hpp>
-#include <cageform/grid/strokes.hpp>
+#include <cageform/papers/averaging_pyramid.hpp>
+#include <cageform/fields/strokes.hpp>
 
 #include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>

@@ -10,7 +10,6 @@
 
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>

@@ -6,7 +6,7 @@
 // thread, as the others). And what no solver of this order of elimination can do without: its multiplications, done by
 // one product of dense matrices, and reading the factors forwards and backwards for every 16 bones.
 #include <cageform/core/threads.hpp>
-#include <cageform/surface/skin.hpp>
+#include <cageform/fields/skin.hpp>
 
 #include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>

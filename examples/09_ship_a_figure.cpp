@@ -1,6 +1,6 @@
 // 9. What a game ships: a figure with normals and tangents, bound and packed in the editor, used where it lies in memory.
 #include <cageform/binding/bind_figure.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/runtime.hpp> // all that a game includes
 
 #include <cstdio>

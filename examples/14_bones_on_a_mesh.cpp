@@ -1,7 +1,7 @@
 // 14. Bones on a mesh: weights by bone heat, bones as handles, a skin that plays through the same clone.
 #include <cageform/binding/bind_bones.hpp>
 #include <cageform/cageform.hpp>
-#include <cageform/surface/skin.hpp>
+#include <cageform/fields/skin.hpp>
 
 #include <array>
 #include <cstdio>

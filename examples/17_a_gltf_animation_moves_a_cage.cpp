@@ -1,9 +1,9 @@
 // 17. A glTF animation moves a cage: the samplers' arrays become a clip, which is shipped in one file with the figure.
 #include <cageform/animate/compile_clip.hpp>
-#include <cageform/animate/import/gltf.hpp>
+#include <cageform/exchange/gltf.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/bind_figure.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/runtime.hpp> // all that a game includes
 
 #include <cstdio>

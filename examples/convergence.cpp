@@ -16,9 +16,9 @@
 #include "render.hpp"
 #include "svg_xml.hpp"
 
-#include <cageform/grid/embed.hpp>
+#include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/multigrid.hpp>
-#include <cageform/grid/simplex_boundary.hpp>
+#include <cageform/grid/lattice/simplex_boundary.hpp>
 
 #include <nlohmann/json.hpp>
 

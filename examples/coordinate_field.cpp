@@ -14,7 +14,7 @@
 #include "guard.hpp"
 #include "progress_bar.hpp"
 
-#include <cageform/grid/pyramid/rasterise.hpp>
+#include <cageform/papers/detail/rasterise.hpp>
 
 #include <iostream>
 #include <limits>

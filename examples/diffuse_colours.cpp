@@ -10,7 +10,7 @@
 #include "progress_bar.hpp"
 #include "stroke_file.hpp"
 
-#include <cageform/grid/strokes.hpp>
+#include <cageform/fields/strokes.hpp>
 
 #include <iostream>
 

@@ -22,7 +22,7 @@
 #include "svg_xml.hpp"
 
 #include <cageform/animate/fit.hpp>
-#include <cageform/animate/import/css.hpp>
+#include <cageform/exchange/css.hpp>
 
 #include <nlohmann/json.hpp>
 

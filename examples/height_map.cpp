@@ -12,7 +12,7 @@
 #include "progress_bar.hpp"
 #include "stroke_file.hpp"
 
-#include <cageform/grid/strokes.hpp>
+#include <cageform/fields/strokes.hpp>
 
 #include <charconv>
 #include <iostream>

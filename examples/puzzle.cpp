@@ -14,7 +14,7 @@
 #include "plot.hpp"
 #include "svg_xml.hpp"
 
-#include <cageform/grid/puzzle.hpp>
+#include <cageform/fields/graph.hpp>
 
 #include <iostream>
 #include <random>

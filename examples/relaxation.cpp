@@ -10,7 +10,7 @@
 #include "plot.hpp"
 #include "render.hpp"
 
-#include <cageform/grid/pyramid/averaging_pyramid.hpp>
+#include <cageform/papers/averaging_pyramid.hpp>
 
 #include <iostream>
 

@@ -3,7 +3,7 @@
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
 // Writes a skin with the skeleton for engines and viewers (glTF 2.0), which turns from rest into the pose of the bones
-// file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface (surface/skin.hpp).
+// file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface (fields/skin.hpp).
 
 #include "atomic_file.hpp"
 #include "bind_report.hpp"
@@ -18,7 +18,7 @@
 #include <cageform/binding/bind_bones.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/surface/skin.hpp>
+#include <cageform/fields/skin.hpp>
 
 #include <iostream>
 #include <numbers>

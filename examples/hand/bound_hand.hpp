@@ -5,7 +5,7 @@
 #include "coordinates.hpp"
 #include "hand_model.hpp"
 
-#include <cageform/binding/packed_binding.hpp>
+#include <cageform/binding/detail/packed_binding.hpp>
 
 #include <string_view>
 

@@ -4,7 +4,7 @@
 // place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in float.
 // Where a status is not 0, page_message() says what is wrong.
 
-#include <cageform/animate/compile_track.hpp>
+#include <cageform/animate/detail/compile_track.hpp>
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
@@ -13,7 +13,6 @@
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>

@@ -6,7 +6,7 @@
 #include "obj_file.hpp"
 #include "svg_document.hpp"
 
-#include <cageform/enclose/cage_making.hpp>
+#include <cageform/enclose/detail/cage_making.hpp>
 
 #include <cstddef>
 #include <string>

@@ -2,7 +2,7 @@
 #include "clip_file.hpp"
 #include "csv.hpp"
 
-#include <cageform/animate/compile_track.hpp>
+#include <cageform/animate/detail/compile_track.hpp>
 
 #include <algorithm>
 #include <cmath>

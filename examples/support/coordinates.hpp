@@ -11,7 +11,7 @@
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/cage_solver.hpp>
-#include <cageform/coordinates/harmonic_options.hpp>
+#include <cageform/coordinates/harmonic/options.hpp>
 
 #include <functional>
 #include <memory>

@@ -2,9 +2,9 @@
 #include "mesh_cage.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/green_3d.hpp>
-#include <cageform/coordinates/harmonic_polyhedral.hpp>
-#include <cageform/coordinates/mean_value_polyhedral.hpp>
+#include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 namespace cageform_examples {
 

@@ -5,8 +5,8 @@
 #include "coordinates.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
-#include <cageform/coordinates/tree_solver.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/coordinates/harmonic/tree_solver.hpp>
 
 #include <utility>
 

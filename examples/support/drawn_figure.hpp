@@ -4,7 +4,7 @@
 
 #include "svg_document.hpp"
 
-#include <cageform/enclose/distance_lattice.hpp>
+#include <cageform/enclose/detail/distance_lattice.hpp>
 
 #include <vector>
 

@@ -11,7 +11,7 @@
 #include "input_file.hpp"
 #include "obj_parts.hpp"
 
-#include <cageform/animate/import/gltf.hpp>
+#include <cageform/exchange/gltf.hpp>
 #include <cageform/binding/skin_weights.hpp>
 
 #include <nlohmann/json.hpp>

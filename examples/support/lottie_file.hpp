@@ -4,7 +4,7 @@
 
 #include "csv.hpp"
 
-#include <cageform/animate/import/lottie.hpp>
+#include <cageform/exchange/lottie.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -16,14 +16,10 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/green.hpp>
-#include <cageform/coordinates/green_3d.hpp>
 #include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/harmonic_polyhedral.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
-#include <cageform/coordinates/mean_value_polyhedral.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/coordinates/three_point.hpp>
-#include <cageform/grid/dirichlet.hpp>
-#include <cageform/grid/strokes.hpp>
+#include <cageform/fields/dirichlet.hpp>
+#include <cageform/fields/strokes.hpp>
 #include <cageform/version.hpp>

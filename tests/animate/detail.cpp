@@ -3,7 +3,7 @@
 #include "catch.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/detail/line_minimum.hpp>
+#include <cageform/animate/fit/line_minimum.hpp>
 
 namespace detail_tests {
 

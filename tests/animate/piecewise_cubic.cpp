@@ -4,7 +4,7 @@
 #include "support/larger.hpp"
 
 #include <cageform/animate/curve_bank.hpp>
-#include <cageform/animate/quantised_cubic.hpp>
+#include <cageform/animate/detail/quantised_cubic.hpp>
 #include <cageform/animate/track.hpp>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "catch.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/sobolev_fit.hpp>
+#include <cageform/animate/fit/sobolev_fit.hpp>
 
 #include <nlohmann/json.hpp>
 

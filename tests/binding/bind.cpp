@@ -10,7 +10,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <array>

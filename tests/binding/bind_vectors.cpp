@@ -8,7 +8,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <cstring>

@@ -7,7 +7,6 @@
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace figure_tests {

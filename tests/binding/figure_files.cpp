@@ -10,8 +10,8 @@
 #include <cageform/binding/rebind_cage.hpp>
 #include <cageform/binding/unpack_figure.hpp>
 #include <cageform/clone/clone_figure.hpp>
-#include <cageform/coordinates/green_3d.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 namespace figure_file_tests {
 

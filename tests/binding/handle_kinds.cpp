@@ -10,7 +10,7 @@
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/blended.hpp>
-#include <cageform/coordinates/green_3d.hpp>
+#include <cageform/coordinates/green.hpp>
 
 namespace handle_kinds_tests {
 

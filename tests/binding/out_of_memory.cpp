@@ -11,7 +11,6 @@
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/coordinates/sibson.hpp>
 
 namespace out_of_memory_tests {

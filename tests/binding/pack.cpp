@@ -5,7 +5,7 @@
 
 #include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/pack.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace pack_tests {

@@ -16,7 +16,6 @@
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/coordinates/three_point.hpp>
 

@@ -7,7 +7,6 @@
 #include <cageform/binding/rebind.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <cstring>

@@ -10,7 +10,6 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <Eigen/LU>

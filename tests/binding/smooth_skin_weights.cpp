@@ -8,7 +8,7 @@
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <set>

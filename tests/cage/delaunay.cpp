@@ -1,7 +1,7 @@
 #include "catch.hpp"
 #include "support/cages.hpp"
 
-#include <cageform/cage/detail/hull_facets.hpp>
+#include <cageform/cage/sites/hull_facets.hpp>
 #include <cageform/cage/point_set.hpp>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "../catch.hpp"
 #include "../support/meshes.hpp"
 
-#include <cageform/surface/harmonic.hpp>
+#include <cageform/fields/surface.hpp>
 
 namespace faces_of_tests {
 

@@ -2,7 +2,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/cage/primitives.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 
 namespace orientation_tests {
 

@@ -13,7 +13,7 @@
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace normals_tests {

@@ -8,7 +8,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 namespace blended_tests {
 

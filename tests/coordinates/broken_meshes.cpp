@@ -5,7 +5,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 namespace broken_meshes_tests {
 

@@ -6,7 +6,7 @@
 
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 
 #include <new>
 #include <stdexcept>

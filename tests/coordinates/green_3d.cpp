@@ -6,7 +6,7 @@
 #include "../support/oracle.hpp"
 #include "../support/thin_cages.hpp"
 
-#include <cageform/coordinates/green_3d.hpp>
+#include <cageform/coordinates/green.hpp>
 
 namespace green_3d_tests {
 

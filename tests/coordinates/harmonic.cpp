@@ -7,7 +7,7 @@
 #include "support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 
 #include <array>
 

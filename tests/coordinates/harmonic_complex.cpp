@@ -9,7 +9,6 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
 
 namespace harmonic_complex_tests {
 

@@ -6,7 +6,7 @@
 #include "../support/oracle.hpp"
 #include "../support/weights.hpp"
 
-#include <cageform/coordinates/pyramid_solver.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace harmonic_gradients_tests {

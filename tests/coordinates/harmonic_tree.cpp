@@ -7,8 +7,8 @@
 #include "support/oracle.hpp"
 #include "support/weights.hpp"
 
-#include <cageform/coordinates/harmonic_polyhedral.hpp>
-#include <cageform/coordinates/tree_solver.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/harmonic/tree_solver.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <cstdio>

@@ -8,7 +8,7 @@
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 namespace mean_value_3d_tests {
 

@@ -7,8 +7,8 @@
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/harmonic_polyhedral.hpp>
-#include <cageform/coordinates/mean_value_polyhedral.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 namespace polyhedral_tests {
 

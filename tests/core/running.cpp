@@ -5,14 +5,14 @@
 #include "../support/progress.hpp"
 
 #include <cageform/animate/compile_clip.hpp>
-#include <cageform/animate/knots.hpp>
+#include <cageform/animate/fit/knots.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
-#include <cageform/grid/dirichlet.hpp>
-#include <cageform/grid/puzzle.hpp>
-#include <cageform/grid/strokes.hpp>
-#include <cageform/surface/harmonic.hpp>
-#include <cageform/surface/skin.hpp>
+#include <cageform/fields/dirichlet.hpp>
+#include <cageform/fields/graph.hpp>
+#include <cageform/fields/strokes.hpp>
+#include <cageform/fields/surface.hpp>
+#include <cageform/fields/skin.hpp>
 
 namespace running_tests {
 

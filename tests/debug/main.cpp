@@ -3,7 +3,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/buffer.hpp>
 
 #include <cstdio>
 #include <fstream>

@@ -3,7 +3,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/enclose/relax_loop.hpp>
+#include <cageform/enclose/plane/relax_loop.hpp>
 
 namespace loop_tests {
 

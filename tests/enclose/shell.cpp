@@ -4,8 +4,8 @@
 #include "../support/cages.hpp"
 #include "../support/meshes.hpp"
 
-#include <cageform/enclose/reduce_shell.hpp>
-#include <cageform/enclose/relax_shell.hpp>
+#include <cageform/enclose/space/reduce_shell.hpp>
+#include <cageform/enclose/space/relax_shell.hpp>
 
 namespace shell_tests {
 

@@ -10,9 +10,9 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/green_3d.hpp>
-#include <cageform/coordinates/harmonic_polyhedral.hpp>
-#include <cageform/coordinates/mean_value_polyhedral.hpp>
+#include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/three_point.hpp>
 
 #include <cstdio>

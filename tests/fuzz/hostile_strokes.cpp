@@ -6,7 +6,7 @@
 //     ./hostile_strokes FIRST_SEED COUNT
 #include "support/cages.hpp"
 
-#include <cageform/grid/strokes.hpp>
+#include <cageform/fields/strokes.hpp>
 
 #include <cstdio>
 #include <cstdlib>

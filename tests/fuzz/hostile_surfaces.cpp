@@ -11,7 +11,7 @@
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/surface/skin.hpp>
+#include <cageform/fields/skin.hpp>
 
 #include <cstdio>
 #include <cstdlib>

@@ -13,7 +13,7 @@
 #include "lottie_file.hpp"
 #include "mesh_cage.hpp"
 
-#include <cageform/animate/import/css.hpp>
+#include <cageform/exchange/css.hpp>
 
 #include <cstdio>
 #include <cstdlib>

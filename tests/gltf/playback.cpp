@@ -13,7 +13,7 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 #include <tiny_gltf.h>
 

@@ -8,12 +8,12 @@
 #include <cageform/binding/bind_figure.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/tangents.hpp>
-#include <cageform/cage/primitives.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/coordinates/green_3d.hpp>
+#include <cageform/coordinates/green.hpp>
 
 #include <cstring>
 

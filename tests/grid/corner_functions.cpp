@@ -2,7 +2,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/grid/corner_functions.hpp>
+#include <cageform/grid/corners/corner_functions.hpp>
 
 namespace corner_functions_tests {
 

@@ -3,7 +3,7 @@
 #include "../support/cages.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/grid/edge_errors.hpp>
+#include <cageform/grid/corners/edge_errors.hpp>
 
 namespace edge_errors_tests {
 

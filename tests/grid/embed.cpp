@@ -4,10 +4,10 @@
 #include "../support/meshes.hpp"
 #include "../support/weights.hpp"
 
-#include <cageform/coordinates/detail/embedded_cage.hpp>
-#include <cageform/grid/box_boundary.hpp>
-#include <cageform/grid/embed.hpp>
-#include <cageform/grid/simplex_boundary.hpp>
+#include <cageform/coordinates/harmonic/embedded_cage.hpp>
+#include <cageform/grid/lattice/box_boundary.hpp>
+#include <cageform/grid/lattice/embed.hpp>
+#include <cageform/grid/lattice/simplex_boundary.hpp>
 
 namespace embed_tests {
 

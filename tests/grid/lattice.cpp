@@ -1,7 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/grid/pyramid/papers_lattice.hpp>
+#include <cageform/papers/detail/papers_lattice.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/grid/node_runs.hpp>
+#include <cageform/grid/lattice/node_runs.hpp>
 
 #include <set>
 

@@ -7,7 +7,7 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
-#include <cageform/grid/tree/tree_nodes.hpp>
+#include <cageform/grid/tree/nodes.hpp>
 
 #include <map>
 

@@ -6,7 +6,7 @@
 
 #include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
-#include <cageform/grid/tree/tree_multigrid.hpp>
+#include <cageform/grid/tree_multigrid.hpp>
 
 namespace tree_multigrid_tests {
 

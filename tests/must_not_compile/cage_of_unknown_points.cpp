@@ -1,6 +1,6 @@
 // BROKEN IN ONE LINE: PointTraits(NotSpecialised| is not specialised)
 #include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/mean_value_3d.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 #include <array>
 #include <vector>

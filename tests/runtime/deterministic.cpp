@@ -3,7 +3,7 @@
 #include "made_up.hpp"
 
 #include <cageform/animate/pack_clip.hpp>
-#include <cageform/animate/quantised_cubic.hpp>
+#include <cageform/animate/detail/quantised_cubic.hpp>
 #include <cageform/clone/clone.hpp>
 
 #include <cinttypes>

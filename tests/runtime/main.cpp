@@ -2,7 +2,6 @@
 // The same program also runs under -ffast-math.
 #include "made_up.hpp"
 
-#include <cageform/fwd.hpp>
 #include <cageform/runtime.hpp>
 
 #include <array>

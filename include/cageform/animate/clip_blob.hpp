@@ -27,7 +27,7 @@
 #pragma once
 
 #include <cageform/animate/clip.hpp>
-#include <cageform/core/packed_memory.hpp>
+#include <cageform/core/detail/packed_memory.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

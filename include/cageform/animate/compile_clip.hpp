@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/animate/clip.hpp>
-#include <cageform/animate/compile_track.hpp>
+#include <cageform/animate/detail/compile_track.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // As few pieces as meet a tolerance.
 #pragma once
 
-#include <cageform/animate/knots.hpp>
-#include <cageform/animate/tolerances.hpp>
+#include <cageform/animate/fit/knots.hpp>
+#include <cageform/animate/fit/tolerances.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cageform/animate/clip_blob.hpp>
-#include <cageform/animate/quantised_cubic.hpp>
+#include <cageform/animate/detail/quantised_cubic.hpp>
 #include <cageform/core/running.hpp>
 
 #include <algorithm>

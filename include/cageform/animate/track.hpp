@@ -1,7 +1,7 @@
 // A curve with its extrapolation. Run time, as piecewise_cubic.hpp.
 #pragma once
 
-#include <cageform/animate/extrapolation.hpp>
+#include <cageform/animate/detail/extrapolation.hpp>
 #include <cageform/animate/piecewise_cubic.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -28,7 +28,7 @@ struct TrackView {
     }
 };
 
-/// A curve with its extrapolation. Made by `compile_track` (animate/compile_track.hpp).
+/// A curve with its extrapolation. Made by `compile_track` (animate/detail/compile_track.hpp).
 template <Scalar T>
 struct Track {
     PiecewiseCubic<T> curve;

@@ -4,7 +4,7 @@
 #include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/bind_input.hpp>
 #include <cageform/binding/detail/piece_measures.hpp>
-#include <cageform/coordinates/detail/linear_restorer.hpp>
+#include <cageform/core/affine/linear_restorer.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

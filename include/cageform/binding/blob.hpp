@@ -23,8 +23,8 @@
 // The same bytes serve as buffers of a GPU (clone/glsl.hpp).
 #pragma once
 
-#include <cageform/binding/packed_binding.hpp>
-#include <cageform/core/packed_memory.hpp>
+#include <cageform/binding/detail/packed_binding.hpp>
+#include <cageform/core/detail/packed_memory.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -25,7 +25,7 @@
 #pragma once
 
 #include <cageform/animate/clip_blob.hpp>
-#include <cageform/binding/figure_parts.hpp>
+#include <cageform/binding/detail/figure_parts.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

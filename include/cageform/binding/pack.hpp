@@ -5,7 +5,7 @@
 #include <cageform/binding/blob.hpp>
 #include <cageform/binding/detail/choose_rows.hpp>
 #include <cageform/binding/detail/order_by_place.hpp>
-#include <cageform/binding/pack_options.hpp>
+#include <cageform/binding/detail/pack_options.hpp>
 
 #include <memory>
 
@@ -366,7 +366,7 @@ private:
 /// Packs a binding: drops weights, rounds them, and restores Σ w and Σ w c of every point, so that
 /// rest and affine poses stay as exact as they were. Dropping is followed by the least change of
 /// the weights kept, in the sense of least squares; rounding by D + 1 numbers a point that hold
-/// what is missing (binding/packed_binding.hpp). A point keeps its own largest weights and those of
+/// what is missing (binding/detail/packed_binding.hpp). A point keeps its own largest weights and those of
 /// other handles its block has a row for: they cost nothing.
 ///
 /// With a tolerance, every block is given the rows that serve its points best, one after the other,

@@ -1,7 +1,7 @@
 // The simplest cage in space: an axis-aligned box whose faces are divided into rectangles.
 #pragma once
 
-#include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/cage/report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -1,10 +1,10 @@
 // A cage with cells inside that carry handles of their own: points, edges, and in space faces.
 #pragma once
 
-#include <cageform/cage/bones.hpp>
+#include <cageform/cage/detail/bones.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

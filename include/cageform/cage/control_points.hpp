@@ -2,7 +2,7 @@
 // stand still.
 #pragma once
 
-#include <cageform/cage/primitives.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/view.hpp>
 

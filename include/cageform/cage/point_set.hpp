@@ -1,7 +1,7 @@
 // Control points without a cage: sites anywhere on, in or about a figure.
 #pragma once
 
-#include <cageform/cage/primitives.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 #include <cageform/cage/report.hpp>
 #include <cageform/core/view.hpp>
 

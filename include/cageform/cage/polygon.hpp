@@ -2,10 +2,10 @@
 // sound.
 #pragma once
 
-#include <cageform/cage/boundary_value.hpp>
-#include <cageform/cage/facet_pairs.hpp>
+#include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/cage/detail/facet_pairs.hpp>
 #include <cageform/cage/report.hpp>
-#include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

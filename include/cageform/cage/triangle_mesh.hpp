@@ -1,12 +1,12 @@
 // The 3D cage: closed triangle meshes. What they are, where a point lies, whether they are sound.
 #pragma once
 
-#include <cageform/cage/boundary_value.hpp>
-#include <cageform/cage/faces_of.hpp>
-#include <cageform/cage/facet_pairs.hpp>
-#include <cageform/cage/gaps.hpp>
+#include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/cage/detail/faces_of.hpp>
+#include <cageform/cage/detail/facet_pairs.hpp>
+#include <cageform/cage/detail/gaps.hpp>
 #include <cageform/cage/report.hpp>
-#include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -6,7 +6,7 @@
 #pragma once
 
 #include <cageform/binding/binding.hpp>
-#include <cageform/core/face_handles.hpp>
+#include <cageform/core/detail/face_handles.hpp>
 #include <cageform/core/status.hpp>
 #include <cageform/core/view.hpp>
 

@@ -1,9 +1,9 @@
 // Several cages over one figure, blended where they overlap.
 #pragma once
 
-#include <cageform/cage/depth.hpp>
+#include <cageform/cage/detail/depth.hpp>
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/coordinates/detail/linear_restorer.hpp>
+#include <cageform/core/affine/linear_restorer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -13,7 +13,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///     w = Σ_k β_k w^k,   β_k = d_k² / Σ_j d_j²
 ///
-/// d_k being how deep the point lies in cage k (cage/depth.hpp), relative to the diagonal of that
+/// d_k being how deep the point lies in cage k (cage/detail/depth.hpp), relative to the diagonal of that
 /// cage. So weights are once continuously differentiable across the boundary of a cage that lies
 /// inside another; sum to 1 and reproduce the point as the parts do, hence are exact at rest and
 /// where all cages make the same affine move; and a point inside one cage alone has the weights of

@@ -3,9 +3,9 @@
 
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
-#include <cageform/core/blocks.hpp>
+#include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/handles.hpp>
-#include <cageform/grid/evaluation.hpp>
+#include <cageform/core/solver_report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

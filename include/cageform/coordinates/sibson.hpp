@@ -3,7 +3,7 @@
 
 #include <cageform/cage/point_set.hpp>
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/coordinates/detail/site_gradients.hpp>
+#include <cageform/coordinates/sibson/site_gradients.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

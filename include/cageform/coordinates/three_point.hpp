@@ -4,7 +4,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/coordinates/detail/three_point_formula.hpp>
+#include <cageform/coordinates/three_point/formula.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

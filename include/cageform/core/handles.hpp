@@ -37,7 +37,7 @@ using HandleFace = std::array<std::uint32_t, D>;
 ///     Σ w_i κ_i = 1,   Σ w_i H_i = p,   κ = 1 for points and 0 for vectors
 ///
 /// and all handles are of one unit: the vector of a face has the length of its edge in
-/// the plane, the root of its area in space (core/face_handles.hpp).
+/// the plane, the root of its area in space (core/detail/face_handles.hpp).
 template <Scalar T, std::size_t D>
 struct HandleView {
     const Vec<T, D>* rest = nullptr; ///< #handles

@@ -1,7 +1,7 @@
 // What went wrong, as values: nothing in the library throws or prints.
 #pragma once
 
-#include <cageform/fwd.hpp>
+#include <cageform/config.hpp>
 
 #include <cstdint>
 
@@ -119,7 +119,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(handles_not_bones, "the handles are not the origins and axes of bones")
 // clang-format on
 
-enum class Status : std::uint8_t { // declared [[nodiscard]] in fwd.hpp
+enum class [[nodiscard]] Status : std::uint8_t {
 #define CAGEFORM_DETAIL_NAME(name, text) name,
     CAGEFORM_DETAIL_STATUSES(CAGEFORM_DETAIL_NAME)
 #undef CAGEFORM_DETAIL_NAME

@@ -6,10 +6,10 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
-#include <cageform/enclose/cage_frame.hpp>
-#include <cageform/enclose/join_parts.hpp>
-#include <cageform/enclose/reduce_loop.hpp>
-#include <cageform/enclose/relax_loop.hpp>
+#include <cageform/enclose/detail/cage_frame.hpp>
+#include <cageform/enclose/detail/join_parts.hpp>
+#include <cageform/enclose/plane/reduce_loop.hpp>
+#include <cageform/enclose/plane/relax_loop.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

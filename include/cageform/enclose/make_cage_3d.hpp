@@ -6,11 +6,11 @@
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/enclose/cage_frame.hpp>
-#include <cageform/enclose/join_parts.hpp>
-#include <cageform/enclose/reduce_shell.hpp>
-#include <cageform/enclose/relax_shell.hpp>
-#include <cageform/enclose/surface_nets.hpp>
+#include <cageform/enclose/detail/cage_frame.hpp>
+#include <cageform/enclose/detail/join_parts.hpp>
+#include <cageform/enclose/space/reduce_shell.hpp>
+#include <cageform/enclose/space/relax_shell.hpp>
+#include <cageform/enclose/space/surface_nets.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

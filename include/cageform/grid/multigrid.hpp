@@ -15,12 +15,12 @@
 // the right-hand side. The sum is right to the digits of double. Denormals are taken as zero.
 #pragma once
 
-#include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/flush_denormals.hpp>
-#include <cageform/grid/detail/dense_solver.hpp>
-#include <cageform/grid/detail/high_low.hpp>
-#include <cageform/grid/detail/relax.hpp>
-#include <cageform/grid/detail/tridiagonal.hpp>
+#include <cageform/grid/multigrid/dense_solver.hpp>
+#include <cageform/grid/multigrid/high_low.hpp>
+#include <cageform/grid/multigrid/relax.hpp>
+#include <cageform/grid/multigrid/tridiagonal.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {

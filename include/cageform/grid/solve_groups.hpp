@@ -2,8 +2,8 @@
 // a report.
 #pragma once
 
-#include <cageform/grid/detail/helping_threads.hpp>
-#include <cageform/grid/evaluation.hpp>
+#include <cageform/grid/multigrid/helping_threads.hpp>
+#include <cageform/core/solver_report.hpp>
 
 #include <atomic>
 #include <concepts>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
-#include <cageform/coordinates/detail/affine_rows.hpp>
+#include <cageform/core/affine/affine_rows.hpp>
 
 #include <algorithm>
 #include <cmath>

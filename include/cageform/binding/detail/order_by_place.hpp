@@ -1,7 +1,7 @@
 // An order of points in which those of a block lie near each other.
 #pragma once
 
-#include <cageform/core/blocks.hpp>
+#include <cageform/core/detail/blocks.hpp>
 
 #include <algorithm>
 #include <array>

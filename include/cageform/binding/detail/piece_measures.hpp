@@ -1,8 +1,8 @@
 // The measures of the points of a piece, taken for all lanes at once, and put together in the report.
 #pragma once
 
-#include <cageform/binding/bind_report.hpp>
-#include <cageform/core/blocks.hpp>
+#include <cageform/binding/detail/bind_report.hpp>
+#include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/detail/simd.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -1,7 +1,7 @@
 // Numbers as a packed binding stores them.
 #pragma once
 
-#include <cageform/binding/packed_binding.hpp>
+#include <cageform/binding/detail/packed_binding.hpp>
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 // The plane of a face of any number of corners, and the face cut into triangles.
 #pragma once
 
-#include <cageform/cage/primitives.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -1,7 +1,7 @@
 // The blocks of a clone: weighted sums of displacements, added to the points at rest.
 #pragma once
 
-#include <cageform/binding/packed_binding.hpp>
+#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/clone/detail/row_sums.hpp>
 #include <cageform/clone/detail/target.hpp>
 

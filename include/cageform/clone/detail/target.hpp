@@ -2,7 +2,7 @@
 // one after the other.
 #pragma once
 
-#include <cageform/binding/packed_binding.hpp>
+#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/core/view.hpp>
 

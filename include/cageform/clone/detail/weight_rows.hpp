@@ -1,7 +1,7 @@
 // Rows of weights in their formats, as registers of numbers.
 #pragma once
 
-#include <cageform/binding/packed_binding.hpp>
+#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/detail/simd.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -1,7 +1,7 @@
 // The values that the functions of handles have on the boundary, by the kind of cage.
 #pragma once
 
-#include <cageform/cage/boundary_value.hpp>
+#include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/core/status.hpp>
 
 #include <span>

@@ -1,7 +1,7 @@
 // One row of a block as registers, with elementwise arithmetic. Light enough for run time.
 #pragma once
 
-#include <cageform/core/blocks.hpp>
+#include <cageform/core/detail/blocks.hpp>
 
 #include <array>
 #include <cstring>

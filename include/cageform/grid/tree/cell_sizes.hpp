@@ -2,7 +2,7 @@
 // about edges and vertices where functions are singular.
 #pragma once
 
-#include <cageform/grid/evaluation.hpp>
+#include <cageform/core/solver_report.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

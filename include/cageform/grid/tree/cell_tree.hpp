@@ -6,10 +6,10 @@
 // space, about bones), tree_nodes (the unknowns), leaf_gather (values within a leaf), leaves_about, harmonic_mean and
 // star (values in the plane by what is seen about a place), tree_links (the equations) in level_rows
 // (sparse matrices), tree_hierarchy (the coarser levels), tree_multigrid (the cycles).
-// coordinates/tree_solver.hpp puts them together.
+// coordinates/harmonic/tree_solver.hpp puts them together.
 #pragma once
 
-#include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <array>

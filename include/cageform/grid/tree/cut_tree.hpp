@@ -1,7 +1,7 @@
 // A tree of cells about a boundary: which facets pass which cells, and on which side the others lie.
 #pragma once
 
-#include <cageform/grid/tree/tree_boundary.hpp>
+#include <cageform/grid/tree/boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {

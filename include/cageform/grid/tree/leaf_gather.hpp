@@ -2,7 +2,7 @@
 // beyond hanging nodes, for interpolation between levels and for points of the user.
 #pragma once
 
-#include <cageform/grid/tree/tree_nodes.hpp>
+#include <cageform/grid/tree/nodes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {

@@ -1,7 +1,7 @@
 // A sparse matrix by rows, as cycles read it.
 #pragma once
 
-#include <cageform/core/buffer.hpp>
+#include <cageform/core/detail/buffer.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // where functions are singular. Told by samples: a leaf that holds one is at most as large as it says.
 #pragma once
 
-#include <cageform/grid/evaluation.hpp>
+#include <cageform/core/solver_report.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -3,7 +3,7 @@
 
 #include <cageform/grid/tree/harmonic_mean.hpp>
 #include <cageform/grid/tree/leaves_about.hpp>
-#include <cageform/grid/tree/tree_nodes.hpp>
+#include <cageform/grid/tree/nodes.hpp>
 
 #include <numbers>
 

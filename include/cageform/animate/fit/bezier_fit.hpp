@@ -1,0 +1,60 @@
+// What a fit of a Bézier curve results in: polynomials in time and their errors.
+#pragma once
+
+#include <cageform/animate/bezier.hpp>
+#include <cageform/animate/fit/bernstein.hpp>
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Polynomials in time, one after the other.
+struct BezierFit {
+    /// ok; as check(curve), value_not_finite also where values differ by more than 1e306 from the
+    /// first key's, or a coefficient overflows; and
+    ///   degree_not_supported      not 3, 4 or 5
+    ///   weights_not_positive      value_weight is not positive or slope_weight negative
+    ///   norm_not_supported        the sup norm with conditions that tie pieces together
+    ///   knots_not_ascending       knots do not ascend from 0 to 1, or two are one by rounding
+    ///   slope_unbounded           a condition asks for a derivative where there is none
+    ///   too_many_conditions       more conditions than coefficients, or repeated ones
+    ///   tolerance_not_positive    of `fit`
+    ///   tolerance_not_met         of `fit`, with as many pieces as it may take
+    ///   cancelled                 of `fit`
+    Status status = Status::ok;
+    std::size_t degree = 3;
+    std::vector<double> knots;      ///< #pieces + 1 times
+    std::vector<double> parameters; ///< of the curve at the knots, from 0 to 1
+    /// #pieces · (degree + 1) coefficients, each piece's on [0, 1] of its own interval.
+    std::vector<double> bernstein;
+    std::size_t free_coefficients = 0; ///< less the conditions
+    double l2_error = 0;               ///< (∫ (C − f)² dx)^½, in the units of the curve
+    double slope_error = 0;            ///< (∫ (C' − f')² dx)^½; infinite at a vertical tangent
+    double sup_error = 0;              ///< max |C − f|, exact to rounding
+    double sup_at = 0;                 ///< a time where it occurs
+
+    std::size_t pieces() const noexcept { return knots.empty() ? 0 : knots.size() - 1; }
+    double w12_error() const noexcept { return std::hypot(l2_error, slope_error); }
+    std::span<const double> coefficients(std::size_t piece) const noexcept {
+        return std::span(bernstein).subspan(piece * (degree + 1), degree + 1);
+    }
+    double operator()(double x) const noexcept {
+        std::size_t i = 0;
+        while (i + 2 < knots.size() && x >= knots[i + 1]) ++i;
+        detail::Bernstein p{degree, {}};
+        std::ranges::copy(coefficients(i), p.c.begin());
+        return p((x - knots[i]) / (knots[i + 1] - knots[i]));
+    }
+    /// A piece of degree 3 as a Bézier curve; its handles are at thirds of its interval.
+    BezierCurve as_bezier(std::size_t piece) const noexcept {
+        BezierCurve curve;
+        const double begin = knots[piece], third = (knots[piece + 1] - begin) / 3;
+        for (std::size_t k = 0; k < 4; ++k)
+            curve.points[k] = {k < 3 ? begin + double(k) * third : knots[piece + 1], coefficients(piece)[k]};
+        return curve;
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,95 @@
+// A fit in units of its own: time from 0 to 1, values from the first key's on and of at most 1.
+#pragma once
+
+#include <cageform/animate/bezier.hpp>
+#include <cageform/animate/fit/bernstein.hpp>
+#include <cageform/animate/fit/fit_options.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// One polynomial on its own interval.
+struct FitPiece {
+    double begin = 0, end = 1;     ///< parameters of the curve
+    double x_begin = 0, x_end = 1; ///< parts of the interval of time
+    Bernstein polynomial;
+    bool solved = false;
+
+    double length() const noexcept { return x_end - x_begin; }
+};
+
+/// The most coefficients of a piece: its degree is 5 at most.
+inline constexpr std::size_t most_coefficients = 6;
+using Coefficients = std::array<double, most_coefficients>;
+
+/// The power of two above the largest difference of the curve's values from its first key's, so
+/// that squares of them neither overflow nor vanish. A division by it does not round.
+inline double value_unit(const BezierCurve& curve) noexcept {
+    double largest = 0;
+    for (const auto& p : curve.points) largest = std::fmax(largest, std::fabs(p[1] - curve.points[0][1]));
+    if (largest == 0 || !is_finite(largest)) return 1;
+    int exponent = 0;
+    (void)std::frexp(largest, &exponent);
+    return std::ldexp(1.0, exponent < -1000 ? -1000 : exponent);
+}
+inline BezierCurve in_value_unit(BezierCurve curve) noexcept {
+    const double unit = value_unit(curve);
+    for (auto& p : curve.points) p[1] /= unit;
+    return curve;
+}
+
+/// The curve and what is asked of its fit. Of a sound curve.
+struct FitProblem {
+    double unit; ///< of the values
+    BezierFunction function;
+    FitOptions options; ///< the weights in the units of the fit
+    bool vertical;      ///< the curve has a vertical tangent somewhere
+
+    FitProblem(const BezierCurve& curve, const FitOptions& given) noexcept
+        : unit(value_unit(curve))
+        , function(in_value_unit(curve))
+        , options(given)
+        , vertical(check(curve).vertical_tangent) {
+        if (given.scale_free) return;
+        options.value_weight *= function.length();
+        options.slope_weight /= function.length();
+    }
+
+    bool has(FitCondition one) const noexcept { return contains(options.conditions, one); }
+
+    FitPiece interval(double begin, double end) const noexcept {
+        const auto& time = function.time();
+        return {begin, end, begin == 0 ? 0 : time(begin), end == 1 ? 1 : time(end), {}, false};
+    }
+
+    /// Value, slope and curvature: how many of them a piece takes from the curve, at a key or an
+    /// inner knot.
+    std::size_t prescribed(bool at_key) const noexcept {
+        const auto& conditions = at_key ? at_keys : at_knots;
+        return 1 + std::size_t(has(conditions[1])) + std::size_t(has(conditions[2]));
+    }
+
+    /// The first `count` of C, C' and C'' by time at a parameter; false where one is unbounded.
+    bool derivatives(double t, std::size_t count, std::array<double, 3>& c) const noexcept {
+        const double length = function.length();
+        c = {t == 1 ? function.curve().points[3][1] - function.curve().points[0][1] : function.value()(t), 0,
+             0};
+        // A vertical tangent inside the interval is met to rounding: some thousand of it.
+        constexpr double none = 1e-12;
+        const double rise = std::fabs(function.value().slope(t));
+        if (vertical && count > 1 && function.time().slope(t) <= none && rise > none * largest_value())
+            return false;
+        if (count > 1) c[1] = function.slope_at(t) * length;
+        if (count > 2) c[2] = function.curvature_at(t) * length * length;
+        return is_finite(c[1]) && is_finite(c[2]);
+    }
+
+    /// Of the control points, from the first key on.
+    double largest_value() const noexcept {
+        double largest = 0;
+        for (const auto& p : function.curve().points)
+            largest = std::fmax(largest, std::fabs(p[1] - function.curve().points[0][1]));
+        return largest;
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,250 @@
+// Where the pieces of a fit meet: uniform, searched on a grid, or optimal.
+#pragma once
+
+#include <cageform/animate/fit/line_minimum.hpp>
+#include <cageform/animate/fit/sobolev_fit.hpp>
+#include <cageform/core/running.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Parameters of a sound curve where its interval is divided into equal times.
+inline std::vector<double> uniform_in_time(const BezierCurve& curve, std::size_t pieces) {
+    const BezierFunction function(curve);
+    std::vector<double> parameters;
+    for (std::size_t i = 0; i <= pieces; ++i)
+        parameters.push_back(function.parameter_at_part(double(i) / double(pieces)));
+    return parameters;
+}
+/// Equal steps of the parameter: what the source calls equal arcs (its figures show that).
+inline std::vector<double> uniform_in_parameter(std::size_t pieces) {
+    std::vector<double> parameters;
+    for (std::size_t i = 0; i <= pieces; ++i) parameters.push_back(double(i) / double(pieces));
+    return parameters;
+}
+
+struct KnotOptions {
+    FitOptions fit{};
+    std::size_t max_trials = 1000000; ///< of search_knots: then it fails with too_many_trials
+    std::size_t steps = 40;           ///< of optimal_knots' grid in the parameter; two a piece at least
+    /// Of optimal_knots: in each, every knot is moved once. 20 at most of more than 64 pieces.
+    int rounds = 100;
+};
+
+/// Knots and what they cost.
+struct KnotSearch {
+    /// As of a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces;
+    /// cancelled.
+    Status status = Status::ok;
+    std::vector<double> parameters;   ///< #pieces + 1, from 0 to 1
+    std::vector<std::size_t> indices; ///< of them among the candidates, where they are from a grid
+    double objective = std::numeric_limits<double>::infinity(); ///< weighted squares of the errors
+    std::size_t trials = 0;
+};
+
+namespace detail {
+
+/// The knots of least cost among candidates when pieces are determined by their own interval, by
+/// dynamic programming: least(n, k) = min_j least(n − 1, j) + cost(j, k).
+inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const double> candidates,
+                                std::size_t pieces, const Running& running) {
+    const std::size_t last = candidates.size() - 1;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    KnotSearch search;
+    const auto cancelled = [&](double done) {
+        if (running.keep_going(done)) return false;
+        search.status = Status::cancelled;
+        return true;
+    };
+    std::vector<double> cost((last + 1) * (last + 1), infinity); // from j to k, those to one k in a row
+    for (std::size_t j = 0; j < last; ++j) {
+        if (cancelled(0.8 * double(j) / double(last))) return search;
+        for (std::size_t k = j + 1; k <= last; ++k) {
+            const auto piece = fitter.fit_piece(candidates[j], candidates[k]);
+            ++search.trials;
+            if (piece.solved) cost[k * (last + 1) + j] = fitter.cost(piece);
+        }
+    }
+    std::vector<std::vector<double>> least(pieces + 1, std::vector<double>(last + 1, infinity));
+    std::vector<std::vector<std::size_t>> from(pieces + 1, std::vector<std::size_t>(last + 1));
+    least[0][0] = 0;
+    for (std::size_t n = 1; n <= pieces; ++n) {
+        if (cancelled(0.8 + 0.2 * double(n) / double(pieces))) return search;
+        for (std::size_t k = n; k <= last; ++k) {
+            for (std::size_t j = n - 1; j < k; ++j) {
+                const double sum = least[n - 1][j] + cost[k * (last + 1) + j];
+                if (sum >= least[n][k]) continue;
+                least[n][k] = sum;
+                from[n][k] = j;
+            }
+        }
+    }
+    search.objective = least[pieces][last];
+    if (!(search.objective < infinity)) {
+        search.status = fitter.fit(uniform_in_parameter(pieces)).status;
+        if (search.status == Status::ok) search.status = Status::too_many_conditions;
+        return search;
+    }
+    search.indices.resize(pieces + 1, last);
+    for (std::size_t n = pieces; n > 0; --n) search.indices[n - 1] = from[n][search.indices[n]];
+    for (const std::size_t i : search.indices) search.parameters.push_back(candidates[i]);
+    return search;
+}
+
+/// The next choice of ascending indices from 0 to `last`, the last but one fastest; false after
+/// all.
+inline bool next_choice(std::vector<std::size_t>& indices) noexcept {
+    const std::size_t pieces = indices.size() - 1, last = indices[pieces];
+    std::size_t i = pieces - 1;
+    while (i > 0 && indices[i] + (pieces - i) == last) --i;
+    if (i == 0) return false;
+    ++indices[i];
+    for (std::size_t k = i + 1; k < pieces; ++k) indices[k] = indices[k - 1] + 1;
+    return true;
+}
+
+/// The knots of least cost among candidates, by all choices (the source's brute force).
+inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> candidates, std::size_t pieces,
+                          std::size_t max_trials, const Running& running) {
+    KnotSearch search;
+    std::vector<std::size_t> indices(pieces + 1);
+    for (std::size_t i = 0; i < pieces; ++i) indices[i] = i;
+    indices[pieces] = candidates.size() - 1;
+    std::vector<double> parameters(pieces + 1);
+    do {
+        if (search.trials++ == max_trials) {
+            search.status = Status::too_many_trials;
+            return search;
+        }
+        // The first inner knot tells how far the choices are.
+        const double done = pieces > 1 ? double(indices[1] - 1) / double(indices[pieces]) : 0;
+        if (search.trials % 1000 == 0 && !running.keep_going(done)) {
+            search.status = Status::cancelled;
+            return search;
+        }
+        for (std::size_t i = 0; i <= pieces; ++i) parameters[i] = candidates[indices[i]];
+        const double objective = fitter.cost(parameters);
+        if (objective < search.objective) {
+            search.objective = objective;
+            search.parameters = parameters;
+            search.indices = indices;
+        }
+    } while (next_choice(indices));
+    if (search.parameters.empty()) search.status = Status::too_many_conditions;
+    return search;
+}
+
+/// Options whose pieces are determined by their own interval and have practically the same best
+/// knots: values taken at knots in place of neighbours that agree. The same options where there are
+/// none, and where slopes hardly count, which makes a difference.
+inline FitOptions apart(FitOptions options) noexcept {
+    using enum FitCondition;
+    if (options.conditions == (end_value | knot_c0) && options.slope_weight >= 1e-3 * options.value_weight)
+        options.conditions = end_value | knot_value;
+    return options;
+}
+
+/// As dense as given knots, but another number of pieces.
+inline std::vector<double> divided_anew(std::span<const double> knots, std::size_t pieces) {
+    if (knots.empty()) return {};
+    std::vector<double> result;
+    const double ratio = double(knots.size() - 1) / double(pieces);
+    for (std::size_t i = 0; i < pieces; ++i) {
+        const double place = double(i) * ratio;
+        const auto k = std::size_t(place);
+        result.push_back(std::lerp(knots[k], knots[k + 1], place - double(k)));
+    }
+    result.push_back(1);
+    return result;
+}
+
+/// Moves every inner knot once to where it costs least; the largest move.
+inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
+    auto& t = search.parameters;
+    double moved = 0;
+    for (std::size_t i = 1; i + 1 < t.size(); ++i) {
+        const auto objective = [&](double x) {
+            ++search.trials;
+            if (!fitter.decoupled()) {
+                auto others = t;
+                others[i] = x;
+                return fitter.cost(others);
+            }
+            const auto left = fitter.fit_piece(t[i - 1], x), right = fitter.fit_piece(x, t[i + 1]);
+            if (!left.solved || !right.solved) return std::numeric_limits<double>::infinity();
+            return fitter.cost(left) + fitter.cost(right);
+        };
+        const double margin = 1e-6 * (t[i + 1] - t[i - 1]);
+        const double best = line_minimum(t[i - 1] + margin, t[i], t[i + 1] - margin, 1e-9, objective);
+        moved = (std::max)(moved, std::fabs(best - t[i]));
+        t[i] = best;
+    }
+    return moved;
+}
+
+} // namespace detail
+
+/// The best of all choices of inner knots among candidates, which ascend from 0 to 1. Where pieces
+/// are determined by their own interval it is found without trying all; so with `end_value |
+/// knot_c0`, by the knots of `end_value | knot_value`.
+inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double> candidates,
+                               std::size_t pieces, const KnotOptions& options = {},
+                               const Running& running = {}) {
+    const SobolevFitter fitter(curve, detail::apart(options.fit));
+    KnotSearch search;
+    search.status = fitter.status();
+    if (search.status != Status::ok) return search;
+    if (pieces == 0 || candidates.size() < pieces + 1) {
+        search.status = Status::knots_not_ascending;
+        return search;
+    }
+    search = fitter.decoupled() ? detail::cheapest_path(fitter, candidates, pieces, running)
+                                : detail::try_all(fitter, candidates, pieces, options.max_trials, running);
+    search.objective = fitter.in_units(search.objective);
+    search.status = running.end(search.status);
+    return search;
+}
+
+/// The best knots: those on a grid of equal steps of the parameter, then polished, one knot after
+/// the other, until none moves. Of more than 64 pieces the first are those of half as many, divided
+/// anew. Of more than 24 pieces that are tied, the knots are those of `end_value | knot_value`,
+/// which cost some hundredths more.
+///
+///   cost  O(steps² + pieces · rounds) fits of a piece, of all pieces where they are tied: some
+///         milliseconds for 8 pieces, seconds for 1000
+inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, const KnotOptions& options = {},
+                                const Running& running = {}) {
+    constexpr std::size_t most_on_grid = 64, most_tied = 24;
+    const bool many = pieces > most_on_grid;
+    FitOptions polished = detail::apart(options.fit);
+    // On the grid pieces are apart whatever the conditions, or there would be too many choices.
+    KnotOptions on_grid = options;
+    using enum FitCondition;
+    if (!detail::decoupled(polished.conditions)) {
+        on_grid.fit.conditions = end_value | knot_value;
+        if (pieces > most_tied) polished.conditions = end_value | knot_value;
+    }
+    KnotSearch search;
+    if (many) {
+        search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.part(0, 0.5));
+        search.parameters = detail::divided_anew(search.parameters, pieces);
+    } else {
+        const auto candidates = uniform_in_parameter((std::max)(options.steps, 2 * pieces));
+        search = search_knots(curve, candidates, pieces, on_grid, running.part(0, 0.5));
+    }
+    if (search.status != Status::ok) return search;
+    search.indices.clear();
+    const SobolevFitter fitter(curve, polished);
+    const int rounds = many ? (std::min)(options.rounds, 20) : options.rounds;
+    for (int round = 0; round < rounds; ++round) {
+        if (!running.keep_going(0.5 + 0.5 * round / rounds)) {
+            search.status = Status::cancelled;
+            return search;
+        }
+        if (detail::polish(fitter, search) < 1e-8) break;
+    }
+    search.objective = SobolevFitter(curve, options.fit).objective(search.parameters);
+    search.status = running.end(Status::ok);
+    return search;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,50 @@
+// Boundary data at a place of a cage.
+#pragma once
+
+#include <cageform/cage/detail/primitives.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// The boundary data at a place: the handles whose hat functions do not vanish there, and their
+/// values, which sum to 1.
+template <std::size_t D>
+struct BoundaryValue {
+    static constexpr std::size_t most = D <= 2 ? D : 4; ///< a vertex, an edge, a triangle or quadrilateral
+    std::array<std::uint32_t, most> handle{};
+    std::array<double, most> weight{};
+};
+
+/// That at the place of a facet with these weights of its vertices.
+template <std::size_t D>
+BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
+                                const std::array<double, D>& weight) noexcept {
+    BoundaryValue<D> value;
+    value.handle.fill(vertex[0]); // where there are more handles than vertices, with a weight of 0
+    std::copy(vertex.begin(), vertex.end(), value.handle.begin());
+    std::copy(weight.begin(), weight.end(), value.weight.begin());
+    return value;
+}
+
+namespace detail {
+
+/// Hat functions of the vertices: a place's BoundaryValue is all there is to say.
+template <std::size_t D>
+class HatData {
+public:
+    using Value = BoundaryValue<D>;
+
+    template <class F>
+    static void for_each_weight(const Value& value, F&& f) {
+        for (std::size_t n = 0; n < Value::most; ++n) {
+            if (value.weight[n] != 0) f(value.handle[n], value.weight[n]);
+        }
+    }
+    template <class F>
+    static void for_each_handle(const Value& value, F&& f) {
+        for_each_weight(value, [&](std::uint32_t handle, double) { f(handle); });
+    }
+};
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

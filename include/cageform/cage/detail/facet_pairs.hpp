@@ -1,0 +1,249 @@
+// Pairs of facets that may meet, in a box that is halved until few are left.
+#pragma once
+
+#include <cageform/cage/detail/primitives.hpp>
+
+#include <cstdint>
+#include <optional>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The bounds of the part of a facet that lies in a box; nothing where none does (Sutherland,
+/// Hodgman 1974: the facet is clipped by one side of the box after the other).
+template <std::size_t D>
+std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
+                                                const Bounds<double, D>& box) noexcept {
+    // Each of the 2 D sides adds one corner at most, but for rounding.
+    std::array<Vec<double, D>, 4 * D> from{}, to{};
+    std::size_t count = D;
+    std::copy(corner.begin(), corner.end(), from.begin());
+    for (std::size_t side = 0; side < 2 * D; ++side) {
+        const std::size_t axis = side / 2;
+        const double sign = side % 2 == 0 ? 1 : -1;
+        const double limit = sign * (side % 2 == 0 ? box.upper : box.lower)[axis];
+        std::size_t kept = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (kept + 2 > to.size()) return box;
+            const auto &a = from[k], &b = from[(k + 1) % count];
+            const double beyond_a = sign * a[axis] - limit, beyond_b = sign * b[axis] - limit;
+            if (beyond_a <= 0) to[kept++] = a;
+            if ((beyond_a < 0 && beyond_b > 0) || (beyond_a > 0 && beyond_b < 0)) {
+                to[kept] = a + (beyond_a / (beyond_a - beyond_b)) * (b - a);
+                to[kept++][axis] = sign * limit;
+            }
+        }
+        if (kept == 0) return std::nullopt;
+        count = kept;
+        from = to;
+    }
+    return bounds_of(std::span<const Vec<double, D>>(from.data(), count));
+}
+
+/// Finds the pairs of facets that meet.
+///
+/// A box about all facets is halved, along the axis that leaves the fewest pairs, until a part has
+/// few pairs or halving no longer helps. Facets are clipped to their parts: slivers whose bounds
+/// overlap are told apart. Usually O(n log n), O(n²) at worst.
+template <std::size_t D>
+class FacetPairs {
+public:
+    /// Facets of one group, other than no_group, are not paired. Those that are `margin` apart may
+    /// count as meeting.
+    FacetPairs(std::span<const Facet<D>> facets, std::span<const std::uint32_t> groups, double margin)
+        : facets_(facets)
+        , groups_(groups)
+        , margin_(margin)
+        , parts_of_(facets.size()) {}
+
+    static constexpr std::uint32_t no_group = ~std::uint32_t{0};
+
+    /// found(m, n), m < n, once for every pair with meet(m, n); in no particular order, the same in
+    /// every call. `meet` may be asked several times.
+    template <class Meet, class Found>
+    void for_each(const Meet& meet, const Found& found) {
+        std::vector<Item> items;
+        items.reserve(facets_.size());
+        for (std::uint32_t n = 0; n < facets_.size(); ++n) items.push_back({n, facets_[n].bounds()});
+        // Groups side by side: what is taken out of the list later keeps them so.
+        std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
+            return group(a) != group(b) ? group(a) < group(b) : a.facet < b.facet;
+        });
+        divide(std::move(items), meet, found);
+    }
+
+private:
+    struct Item {
+        std::uint32_t facet;
+        Bounds<double, D> bounds; ///< of its part in the box
+    };
+    using Items = std::vector<Item>;
+    struct InPart {
+        std::uint32_t part;
+        Bounds<double, D> bounds;
+    };
+
+    std::uint32_t group(const Item& item) const noexcept {
+        return groups_.empty() ? no_group : groups_[item.facet];
+    }
+
+    /// Counts the pairs of items that come one by one, groups side by side.
+    struct PairCount {
+        double items = 0, pairs = 0, in_group = 0;
+        std::uint32_t last = no_group;
+        void add(std::uint32_t group) noexcept {
+            in_group = group != no_group && group == last ? in_group + 1 : 0;
+            last = group;
+            pairs += items - in_group;
+            ++items;
+        }
+    };
+
+    struct Split {
+        std::size_t axis = 0;
+        double at = 0;
+        double pairs = std::numeric_limits<double>::infinity(); ///< of both halves together
+    };
+    Split split_at(const Items& items, std::size_t axis, double at) const noexcept {
+        PairCount lower, upper;
+        for (const Item& item : items) {
+            if (item.bounds.lower[axis] - margin_ <= at) lower.add(group(item));
+            if (item.bounds.upper[axis] + margin_ >= at) upper.add(group(item));
+        }
+        return {axis, at, lower.pairs + upper.pairs};
+    }
+    /// At the median of the items' middles or in the middle of their range, along the best axis: the
+    /// one parts what is scattered over many scales, the other two heaps.
+    Split best_split(const Items& items) const {
+        Split best;
+        std::vector<double> middles(items.size());
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            std::transform(items.begin(), items.end(), middles.begin(), [&](const Item& item) {
+                return 0.5 * item.bounds.lower[axis] + 0.5 * item.bounds.upper[axis];
+            });
+            const auto [least, most] = std::minmax_element(middles.begin(), middles.end());
+            const double middle = 0.5 * *least + 0.5 * *most;
+            const auto median = middles.begin() + std::ptrdiff_t(middles.size() / 2);
+            std::nth_element(middles.begin(), median, middles.end());
+            for (const double at : {*median, middle}) {
+                const Split split = split_at(items, axis, at);
+                if (split.pairs < best.pairs) best = split;
+            }
+        }
+        return best;
+    }
+
+    /// The items that reach into a box, clipped to it: all, or those of one group while others stay.
+    Items clipped(const Items& items, const Bounds<double, D>& box, std::uint32_t only) const {
+        Items inside;
+        for (const Item& item : items) {
+            if (only != no_group && group(item) != only) {
+                inside.push_back(item);
+                continue;
+            }
+            Bounds<double, D> part = item.bounds;
+            for (std::size_t k = 0; k < D; ++k) {
+                part.lower[k] = std::fmax(part.lower[k], box.lower[k]);
+                part.upper[k] = std::fmin(part.upper[k], box.upper[k]);
+            }
+            part = part.widened(margin_);
+            if (!part.overlaps(part)) continue; // empty
+            if (part.covers(item.bounds)) {
+                inside.push_back(item);
+            } else if (const auto bounds = clipped_bounds(facets_[item.facet].corner, part)) {
+                inside.push_back({item.facet, *bounds});
+            }
+        }
+        return inside;
+    }
+
+    static Bounds<double, D> everywhere() noexcept {
+        Bounds<double, D> box;
+        for (std::size_t k = 0; k < D; ++k) {
+            box.lower[k] = std::numeric_limits<double>::lowest();
+            box.upper[k] = (std::numeric_limits<double>::max)();
+        }
+        return box;
+    }
+
+    /// Clips a group that has more than half of the items to the bounds of the others, with which
+    /// alone it is paired: halving does not tell slivers about an apex from what is beside it.
+    Items cropped(Items items) const {
+        std::size_t begin = 0, end = end_of_group(items, 0);
+        while (2 * (end - begin) <= items.size() && end < items.size()) {
+            begin = end;
+            end = end_of_group(items, begin);
+        }
+        if (2 * (end - begin) <= items.size()) return items;
+        auto others = bounds_of(std::span<const Vec<double, D>>());
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            if (begin <= i && i < end) continue;
+            for (std::size_t k = 0; k < D; ++k) {
+                others.lower[k] = std::fmin(others.lower[k], items[i].bounds.lower[k]);
+                others.upper[k] = std::fmax(others.upper[k], items[i].bounds.upper[k]);
+            }
+        }
+        return clipped(items, others.widened(margin_), group(items[begin]));
+    }
+
+    template <class Meet, class Found>
+    void divide(Items items, const Meet& meet, const Found& found) {
+        constexpr double few = 8;      // pairs an item: as many as halving would take
+        constexpr double helps = 0.95; // all halvings take a few times as long as all pairs at most
+        PairCount count;
+        for (const Item& item : items) count.add(group(item));
+        if (count.pairs == 0) return;
+        Split split;
+        if (count.pairs > few * count.items) {
+            items = cropped(std::move(items));
+            split = best_split(items);
+        }
+        if (!(split.pairs < helps * count.pairs)) return test_pairs(items, meet, found);
+        auto lower = everywhere(), upper = everywhere();
+        lower.upper[split.axis] = upper.lower[split.axis] = split.at;
+        Items lower_items = clipped(items, lower, no_group);
+        items = clipped(items, upper, no_group);
+        divide(std::move(lower_items), meet, found);
+        divide(std::move(items), meet, found);
+    }
+
+    template <class Meet, class Found>
+    void test_pairs(const Items& items, const Meet& meet, const Found& found) {
+        for (std::size_t i = 0, end = 0; i < items.size(); ++i) {
+            if (i == end) end = end_of_group(items, i);
+            for (std::size_t j = end; j < items.size(); ++j) {
+                if (!are_near(items[i].bounds, items[j].bounds)) continue;
+                const std::size_t m = (std::min)(items[i].facet, items[j].facet);
+                const std::size_t n = (std::max)(items[i].facet, items[j].facet);
+                if (meet(m, n) && !found_before(m, n)) found(m, n);
+            }
+        }
+        for (const Item& item : items) parts_of_[item.facet].push_back({parts_, item.bounds});
+        ++parts_;
+    }
+    bool are_near(const Bounds<double, D>& a, const Bounds<double, D>& b) const noexcept {
+        return a.widened(2 * margin_).overlaps(b);
+    }
+    std::size_t end_of_group(const Items& items, std::size_t i) const noexcept {
+        std::size_t end = i + 1;
+        while (end < items.size() && group(items[i]) != no_group && group(items[end]) == group(items[i]))
+            ++end;
+        return end;
+    }
+    /// Whether an earlier part had both near to each other.
+    bool found_before(std::size_t m, std::size_t n) const noexcept {
+        const auto &a = parts_of_[m], &b = parts_of_[n];
+        for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+            if (a[i].part == b[j].part && are_near(a[i].bounds, b[j].bounds)) return true;
+            ++(a[i].part <= b[j].part ? i : j);
+        }
+        return false;
+    }
+
+    std::span<const Facet<D>> facets_;
+    std::span<const std::uint32_t> groups_;
+    double margin_;
+    std::vector<std::vector<InPart>> parts_of_; ///< of every facet, ascending
+    std::uint32_t parts_ = 0;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,279 @@
+// Segments and triangles: what all cages are made of, and the rules which side is inside.
+#pragma once
+
+#include <cageform/cage/detail/orientation.hpp>
+#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/detail/buffer.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// The two axes across an axis of space, in order.
+inline constexpr std::array<std::array<std::size_t, 2>, 3> other_axes{{{1, 2}, {0, 2}, {0, 1}}};
+
+template <std::size_t D>
+double length(const Vec<double, D>& v) noexcept {
+    return std::sqrt(dot(v, v));
+}
+
+// ---- which side is inside -----------------------------------------------------------------------
+
+/// The rule of the plane, even-odd: a point is inside where the ray from it to the right crosses an
+/// odd number of edges. An edge owns its lower end and not its upper one, so that a ray through a
+/// vertex counts the edges there rightly.
+inline bool crosses_ray(const Vec<double, 2>& q, const Vec<double, 2>& a, const Vec<double, 2>& b) noexcept {
+    return (a[1] > q[1]) != (b[1] > q[1]) && (cross(b - a, q - a) > 0) == (b[1] > a[1]);
+}
+
+/// The rule of space: a point is inside where the winding number rounds to an odd one.
+inline bool is_enclosed(double winding_number) noexcept {
+    return std::fmod(std::fabs(std::round(winding_number)), 2.0) == 1;
+}
+
+// ---- facets: edges in the plane, triangles in space ---------------------------------------------
+
+/// The corners of a facet.
+template <std::size_t D>
+using Corners = std::array<Vec<double, D>, D>;
+
+/// A facet by its vertices, and where they lie.
+template <std::size_t D>
+struct Facet {
+    std::array<std::uint32_t, D> vertex;
+    Corners<D> corner;
+
+    template <Scalar T>
+    Facet(const std::array<std::uint32_t, D>& of, std::span<const Vec<T, D>> vertices) noexcept
+        : vertex(of) {
+        for (std::size_t k = 0; k < D; ++k) corner[k] = vec_cast<double>(vertices[of[k]]);
+    }
+    bool has(std::uint32_t i) const noexcept {
+        bool found = false; // without branches: asked for all pairs of a fan
+        for (const std::uint32_t v : vertex) found |= v == i;
+        return found;
+    }
+    Bounds<double, D> bounds() const noexcept { return bounds_of(std::span<const Vec<double, D>>(corner)); }
+};
+
+/// Where on the segment from `a` to `b` the place nearest to `p` lies: 0 at a, 1 at b; 0 where both
+/// are one.
+template <std::size_t D>
+double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
+    const auto e = b - a;
+    const double length2 = dot(e, e);
+    return length2 > 0 ? std::fmin(std::fmax(dot(p - a, e) / length2, 0.0), 1.0) : 0.0;
+}
+
+/// The place of that segment nearest to `p`.
+template <std::size_t D>
+Vec<double, D> nearest_on_segment(const Vec<double, D>& p, const Vec<double, D>& a,
+                                  const Vec<double, D>& b) noexcept {
+    return a + part_of_segment(p, a, b) * (b - a);
+}
+template <std::size_t D>
+double distance_to_segment(const Vec<double, D>& p, const Vec<double, D>& a,
+                           const Vec<double, D>& b) noexcept {
+    return length(nearest_on_segment(p, a, b) - p);
+}
+
+/// The distance of two segments; in the plane 0 where they meet, exactly.
+template <std::size_t D>
+double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const Vec<double, D>& c,
+                        const Vec<double, D>& d) noexcept {
+    const double least = (std::min)({distance_to_segment(c, a, b), distance_to_segment(d, a, b),
+                                     distance_to_segment(a, c, d), distance_to_segment(b, c, d)});
+    if constexpr (D == 2) {
+        return segments_touch(a, b, c, d) ? 0.0 : least;
+    } else {
+        // Nearer than at the ends only where the common perpendicular meets both.
+        const auto e = b - a, f = d - c, g = a - c;
+        const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f), determinant = ee * ff - ef * ef;
+        if (!(determinant > 0)) return least;
+        const double s = (ef * dot(f, g) - ff * dot(e, g)) / determinant;
+        const double t = (ee * dot(f, g) - ef * dot(e, g)) / determinant;
+        if (s < 0 || s > 1 || t < 0 || t > 1) return least;
+        return (std::min)(least, length(a + s * e - (c + t * f)));
+    }
+}
+
+/// The place of an edge nearest to `p`, as weights of its corners.
+inline std::array<double, 2> nearest_on_facet(const Vec<double, 2>& p, const Corners<2>& edge) noexcept {
+    const double s = part_of_segment(p, edge[0], edge[1]);
+    return {1 - s, s};
+}
+/// That of a triangle (Ericson, Real-Time Collision Detection (2005), sec. 5.1.5: the regions of
+/// vertices, edges and the face).
+inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Corners<3>& triangle) noexcept {
+    const auto& [a, b, c] = triangle;
+    const auto n = cross(b - a, c - a);
+    const double area2 = dot(n, n);
+    if (area2 > 0) {
+        const double u = dot(cross(c - b, p - b), n) / area2, v = dot(cross(a - c, p - c), n) / area2;
+        if (u >= 0 && v >= 0 && u + v <= 1) return {u, v, 1 - u - v};
+    }
+    std::array<double, 3> best{1, 0, 0};
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3;
+        const double s = part_of_segment(p, triangle[k], triangle[l]);
+        const auto d = triangle[k] + s * (triangle[l] - triangle[k]) - p;
+        if (dot(d, d) >= least) continue;
+        least = dot(d, d);
+        best = {0, 0, 0};
+        best[k] = 1 - s;
+        best[l] = s;
+    }
+    return best;
+}
+
+/// The place with these weights of a facet's corners.
+template <std::size_t D>
+Vec<double, D> place_on_facet(const std::array<double, D>& weights, const Corners<D>& corner) noexcept {
+    Vec<double, D> x{};
+    for (std::size_t k = 0; k < D; ++k) x = x + weights[k] * corner[k];
+    return x;
+}
+template <std::size_t D>
+double distance_to_facet(const Vec<double, D>& p, const Corners<D>& corner) noexcept {
+    return length(place_on_facet(nearest_on_facet(p, corner), corner) - p);
+}
+
+/// Whether the corners of a triangle lie on one line within `tolerance`.
+inline bool is_flat(const Corners<3>& corner, double tolerance) noexcept {
+    const auto& [a, b, c] = corner;
+    const double longest = (std::max)({length(b - a), length(c - b), length(a - c)});
+    return !(length(cross(b - a, c - a)) > tolerance * longest);
+}
+
+/// Half the solid angle that a triangle is seen under from `q`, positive where it is seen clockwise
+/// (van Oosterom & Strackee 1983).
+inline double half_solid_angle(const Vec<double, 3>& q, const Corners<3>& corner) noexcept {
+    const auto a = corner[0] - q, b = corner[1] - q, c = corner[2] - q;
+    const double x = length(a), y = length(b), z = length(c);
+    return std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+}
+
+/// Whether a line through `s` and `t` that is not in the plane of a triangle passes through it,
+/// touching its rim included. Exact: no line passes between triangles that share an edge.
+inline bool line_meets(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
+    const auto& [a, b, c] = corner;
+    const int first = orientation(s, t, a, b), second = orientation(s, t, b, c);
+    if (first * second < 0) return false;
+    const int third = orientation(s, t, c, a);
+    return first * third >= 0 && second * third >= 0;
+}
+/// Whether the segment from `s` to `t`, its ends included, passes through or touches a triangle
+/// whose plane it is not in. Exact.
+inline bool pierces(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
+    const auto& [a, b, c] = corner;
+    const int from = orientation(a, b, c, s), to = orientation(a, b, c, t);
+    return from * to <= 0 && from != to && line_meets(s, t, corner);
+}
+
+/// The distance of the segment from `a` to `b` from a facet.
+template <std::size_t D>
+double segment_to_facet(const Vec<double, D>& a, const Vec<double, D>& b, const Corners<D>& corner) noexcept {
+    if constexpr (D == 2) {
+        return segment_distance(a, b, corner[0], corner[1]);
+    } else {
+        if (pierces(a, b, corner)) return 0;
+        double least = (std::min)(distance_to_facet(a, corner), distance_to_facet(b, corner));
+        for (std::size_t k = 0; k < 3; ++k)
+            least = (std::min)(least, segment_distance(a, b, corner[k], corner[(k + 1) % 3]));
+        return least;
+    }
+}
+
+/// Whether two edges meet elsewhere than in a vertex they share, or nearer to each other than
+/// `tolerance`.
+inline bool facets_touch(const Facet<2>& a, const Facet<2>& b, double tolerance) noexcept {
+    for (std::size_t k = 0; k < 2; ++k) {
+        for (std::size_t l = 0; l < 2; ++l) {
+            if (a.vertex[k] != b.vertex[l]) continue;
+            if (a.vertex[1 - k] == b.vertex[1 - l]) return true; // the same edge twice
+            // Neighbours may not fold back onto each other.
+            const auto u = a.corner[1 - k] - a.corner[k], v = b.corner[1 - l] - b.corner[l];
+            return dot(u, v) > 0 &&
+                   std::fabs(cross(u, v)) <= tolerance * std::sqrt((std::max)(dot(u, u), dot(v, v)));
+        }
+    }
+    return segment_distance(a.corner[0], a.corner[1], b.corner[0], b.corner[1]) <= tolerance;
+}
+/// Whether two triangles meet elsewhere than in the vertices they share.
+inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance) noexcept {
+    const auto shared =
+        std::count_if(a.vertex.begin(), a.vertex.end(), [&](std::uint32_t i) { return b.has(i); });
+    if (shared == 3) return true;
+    // Edges without a shared end come through or next to the other triangle. Those with one can
+    // not, unless they lie in it.
+    const auto comes_near = [&](const Facet<3>& f, const Facet<3>& g) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3;
+            if (g.has(f.vertex[k])) continue;
+            if (!g.has(f.vertex[l]) && segment_to_facet(f.corner[k], f.corner[l], g.corner) <= tolerance)
+                return true;
+            // With a shared edge: folded flat onto each other?
+            if (shared == 2 && distance_to_facet(f.corner[k], g.corner) <= tolerance) return true;
+        }
+        return false;
+    };
+    return comes_near(a, b) || comes_near(b, a);
+}
+
+/// The axis along which boxes are the shortest on average, in units of the standard deviation of
+/// their middles: few that lie far off do not make all others look short.
+template <std::size_t D>
+std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
+    std::size_t axis = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < D; ++k) {
+        double lengths = 0, mean = 0, variance = 0; // Welford 1962
+        double count = 0;
+        for (const auto& box : boxes) {
+            lengths += box.upper[k] - box.lower[k];
+            const double middle = 0.5 * box.lower[k] + 0.5 * box.upper[k], off = middle - mean;
+            mean += off / ++count;
+            variance += off * (middle - mean);
+        }
+        const double ratio = lengths / std::sqrt(variance);
+        if (!(ratio < least)) continue;
+        least = ratio;
+        axis = k;
+    }
+    return axis;
+}
+
+/// f(m, n), m < n, for all pairs of boxes that overlap, swept along one axis. Usually O(n log n),
+/// O(n²) at worst.
+template <std::size_t D, class F>
+void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
+    const std::size_t axis = sweep_axis(boxes);
+    std::vector<std::size_t> order(boxes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t m, std::size_t n) { return boxes[m].lower[axis] < boxes[n].lower[axis]; });
+    Buffer<Bounds<double, D>> sorted; // read front to back
+    sorted.reserve(boxes.size());
+    for (const std::size_t m : order) sorted.push_back(boxes[m]);
+    for (std::size_t m = 0; m < sorted.size(); ++m) {
+        const double end = sorted[m].upper[axis];
+        for (std::size_t n = m + 1; n < sorted.size() && sorted[n].lower[axis] <= end; ++n) {
+            if (sorted[m].overlaps(sorted[n]))
+                f((std::min)(order[m], order[n]), (std::max)(order[m], order[n]));
+        }
+    }
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,450 @@
+// The Delaunay triangulation of sites, in the plane and in space.
+#pragma once
+
+#include <cageform/cage/sites/site_lattice.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A Delaunay triangulation, with a *ghost* simplex beyond every facet of the convex hull.
+///
+/// Bowyer (1981) and Watson (1981), with exact signs: sites are rounded to a lattice of 2^-60 of
+/// their extent, determinants whose sign is not certain in double are taken of integers. Places on a
+/// sphere count as not inside, so no simplex is ever flat. Sites are numbered anew, in an order that
+/// follows from their places alone: so do the triangulation and the order of its simplices, whatever
+/// the order of the sites.
+///
+///   cost    O(n log n) for usual sites, O(n²) at worst in space
+///   memory  6 triangles or some 7 tetrahedra of 64 bytes a site
+template <std::size_t D>
+class Delaunay {
+    static_assert(D == 2 || D == 3);
+
+public:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    /// The vertex at infinity, which only ghosts have: their last.
+    static constexpr std::uint32_t infinite = none;
+
+    /// Vertices in ascending order but for the first two, which may be swapped: positively oriented
+    /// (`detail::orientation`). A ghost is where its last vertex is replaced by a place beyond the
+    /// facet. Neighbour k lies across the facet without vertex k.
+    struct Simplex {
+        std::array<std::uint32_t, D + 1> vertex;
+        std::array<std::uint32_t, D + 1> neighbour;
+
+        bool is_ghost() const noexcept { return vertex[D] == infinite; }
+        std::size_t index_of(std::uint32_t v) const noexcept { return index(vertex, v); }
+        std::size_t index_of_neighbour(std::uint32_t s) const noexcept { return index(neighbour, s); }
+
+    private:
+        static std::size_t index(const std::array<std::uint32_t, D + 1>& all, std::uint32_t x) noexcept {
+            std::size_t k = 0;
+            while (k < D && all[k] != x) ++k;
+            return k;
+        }
+    };
+
+    /// What a search needs, one for every thread.
+    class Search {
+        friend class Delaunay;
+
+    public:
+        /// The simplices whose open balls hold the place, in ascending order: the *cavity*.
+        std::span<const std::uint32_t> cavity() const noexcept { return cavity_; }
+        bool holds(std::uint32_t simplex) const noexcept { return stamps_[simplex] == stamp_; }
+
+    private:
+        void begin(std::size_t simplices) {
+            cavity_.clear();
+            if (stamps_.size() < simplices) stamps_.resize(simplices, 0);
+            stamp_ += 2; // odd: looked at, even: in the cavity
+            if (stamp_ != 0) return;
+            std::fill(stamps_.begin(), stamps_.end(), 0u);
+            stamp_ = 2;
+        }
+
+        std::vector<std::uint32_t> cavity_, stamps_;
+        std::uint32_t stamp_ = 0;
+        std::uint32_t last_ = 0; ///< where the next walk begins
+    };
+
+    Delaunay() = default;
+
+    /// Of places on a lattice; of those that are equal all but one are left out. Empty where they
+    /// lie in a plane (on a line).
+    explicit Delaunay(std::vector<detail::Place<D>> places)
+        : site_(places.size())
+        , place_(std::move(places)) {
+        sort_sites();
+        Search search;
+        if (!begin()) return;
+        for (std::uint32_t i = D + 1; i < place_.size(); ++i) insert(i, search);
+        finish();
+        find_centres();
+        lay_grid();
+    }
+
+    bool empty() const noexcept { return simplices_.empty(); }
+    std::size_t size() const noexcept { return place_.size(); }
+    std::span<const Simplex> simplices() const noexcept { return simplices_; }
+    /// The number that the caller has given to a vertex.
+    std::uint32_t site(std::uint32_t vertex) const noexcept { return site_[vertex]; }
+    const detail::Place<D>& place(std::uint32_t vertex) const noexcept { return place_[vertex]; }
+    /// The circumcentre of a simplex that is no ghost, seen from its first vertex.
+    const detail::Centre<D>& centre(std::uint32_t simplex) const noexcept { return centres_[simplex]; }
+
+    std::array<detail::Place<D>, D + 1> corners(const Simplex& simplex) const noexcept {
+        std::array<detail::Place<D>, D + 1> a;
+        for (std::size_t k = 0; k <= D; ++k) a[k] = place_[simplex.vertex[k]];
+        return a;
+    }
+
+    /// The simplex that `p` lies in, or one of them; a ghost beyond whose facet it lies. A walk from
+    /// near the place.
+    std::uint32_t locate(const detail::Place<D>& p, Search& search) const noexcept {
+        return walk(p, search, [](std::uint32_t) { return false; });
+    }
+
+    /// Fills the cavity of `p`: empty where p is a site; beyond the hull some of it, with a ghost. The
+    /// walk ends at the first ball that holds p; returns a simplex of the cavity, or one with corner p.
+    std::uint32_t find_cavity(const detail::Place<D>& p, Search& search) const {
+        const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
+        const std::uint32_t from = walk(p, search, holds);
+        find_cavity(p, from, search);
+        return from;
+    }
+
+private:
+    using Place = detail::Place<D>;
+    using Corners = std::array<Place, D + 1>;
+
+    // ---- the order of insertion -----------------------------------------------------------------
+
+    /// Which of two places comes first on Morton's curve: by the axis in which they differ in the
+    /// highest bit (Chan 2002).
+    static bool before_on_curve(const Place& a, const Place& b) noexcept {
+        std::size_t axis = 0;
+        std::uint64_t most = 0;
+        for (std::size_t k = 0; k < D; ++k) {
+            const auto differing = std::uint64_t(a[k]) ^ std::uint64_t(b[k]);
+            if (most < differing && most < (most ^ differing)) {
+                most = differing;
+                axis = k;
+            }
+        }
+        return a[axis] < b[axis];
+    }
+    /// Rounds of random halves, each along the curve (Amenta, Choi, Rote 2003). What is random
+    /// follows from the place.
+    static int round_of(const Place& a) noexcept {
+        std::uint64_t z = 0;
+        for (const std::int64_t x : a) {
+            z = (z ^ std::uint64_t(x)) * 0x9E3779B97F4A7C15u;
+            z ^= z >> 29;
+        }
+        int round = 0;
+        while (round < 20 && ((z >> round) & 1u) != 0) ++round;
+        return -round;
+    }
+    void sort_sites() {
+        struct Entry {
+            int round;
+            std::uint32_t site;
+        };
+        std::vector<Entry> order(place_.size());
+        for (std::uint32_t i = 0; i < place_.size(); ++i) order[i] = {round_of(place_[i]), i};
+        std::sort(order.begin(), order.end(), [&](const Entry& a, const Entry& b) {
+            if (a.round != b.round) return a.round < b.round;
+            if (place_[a.site] != place_[b.site]) return before_on_curve(place_[a.site], place_[b.site]);
+            return a.site < b.site;
+        });
+        std::vector<Place> sorted;
+        sorted.reserve(place_.size());
+        for (std::size_t n = 0; n < order.size(); ++n) {
+            site_[n] = order[n].site;
+            sorted.push_back(place_[order[n].site]);
+        }
+        place_ = std::move(sorted);
+    }
+
+    /// The first simplex: of the first site and of the next that do not lie in its line, plane, ….
+    /// They take the first places of the order.
+    bool begin() {
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < place_.size() && count <= D; ++i) {
+            if (!independent(count, place_[i])) continue;
+            std::rotate(place_.begin() + std::ptrdiff_t(count), place_.begin() + std::ptrdiff_t(i),
+                        place_.begin() + std::ptrdiff_t(i) + 1);
+            std::rotate(site_.begin() + std::ptrdiff_t(count), site_.begin() + std::ptrdiff_t(i),
+                        site_.begin() + std::ptrdiff_t(i) + 1);
+            ++count;
+        }
+        if (count <= D) return false;
+        Simplex first{};
+        for (std::uint32_t k = 0; k <= D; ++k) first.vertex[k] = k;
+        if (detail::orientation<D>(corners(first)) < 0) std::swap(first.vertex[0], first.vertex[1]);
+        for (std::uint32_t k = 0; k <= D; ++k) first.neighbour[k] = k + 1;
+        simplices_.push_back(first);
+        for (std::size_t k = 0; k <= D; ++k) {
+            // Beyond facet k the orientation is the other one: two vertices are swapped.
+            Simplex ghost = first;
+            ghost.vertex[k] = infinite;
+            ghost.neighbour[k] = 0;
+            std::swap(ghost.vertex[(k + 1) % (D + 1)], ghost.vertex[(k + 2) % (D + 1)]);
+            std::swap(ghost.neighbour[(k + 1) % (D + 1)], ghost.neighbour[(k + 2) % (D + 1)]);
+            simplices_.push_back(ghost);
+        }
+        return true;
+    }
+    bool independent(std::size_t count, const Place& p) const noexcept {
+        if (count == 0) return true;
+        if (count == D) {
+            Corners a;
+            std::copy_n(place_.begin(), D, a.begin());
+            a[D] = p;
+            return detail::orientation<D>(a) != 0;
+        }
+        if (count == 1) return p != place_[0];
+        // In space, not on the line through the first two: some minor does not vanish.
+        using detail::WideInt;
+        const Place d = detail::difference<D>(place_[1], place_[0]), e = detail::difference<D>(p, place_[0]);
+        for (std::size_t k = 0; k < D; ++k) {
+            const std::size_t l = (k + 1) % D;
+            if ((WideInt(d[k]) * WideInt(e[l]) - WideInt(d[l]) * WideInt(e[k])).sign() != 0) return true;
+        }
+        return false;
+    }
+
+    // ---- walk and conflict ----------------------------------------------------------------------
+
+    bool is_free(std::uint32_t s) const noexcept { return simplices_[s].neighbour[0] == none; }
+    bool has_infinite(std::uint32_t s) const noexcept {
+        bool found = false;
+        for (const std::uint32_t v : simplices_[s].vertex) found |= v == infinite;
+        return found;
+    }
+
+    /// From near `p` towards it, to where it lies or `found(simplex)` says so.
+    template <class Found>
+    std::uint32_t walk(const Place& p, Search& search, const Found& found) const noexcept {
+        std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
+        if (at >= simplices_.size()) at = 0;
+        if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
+        std::uint32_t from = none;
+        // Among simplices with a common sphere a walk may go in circles: then all are asked.
+        for (std::size_t step = 0; step <= 2 * simplices_.size() && !is_free(at); ++step) {
+            if (found(at)) return search.last_ = at;
+            const std::uint32_t next = step_towards(p, at, from, step);
+            if (next == none || has_infinite(next)) return search.last_ = next == none ? at : next;
+            from = at;
+            at = next;
+        }
+        for (at = 0; at < simplices_.size(); ++at) {
+            if (is_free(at) || has_infinite(at)) continue;
+            const std::uint32_t next = step_towards(p, at, none, 0);
+            if (next == none || has_infinite(next)) break;
+        }
+        return search.last_ = (std::min)(at, std::uint32_t(simplices_.size() - 1));
+    }
+    /// The same from a simplex in which p lies, or whose ball holds it.
+    void find_cavity(const detail::Place<D>& p, std::uint32_t from, Search& search) const {
+        search.begin(simplices_.size());
+        if (!in_conflict(from, p)) return;
+        search.stamps_[from] = search.stamp_;
+        search.cavity_.push_back(from);
+        if (!centres_.empty() && simplices_[from].is_ghost()) return;
+        for (std::size_t n = 0; n < search.cavity_.size(); ++n) {
+            for (const std::uint32_t next : simplices_[search.cavity_[n]].neighbour) {
+                if (search.stamps_[next] >= search.stamp_ - 1) continue;
+                const bool inside = in_conflict(next, p);
+                search.stamps_[next] = search.stamp_ - (inside ? 0 : 1);
+                if (inside) search.cavity_.push_back(next);
+                if (inside && !centres_.empty() && simplices_[next].is_ghost()) return;
+            }
+        }
+        std::sort(search.cavity_.begin(), search.cavity_.end());
+    }
+    /// The neighbour across a facet that `p` lies strictly beyond; none where there is none. Facets
+    /// are tried from another one on every time, but for that to the simplex the walk comes from.
+    std::uint32_t step_towards(const Place& p, std::uint32_t at, std::uint32_t from,
+                               std::size_t turn) const noexcept {
+        const Simplex& simplex = simplices_[at];
+        const detail::CornersSeen<D> seen(corners(simplex), p);
+        for (std::size_t n = 0; n <= D; ++n) {
+            const std::size_t k = (n + turn) % (D + 1);
+            if (simplex.neighbour[k] != from && seen.side(k) < 0) return simplex.neighbour[k];
+        }
+        return none;
+    }
+
+    /// Whether the ball of a simplex that is no ghost holds `p` strictly, by its centre: 1 or -1; 0
+    /// where that is not certain.
+    int certainly_inside(std::uint32_t s, const Place& p) const noexcept {
+        return detail::certain_in_sphere<D>(place_[simplices_[s].vertex[0]], centres_[s], p);
+    }
+    /// Whether `p` lies strictly inside the ball of a simplex; for a ghost strictly beyond its
+    /// facet, or in its plane and inside the ball of the simplex behind.
+    bool in_conflict(std::uint32_t s, const Place& p) const noexcept {
+        const Simplex& simplex = simplices_[s];
+        if (!centres_.empty() && !simplex.is_ghost()) {
+            if (const int sign = certainly_inside(s, p); sign != 0) return sign > 0;
+        }
+        const std::size_t k = simplex.index_of(infinite);
+        if (simplex.vertex[k] != infinite) return detail::in_sphere<D>(corners(simplex), p) > 0;
+        Corners a;
+        for (std::size_t n = 0; n <= D; ++n) a[n] = n == k ? p : place_[simplex.vertex[n]];
+        const int side = detail::orientation<D>(a);
+        if (side != 0) return side > 0;
+        return detail::in_sphere<D>(corners(simplices_[simplex.neighbour[k]]), p) > 0;
+    }
+
+    // ---- insertion ------------------------------------------------------------------------------
+
+    /// A facet of a new simplex that holds the new site, to be met by the same one of another.
+    struct OpenFacet {
+        std::array<std::uint32_t, D - 1> ridge; ///< its other vertices, ascending
+        std::uint32_t simplex;
+        std::uint32_t index;
+    };
+
+    void insert(std::uint32_t v, Search& search) {
+        const std::uint32_t from = locate(place_[v], search);
+        find_cavity(place_[v], from, search);
+        if (search.cavity_.empty()) return; // it is a site already
+        open_.clear();
+        added_.clear();
+        for (const std::uint32_t s : search.cavity_) {
+            for (std::size_t k = 0; k <= D; ++k) {
+                const std::uint32_t beyond = simplices_[s].neighbour[k];
+                if (!search.holds(beyond)) add_simplex(v, s, k);
+            }
+        }
+        for (const std::uint32_t s : search.cavity_) {
+            simplices_[s].neighbour[0] = none;
+            free_.push_back(s);
+        }
+        std::sort(open_.begin(), open_.end(),
+                  [](const OpenFacet& a, const OpenFacet& b) { return a.ridge < b.ridge; });
+        for (std::size_t n = 0; n + 1 < open_.size(); n += 2) {
+            simplices_[open_[n].simplex].neighbour[open_[n].index] = open_[n + 1].simplex;
+            simplices_[open_[n + 1].simplex].neighbour[open_[n + 1].index] = open_[n].simplex;
+        }
+        search.last_ = added_.front();
+    }
+    /// Of `v` and the facet of `s` without vertex `k`.
+    void add_simplex(std::uint32_t v, std::uint32_t s, std::size_t k) {
+        Simplex fresh = simplices_[s];
+        const std::uint32_t beyond = fresh.neighbour[k];
+        fresh.vertex[k] = v;
+        std::uint32_t number = std::uint32_t(simplices_.size());
+        if (free_.empty()) {
+            simplices_.push_back(fresh);
+        } else {
+            number = free_.back();
+            free_.pop_back();
+            simplices_[number] = fresh;
+        }
+        added_.push_back(number);
+        Simplex& outside = simplices_[beyond];
+        outside.neighbour[outside.index_of_neighbour(s)] = number;
+        for (std::size_t j = 0; j <= D; ++j) {
+            if (j == k) continue;
+            OpenFacet facet{{}, number, std::uint32_t(j)};
+            std::size_t n = 0;
+            for (std::size_t i = 0; i <= D; ++i) {
+                if (i != j && i != k) facet.ridge[n++] = fresh.vertex[i];
+            }
+            std::sort(facet.ridge.begin(), facet.ridge.end());
+            open_.push_back(facet);
+        }
+    }
+
+    // ---- the final order ------------------------------------------------------------------------
+
+    /// Sorts the vertices of all simplices, and the simplices by them.
+    void finish() {
+        std::vector<std::uint32_t> order;
+        for (std::uint32_t s = 0; s < simplices_.size(); ++s) {
+            if (is_free(s)) continue;
+            sort_vertices(simplices_[s]);
+            order.push_back(s);
+        }
+        const auto less = [&](std::uint32_t a, std::uint32_t b) {
+            auto x = simplices_[a].vertex, y = simplices_[b].vertex;
+            if (x[1] < x[0]) std::swap(x[0], x[1]);
+            if (y[1] < y[0]) std::swap(y[0], y[1]);
+            return x < y;
+        };
+        std::sort(order.begin(), order.end(), less);
+        std::vector<std::uint32_t> number(simplices_.size(), none);
+        for (std::uint32_t n = 0; n < order.size(); ++n) number[order[n]] = n;
+        std::vector<Simplex> sorted;
+        sorted.reserve(order.size());
+        for (const std::uint32_t s : order) {
+            sorted.push_back(simplices_[s]);
+            for (std::uint32_t& next : sorted.back().neighbour) next = number[next];
+        }
+        simplices_ = std::move(sorted);
+        free_ = {};
+        added_ = {};
+        open_ = {};
+    }
+    void find_centres() {
+        centres_.reserve(simplices_.size());
+        for (const Simplex& simplex : simplices_) {
+            centres_.push_back(simplex.is_ghost() ? detail::Centre<D>{}
+                                                  : detail::circumcentre<D>(corners(simplex)));
+        }
+    }
+    /// A grid of some cells fewer than sites, with a simplex for walks to begin at in each.
+    void lay_grid() {
+        if (size() < 64) return;
+        int bits = 0;
+        while ((std::size_t{1} << (D * std::size_t(bits + 1))) <= size()) ++bits;
+        const int shift = 60 - bits;
+        std::vector<std::uint32_t> starts(std::size_t{1} << (D * std::size_t(bits)));
+        Search search;
+        for (std::size_t cell = 0; cell < starts.size(); ++cell) {
+            Place middle;
+            for (std::size_t k = 0; k < D; ++k) {
+                const std::size_t n = (cell >> (k * std::size_t(bits))) & ((std::size_t{1} << bits) - 1);
+                middle[k] = (std::int64_t(2 * n + 1) << shift) / 2;
+            }
+            starts[cell] = locate(middle, search);
+        }
+        starts_ = std::move(starts);
+        grid_bits_ = bits;
+    }
+    std::size_t cell_of(const Place& p) const noexcept {
+        const std::int64_t last = (std::int64_t{1} << grid_bits_) - 1;
+        std::size_t cell = 0;
+        for (std::size_t k = D; k-- > 0;) {
+            const std::int64_t n = std::clamp(p[k] >> (60 - grid_bits_), std::int64_t{0}, last);
+            cell = (cell << grid_bits_) | std::size_t(n);
+        }
+        return cell;
+    }
+    static void sort_vertices(Simplex& simplex) noexcept {
+        bool odd = false;
+        const auto exchange = [&](std::size_t a, std::size_t b) {
+            std::swap(simplex.vertex[a], simplex.vertex[b]);
+            std::swap(simplex.neighbour[a], simplex.neighbour[b]);
+            odd = !odd;
+        };
+        for (std::size_t i = 1; i <= D; ++i) {
+            for (std::size_t k = i; k > 0 && simplex.vertex[k] < simplex.vertex[k - 1]; --k)
+                exchange(k, k - 1);
+        }
+        if (odd) exchange(0, 1);
+    }
+
+    std::vector<std::uint32_t> site_;
+    std::vector<Place> place_;
+    std::vector<Simplex> simplices_;
+    std::vector<detail::Centre<D>> centres_;
+    std::vector<std::uint32_t> starts_; ///< of walks, by cell of a grid
+    int grid_bits_ = 0;                 ///< the logarithm of its cells along an axis
+    std::vector<std::uint32_t> free_, added_;
+    std::vector<OpenFacet> open_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,244 @@
+// The facets of the convex hull of sites, those in one plane taken together.
+#pragma once
+
+#include <cageform/cage/sites/delaunay.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A plane of the hull (in the plane a line) and the sites within tolerance of it. In extents.
+template <std::size_t D>
+struct HullFacet {
+    Vec<double, D> normal; ///< outwards, of length 1
+    double offset;         ///< normal·x on the plane
+    std::vector<std::uint32_t> vertex;
+
+    double distance(const Vec<double, D>& p) const noexcept { return dot(normal, p) - offset; }
+};
+
+/// A facet of the exact hull, and the one of `HullFacets::facets` that it belongs to.
+template <std::size_t D>
+struct HullPart {
+    Corners<D> corner;
+    std::uint32_t facet;
+};
+
+/// Finds the facets of a hull. A rotated lattice is flat to rounding only: its exact hull has facets
+/// turned by anything, or hides sites beneath. So facets are taken from the largest down, each with
+/// all sites within tolerance of its plane that it is connected with by facets of simplices in that
+/// plane. What is left over is flatter than the tolerance; it belongs to the facet beside it.
+template <std::size_t D>
+class HullFacets {
+public:
+    /// `at`: the vertices in extents.
+    HullFacets(const Delaunay<D>& sites, std::span<const Vec<double, D>> at, double tolerance)
+        : sites_(sites)
+        , at_(at)
+        , tolerance_(tolerance)
+        , seen_(sites.simplices().size(), 0)
+        , in_facet_(sites.size(), 0)
+        , facet_of_(sites.simplices().size(), none) {
+        struct Entry {
+            double measure;
+            std::uint32_t ghost;
+        };
+        std::vector<Entry> order;
+        for (std::uint32_t s = 0; s < sites.simplices().size(); ++s) {
+            if (sites.simplices()[s].is_ghost()) order.push_back({length(outward(s)), s});
+        }
+        std::sort(order.begin(), order.end(), [](const Entry& a, const Entry& b) {
+            return a.measure > b.measure || (a.measure == b.measure && a.ghost < b.ghost);
+        });
+        for (const Entry& entry : order) {
+            if (facet_of_[entry.ghost] == none && entry.measure > tolerance * longest_edge(entry.ghost))
+                collect(entry.ghost);
+        }
+        find_parts();
+    }
+
+    std::vector<HullFacet<D>> facets;
+    std::vector<HullPart<D>> parts;
+
+private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    const auto& simplex(std::uint32_t s) const noexcept { return sites_.simplices()[s]; }
+
+    /// A normal as long as the facet, or twice its area.
+    Vec<double, D> outward(std::uint32_t ghost) const noexcept {
+        const auto& v = simplex(ghost).vertex;
+        const auto e = at_[v[1]] - at_[v[0]];
+        if constexpr (D == 2) {
+            return {-e[1], e[0]}; // a ghost with a third vertex on the left is positively oriented
+        } else {
+            return cross(e, at_[v[2]] - at_[v[0]]);
+        }
+    }
+    double longest_edge(std::uint32_t ghost) const noexcept {
+        if constexpr (D == 2) return 1; // a length is compared with a length
+        double longest = 0;
+        const auto& v = simplex(ghost).vertex;
+        for (std::size_t k = 0; k < D; ++k)
+            longest = std::fmax(longest, length(at_[v[k]] - at_[v[(k + 1) % D]]));
+        return longest;
+    }
+
+    /// From the ghosts of facets to those beside them that have none yet.
+    void find_parts() {
+        std::vector<std::uint32_t> ghosts;
+        for (std::uint32_t s = 0; s < facet_of_.size(); ++s) {
+            if (facet_of_[s] != none) ghosts.push_back(s);
+        }
+        for (std::size_t n = 0; n < ghosts.size(); ++n) {
+            const std::uint32_t s = ghosts[n];
+            parts.push_back({{}, facet_of_[s]});
+            for (std::size_t k = 0; k < D; ++k) {
+                parts.back().corner[k] = at_[simplex(s).vertex[k]];
+                const std::uint32_t next = simplex(s).neighbour[k];
+                if (facet_of_[next] != none) continue;
+                facet_of_[next] = facet_of_[s];
+                ghosts.push_back(next);
+            }
+        }
+    }
+    void collect(std::uint32_t ghost) {
+        const auto n = outward(ghost);
+        HullFacet<D> facet{(1 / length(n)) * n, 0, {}};
+        facet.offset = dot(facet.normal, at_[simplex(ghost).vertex[0]]);
+        ++stamp_;
+        for (std::size_t k = 0; k < D; ++k) add(facet, simplex(ghost).vertex[k]);
+        std::vector<std::uint32_t> waiting{ghost};
+        seen_[ghost] = stamp_;
+        while (!waiting.empty()) {
+            const std::uint32_t s = waiting.back();
+            waiting.pop_back();
+            std::size_t inside = 0;
+            for (const std::uint32_t v : simplex(s).vertex) {
+                if (v == Delaunay<D>::infinite) continue;
+                if (in_facet_[v] != stamp_ && std::fabs(facet.distance(at_[v])) <= tolerance_) add(facet, v);
+                if (in_facet_[v] == stamp_) ++inside;
+            }
+            if (inside < D) continue;
+            if (simplex(s).is_ghost() && facet_of_[s] == none) facet_of_[s] = std::uint32_t(facets.size());
+            for (std::size_t k = 0; k <= D; ++k) {
+                const std::uint32_t next = simplex(s).neighbour[k];
+                if (seen_[next] == stamp_ || !connects(s, k)) continue;
+                seen_[next] = stamp_;
+                waiting.push_back(next);
+            }
+        }
+        std::sort(facet.vertex.begin(), facet.vertex.end());
+        facets.push_back(std::move(facet));
+    }
+    void add(HullFacet<D>& facet, std::uint32_t v) {
+        in_facet_[v] = stamp_;
+        facet.vertex.push_back(v);
+    }
+    /// Whether all sites of the facet without vertex `k` lie in the plane.
+    bool connects(std::uint32_t s, std::size_t k) const noexcept {
+        for (std::size_t i = 0; i <= D; ++i) {
+            const std::uint32_t v = simplex(s).vertex[i];
+            if (i != k && v != Delaunay<D>::infinite && in_facet_[v] != stamp_) return false;
+        }
+        return true;
+    }
+
+    const Delaunay<D>& sites_;
+    std::span<const Vec<double, D>> at_;
+    double tolerance_;
+    std::vector<std::uint32_t> seen_, in_facet_;
+    std::vector<std::uint32_t> facet_of_; ///< of ghosts
+    std::uint32_t stamp_ = 0;
+};
+
+/// Finds the place of a hull nearest to another: a tree of bounds, each halved along its longest
+/// side. O(n log n) to make, O(log n) usually to ask.
+template <std::size_t D>
+class HullTree {
+public:
+    struct Nearest {
+        std::uint32_t facet;
+        Vec<double, D> place;
+        double distance2; ///< its square
+    };
+
+    HullTree() = default;
+    explicit HullTree(std::vector<HullPart<D>> parts)
+        : parts_(std::move(parts)) {
+        divide(0, std::uint32_t(parts_.size()));
+    }
+
+    /// Replaces `best` where a place of the hull is nearer to `q`.
+    void find(const Vec<double, D>& q, Nearest& best) const noexcept { find(0, q, best); }
+
+private:
+    struct Node {
+        Bounds<double, D> bounds;
+        std::uint32_t begin, end; ///< of parts
+        std::uint32_t second;     ///< half; the first is the next node. 0: not halved
+    };
+    static constexpr std::uint32_t leaf = 4;
+
+    void divide(std::uint32_t begin, std::uint32_t end) {
+        Node node{bounds_of(std::span<const Vec<double, D>>(parts_[begin].corner)), begin, end, 0};
+        for (std::uint32_t n = begin + 1; n < end; ++n) {
+            for (const auto& x : parts_[n].corner) {
+                for (std::size_t k = 0; k < D; ++k) {
+                    node.bounds.lower[k] = (std::min)(node.bounds.lower[k], x[k]);
+                    node.bounds.upper[k] = (std::max)(node.bounds.upper[k], x[k]);
+                }
+            }
+        }
+        const std::size_t number = nodes_.size();
+        nodes_.push_back(node);
+        if (end - begin <= leaf) return;
+        const auto sides = node.bounds.upper - node.bounds.lower;
+        std::size_t axis = 0;
+        for (std::size_t k = 1; k < D; ++k) axis = sides[k] > sides[axis] ? k : axis;
+        const auto middle = [&](const HullPart<D>& part) {
+            double sum = 0;
+            for (const auto& x : part.corner) sum += x[axis];
+            return sum;
+        };
+        const std::uint32_t half = begin + (end - begin) / 2;
+        const auto at = [&](std::uint32_t part) { return parts_.begin() + std::ptrdiff_t(part); };
+        std::nth_element(at(begin), at(half), at(end),
+                         [&](const HullPart<D>& a, const HullPart<D>& b) { return middle(a) < middle(b); });
+        divide(begin, half);
+        nodes_[number].second = std::uint32_t(nodes_.size());
+        divide(half, end);
+    }
+
+    static double distance2(const Vec<double, D>& q, const Bounds<double, D>& bounds) noexcept {
+        double sum = 0;
+        for (std::size_t k = 0; k < D; ++k) {
+            const double x = (std::max)((std::max)(bounds.lower[k] - q[k], q[k] - bounds.upper[k]), 0.0);
+            sum += x * x;
+        }
+        return sum;
+    }
+    void find(std::uint32_t number, const Vec<double, D>& q, Nearest& best) const noexcept {
+        const Node& node = nodes_[number];
+        if (node.second == 0) {
+            for (std::uint32_t n = node.begin; n < node.end; ++n) {
+                const auto& [corner, facet] = parts_[n];
+                const auto x = place_on_facet(nearest_on_facet(q, corner), corner);
+                const double distance = dot(x - q, x - q);
+                if (distance < best.distance2) best = {facet, x, distance};
+            }
+            return;
+        }
+        std::uint32_t nearer = number + 1, farther = node.second;
+        double least = distance2(q, nodes_[nearer].bounds), most = distance2(q, nodes_[farther].bounds);
+        if (most < least) {
+            std::swap(nearer, farther);
+            std::swap(least, most);
+        }
+        if (least < best.distance2) find(nearer, q, best);
+        if (most < best.distance2) find(farther, q, best);
+    }
+
+    std::vector<HullPart<D>> parts_;
+    std::vector<Node> nodes_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,337 @@
+// Places as integers, and the signs of the determinants that a Delaunay triangulation goes by.
+#pragma once
+
+#include <cageform/cage/detail/primitives.hpp>
+#include <cageform/cage/sites/wide_int.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A place on the lattice of 2^-60 of the sites' extent: differences take 61 bits and a sign.
+template <std::size_t D>
+using Place = std::array<std::int64_t, D>;
+
+/// A place as a vector; what is rounded is below 2^-53 of it.
+template <std::size_t D>
+Vec<double, D> to_double(const Place<D>& a) noexcept {
+    Vec<double, D> r{};
+    for (std::size_t k = 0; k < D; ++k) r[k] = double(a[k]);
+    return r;
+}
+template <std::size_t D>
+Place<D> difference(Place<D> a, const Place<D>& b) noexcept {
+    for (std::size_t k = 0; k < D; ++k) a[k] -= b[k];
+    return a;
+}
+
+/// Turns places of the user into places on the lattice and back. Of a double within the bounds only
+/// what is below 2^-60 of their extent is rounded, however far from the origin they lie.
+template <std::size_t D>
+class SiteLattice {
+public:
+    SiteLattice() = default;
+    explicit SiteLattice(const Bounds<double, D>& bounds) noexcept
+        : lower_(bounds.lower) {
+        int largest = (std::numeric_limits<int>::min)();
+        for (std::size_t k = 0; k < D; ++k) {
+            int exponent = 0;
+            // Halved, so that no difference is infinite.
+            std::frexp(bounds.upper[k] / 2 - bounds.lower[k] / 2, &exponent);
+            if (bounds.upper[k] > bounds.lower[k]) largest = (std::max)(largest, exponent + 1);
+        }
+        exponent_ = 60 - largest;
+        for (std::size_t k = 0; k < D; ++k) origin_[k] = fixed(lower_[k]);
+    }
+
+    /// `p` lies within the bounds, or not farther outside than they are long.
+    Place<D> place(const Vec<double, D>& p) const noexcept {
+        Place<D> result;
+        for (std::size_t k = 0; k < D; ++k) result[k] = std::int64_t(fixed(p[k]) - origin_[k]);
+        return result;
+    }
+    /// A length in extents: between a half and one for the longest side of the bounds.
+    double extents(double length) const noexcept { return std::ldexp(length, exponent_ - 60); }
+    double units(double extents) const noexcept { return std::ldexp(extents, 60 - exponent_); }
+    /// Seen from the lower bounds, in extents. Places beyond 2^400 extents are drawn nearer along
+    /// their axes.
+    Vec<double, D> seen(const Vec<double, D>& p) const noexcept {
+        Vec<double, D> r{};
+        for (std::size_t k = 0; k < D; ++k) {
+            int exponent = 0;
+            std::frexp(p[k], &exponent);
+            r[k] = exponent + exponent_ > 460 ? std::copysign(0x1p400, p[k])
+                                              : extents(p[k]) - extents(lower_[k]);
+        }
+        return r;
+    }
+    Vec<double, D> seen(const Place<D>& p) const noexcept { return 0x1p-60 * to_double<D>(p); }
+    /// Back to the units of the user.
+    Vec<double, D> unseen(const Vec<double, D>& q) const noexcept {
+        Vec<double, D> r{};
+        for (std::size_t k = 0; k < D; ++k) r[k] = lower_[k] + units(q[k]);
+        return r;
+    }
+
+private:
+    /// The lowest 64 bits of x 2^exponent, rounded. The bounds' differences fit into them, so more
+    /// bits are of no use.
+    std::uint64_t fixed(double x) const noexcept {
+        const auto bits = std::bit_cast<std::uint64_t>(x);
+        const auto raw = int((bits >> 52) & 0x7ff);
+        const std::uint64_t fraction = bits & 0xfffffffffffffu;
+        const std::uint64_t mantissa = raw == 0 ? fraction : fraction | (std::uint64_t(1) << 52);
+        const int shift = (std::max)(raw, 1) - 1075 + exponent_;
+        std::uint64_t value = 0;
+        if (shift >= 0) {
+            value = shift < 64 ? mantissa << shift : 0;
+        } else if (shift > -64) {
+            value = ((mantissa >> (-shift - 1)) + 1) >> 1;
+        }
+        return (bits >> 63) != 0 ? ~value + 1 : value;
+    }
+
+    Vec<double, D> lower_{};
+    std::array<std::uint64_t, D> origin_{};
+    int exponent_ = 0;
+};
+
+// ---- determinants -------------------------------------------------------------------------------
+
+template <class X, std::size_t N>
+using Square = std::array<std::array<X, N>, N>;
+
+/// By cofactors of the last column: sums of products of elements, and of their sizes alone.
+template <class X>
+X determinant(const Square<X, 2>& m) noexcept {
+    return m[0][0] * m[1][1] - m[0][1] * m[1][0];
+}
+template <class X, std::size_t N>
+X determinant(const Square<X, N>& m) noexcept {
+    X sum(0);
+    for (std::size_t i = 0; i < N; ++i) {
+        Square<X, N - 1> minor;
+        for (std::size_t r = 0; r + 1 < N; ++r)
+            std::copy_n(m[r < i ? r : r + 1].begin(), N - 1, minor[r].begin());
+        const X term = determinant(minor) * m[i][N - 1];
+        sum = (i + N) % 2 == 1 ? sum + term : sum - term;
+    }
+    return sum;
+}
+inline double permanent(const Square<double, 2>& m) noexcept {
+    return std::fabs(m[0][0] * m[1][1]) + std::fabs(m[0][1] * m[1][0]);
+}
+template <std::size_t N>
+double permanent(const Square<double, N>& m) noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+        Square<double, N - 1> minor;
+        for (std::size_t r = 0; r + 1 < N; ++r)
+            std::copy_n(m[r < i ? r : r + 1].begin(), N - 1, minor[r].begin());
+        sum += permanent(minor) * std::fabs(m[i][N - 1]);
+    }
+    return sum;
+}
+
+/// What rounding may be of a determinant in double, relative to the sum of the sizes of its terms:
+/// a term has at most five factors of which each is rounded, three sums of squares, and 24 terms.
+/// Whatever order -ffast-math adds them in, far less than 2^6 roundings of 2^-53.
+inline constexpr double determinant_error = 0x1p-47;
+
+/// The sign where it is certain in double; 2 where not.
+template <std::size_t N>
+int certain_sign(const Square<double, N>& m) noexcept {
+    const double value = determinant(m);
+    const double error = determinant_error * permanent(m);
+    if (value > error) return 1;
+    if (value < -error) return -1;
+    return 2;
+}
+
+/// Rows a_1 − a_0, …, a_D − a_0.
+template <class X, std::size_t D>
+Square<X, D> edge_rows(const std::array<Place<D>, D + 1>& a) noexcept {
+    Square<X, D> rows;
+    for (std::size_t i = 0; i < D; ++i) {
+        for (std::size_t k = 0; k < D; ++k) rows[i][k] = X(a[i + 1][k] - a[0][k]);
+    }
+    return rows;
+}
+/// Rows (a_i − q, |a_i − q|²).
+template <class X, std::size_t D>
+Square<X, D + 1> lifted_rows(const std::array<Place<D>, D + 1>& a, const Place<D>& q) noexcept {
+    Square<X, D + 1> rows;
+    for (std::size_t i = 0; i <= D; ++i) {
+        rows[i][D] = X(0);
+        for (std::size_t k = 0; k < D; ++k) {
+            rows[i][k] = X(a[i][k] - q[k]);
+            rows[i][D] = rows[i][D] + rows[i][k] * rows[i][k];
+        }
+    }
+    return rows;
+}
+
+/// The sign of det(a_1 − a_0, …): in the plane positive for counter-clockwise triangles. Exact.
+template <std::size_t D>
+int orientation(const std::array<Place<D>, D + 1>& a) noexcept {
+    const int sign = certain_sign<D>(edge_rows<double, D>(a));
+    return sign != 2 ? sign : determinant(edge_rows<WideInt, D>(a)).sign();
+}
+
+/// A simplex with its corners seen from a place, to ask for the side of many facets.
+template <std::size_t D>
+class CornersSeen {
+public:
+    CornersSeen(const std::array<Place<D>, D + 1>& corners, const Place<D>& p) noexcept
+        : corners_(corners)
+        , place_(p) {
+        for (std::size_t i = 0; i <= D; ++i) {
+            for (std::size_t k = 0; k < D; ++k) seen_[i][k] = double(corners[i][k] - p[k]);
+        }
+    }
+    /// The orientation with the place instead of corner k. Exact.
+    int side(std::size_t k) const noexcept {
+        Square<double, D> rows;
+        for (std::size_t n = 0; n < D; ++n) rows[n] = seen_[n < k ? n : n + 1];
+        const int sign = certain_sign<D>(rows);
+        if (sign != 2) return k % 2 == 0 ? sign : -sign;
+        auto a = corners_;
+        a[k] = place_;
+        return determinant(edge_rows<WideInt, D>(a)).sign();
+    }
+
+private:
+    std::array<Place<D>, D + 1> corners_;
+    Place<D> place_;
+    std::array<std::array<double, D>, D + 1> seen_;
+};
+
+/// Positive where `q` lies strictly inside the ball through the corners of a positively oriented
+/// simplex, zero on its sphere. Exact.
+template <std::size_t D>
+int in_sphere(const std::array<Place<D>, D + 1>& a, const Place<D>& q) noexcept {
+    int sign = certain_sign<D + 1>(lifted_rows<double, D>(a, q));
+    if (sign == 2) sign = determinant(lifted_rows<WideInt, D>(a, q)).sign();
+    return D == 2 ? sign : -sign;
+}
+
+// ---- circumcentres ------------------------------------------------------------------------------
+
+/// A circumcentre seen from the first corner: numerator / (2 determinant).
+template <class X, std::size_t D>
+struct CentreQuotient {
+    std::array<X, D> numerator;
+    X determinant;
+};
+
+/// Cramer's rule for 2 e_i·c = |e_i|².
+template <class X, std::size_t D>
+CentreQuotient<X, D> centre_quotient(const Square<X, D>& edges) noexcept {
+    CentreQuotient<X, D> q;
+    q.determinant = determinant(edges);
+    for (std::size_t k = 0; k < D; ++k) {
+        Square<X, D> m = edges;
+        for (std::size_t i = 0; i < D; ++i) {
+            X square(0);
+            for (std::size_t l = 0; l < D; ++l) square = square + edges[i][l] * edges[i][l];
+            m[i][k] = square;
+        }
+        q.numerator[k] = determinant(m);
+    }
+    return q;
+}
+
+/// The same in double by the cofactors of the edges, and the sums of the sizes of all terms.
+template <std::size_t D>
+struct SizedCentreQuotient : CentreQuotient<double, D> {
+    std::array<double, D> numerator_size{};
+    double determinant_size = 0;
+
+    explicit SizedCentreQuotient(const Square<double, D>& edges) noexcept
+        : CentreQuotient<double, D>{} {
+        for (std::size_t i = 0; i < D; ++i) {
+            const auto& e = edges[i];
+            double square = 0;
+            for (const double x : e) square += x * x;
+            for (std::size_t k = 0; k < D; ++k) {
+                const auto [plus, minus] = cofactor(edges, i, k);
+                const double size = std::fabs(plus) + std::fabs(minus);
+                this->numerator[k] += square * (plus - minus);
+                numerator_size[k] += square * size;
+                if (i != 0) continue;
+                this->determinant += e[k] * (plus - minus);
+                determinant_size += std::fabs(e[k]) * size;
+            }
+        }
+    }
+
+private:
+    /// Of element k of edge i: a difference.
+    static std::array<double, 2> cofactor(const Square<double, D>& e, std::size_t i, std::size_t k) noexcept {
+        if constexpr (D == 2) {
+            const double x = e[1 - i][1 - k];
+            return i == k ? std::array<double, 2>{x, 0} : std::array<double, 2>{0, x};
+        } else {
+            const auto &a = e[(i + 1) % 3], &b = e[(i + 2) % 3];
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            return {a[l] * b[m], a[m] * b[l]};
+        }
+    }
+};
+
+/// A circumcentre, and a bound of the error of its largest component.
+template <std::size_t D>
+struct Centre {
+    Vec<double, D> at;
+    double error;
+};
+
+/// `in_sphere` of a simplex from its first corner and circumcentre, by |q|² − 2 q·c with that corner
+/// as origin; 0 where that is not certain.
+template <std::size_t D>
+int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Place<D>& p) noexcept {
+    double value = 0, size = 0, reach = 0;
+    for (std::size_t k = 0; k < D; ++k) {
+        const double q = double(p[k] - first[k]), diameter = 2 * centre.at[k];
+        value += q * (diameter - q);
+        size += std::fabs(q) * (std::fabs(diameter) + std::fabs(q));
+        reach += std::fabs(q);
+    }
+    const double error = determinant_error * size + 2 * centre.error * reach;
+    return value > error ? 1 : value < -error ? -1 : 0;
+}
+
+/// Seen from the first corner, to 2^-50 from integers.
+template <std::size_t D>
+Centre<D> exact_centre(const std::array<Place<D>, D + 1>& a) noexcept {
+    const auto q = centre_quotient<WideInt, D>(edge_rows<WideInt, D>(a));
+    const double bottom = 2 * double(WideFloat(q.determinant));
+    Centre<D> c{};
+    for (std::size_t k = 0; k < D; ++k) {
+        c.at[k] = double(WideFloat(q.numerator[k])) / bottom;
+        c.error = std::fmax(c.error, 0x1p-50 * std::fabs(c.at[k]));
+    }
+    return c;
+}
+/// The same of edges in double; false where it is not certain to 2^-42 of the largest component.
+template <std::size_t D>
+bool find_centre(const Square<double, D>& edges, Centre<D>& c) noexcept {
+    const SizedCentreQuotient<D> q(edges);
+    const double size = std::fabs(q.determinant), error = 0x1p-49 * q.determinant_size;
+    if (!(error < 0x1p-42 * size)) return false;
+    c = {};
+    const double scale = 0.5 / q.determinant;
+    double largest = 0;
+    for (std::size_t k = 0; k < D; ++k) {
+        c.at[k] = q.numerator[k] * scale;
+        largest = (std::max)(largest, std::fabs(c.at[k]));
+        c.error = (std::max)(c.error, q.numerator_size[k]);
+    }
+    c.error = (0x1p-49 * c.error + 2 * largest * error) * std::fabs(scale);
+    return c.error <= 0x1p-42 * largest;
+}
+template <std::size_t D>
+Centre<D> circumcentre(const std::array<Place<D>, D + 1>& a) noexcept {
+    Centre<D> c{};
+    return find_centre<D>(edge_rows<double, D>(a), c) ? c : exact_centre<D>(a);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,317 @@
+// The evaluation of Green coordinates in the plane and in space: everything about the formula but
+// the formula.
+#pragma once
+
+#include <cageform/cage/cell_complex.hpp>
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/green/frame.hpp>
+#include <cageform/core/detail/face_handles.hpp>
+
+#include <cmath>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The linear function that is `weight` at the corners of a facet and constant across it, and the
+/// height above the facet in units of its handle's length: α_k and β/size of
+///
+///     Σ α_k C_k + (β/size) size n = p,   Σ α_k = 1
+template <std::size_t D>
+struct FacetContinuation {
+    std::array<Vec<double, D>, D> hat; ///< ∇α_k
+    Vec<double, D> across;             ///< n/size
+    Corners<D> corner;
+
+    explicit FacetContinuation(const Corners<D>& c) noexcept
+        : across(outward_normal(c))
+        , corner(c) {
+        if constexpr (D == 2) {
+            const auto e = c[1] - c[0];
+            hat[1] = (1 / dot(e, e)) * e;
+            hat[0] = -1.0 * hat[1];
+            across = (1 / length(e)) * across;
+        } else {
+            const auto n = cross(c[1] - c[0], c[2] - c[0]);
+            for (std::size_t k = 0; k < 3; ++k)
+                hat[k] = (1 / dot(n, n)) * cross(n, c[(k + 2) % 3] - c[(k + 1) % 3]);
+            across = (1 / std::sqrt(length(n) / 2)) * across;
+        }
+    }
+    /// α and β/size, from the nearest corner on.
+    std::array<double, D + 1> at(const Vec<double, D>& p) const noexcept {
+        std::size_t nearest = 0;
+        for (std::size_t k = 1; k < D; ++k) {
+            if (length(p - corner[k]) < length(p - corner[nearest])) nearest = k;
+        }
+        const auto away = p - corner[nearest];
+        std::array<double, D + 1> value{};
+        value[nearest] = 1;
+        for (std::size_t k = 0; k < D; ++k) value[k] += dot(hat[k], away);
+        value[D] = dot(across, away);
+        return value;
+    }
+};
+
+/// The formula as one piece of code, which keeps numbers in registers.
+template <bool gradients, class S, std::size_t D>
+CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& frame, S near_distance,
+                                                        const Vec<Simd<S>, D>& p, GreenRows<S, D>& memory,
+                                                        Lanes<S>* rows) noexcept {
+    return integrate<gradients>(frame, near_distance, p, memory, rows);
+}
+
+/// What GreenCoordinates are in both dimensions. Points are evaluated a register at a time. Those
+/// outside and on the boundary get what is missing of the full angle afterwards, one by one.
+template <class Cage>
+class GreenEvaluation {
+public:
+    using scalar = typename Cage::scalar;
+    static constexpr std::size_t dimension = Cage::dimension;
+    static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
+
+    const Cage& cage() const noexcept { return cage_; }
+    std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
+    std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
+    std::span<const HandleFace<dimension>> handle_faces() const noexcept { return topology_.facets; }
+    const CageReport& cage_report() const noexcept { return report_; }
+
+    /// As CageCoordinates says.
+    Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
+                        std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_rows<false>({points, weights, states}, running);
+    }
+    /// As GradientCoordinates says. On the boundary the limits from inside; on vertices, and on
+    /// edges in space, where they grow like a logarithm, those of a place 1e-6 diagonals inside.
+    Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_rows<true>({points, gradients, states}, running);
+    }
+    /// The weights are the limits from inside. May throw std::bad_alloc.
+    Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p, std::span<scalar> row) const {
+        Vec<T, D> place = p;
+        (void)nearest_boundary_value(cage_, p, place);
+        std::vector<Lanes<T>> position(D), rows(handles_.size());
+        for (std::size_t k = 0; k < D; ++k) std::fill_n(position[k].v, lane_count<T>, place[k]);
+        PointState state = PointState::unreached;
+        GreenRows<T, D> memory(frame_);
+        // Rounded, the place may be a rounding off the boundary.
+        evaluate_block<false>({{position.data(), D, 1}, {rows.data(), rows.size(), 1}, {&state, 1}}, 0,
+                              4 * tolerance_, memory);
+        for (std::size_t h = 0; h < row.size(); ++h) row[h] = rows[h][0];
+        return place;
+    }
+
+protected:
+    explicit GreenEvaluation(Cage cage)
+        : cage_(std::move(cage)) {
+        prepare();
+    }
+    /// Its boundary alone.
+    explicit GreenEvaluation(const CellComplex<scalar, dimension>& complex) {
+        report_.status = guard_memory([&] {
+            cage_ = complex.boundary();
+            return complex.status();
+        });
+        if (report_.status != Status::ok) return;
+        prepare();
+        refuse_interior_cells(complex, report_);
+    }
+
+private:
+    using T = scalar;
+    static constexpr std::size_t D = dimension;
+    static constexpr std::size_t lanes = lane_count<T>;
+
+    void prepare() {
+        report_ = check(cage_);
+        if (report_.status != Status::ok) return;
+        report_.status = guard_memory([&] {
+            fill_tables();
+            refuse_overflow();
+            return report_.status;
+        });
+    }
+    /// Coordinates so large that an edge or face has no finite vector.
+    void refuse_overflow() {
+        for (std::size_t h = cage_.vertices().size(); h < handles_.size(); ++h) {
+            if (is_finite(handles_[h])) continue;
+            const auto& facet = topology_.facets[h - cage_.vertices().size()];
+            std::size_t farthest = facet[0];
+            for (const std::size_t v : facet) {
+                if (largest_coordinate(v) > largest_coordinate(farthest)) farthest = v;
+            }
+            report_.add(CageFaultKind::vertex_not_finite, farthest);
+        }
+    }
+    T largest_coordinate(std::size_t vertex) const noexcept {
+        T largest = 0;
+        for (std::size_t k = 0; k < D; ++k) largest = std::fmax(largest, std::fabs(cage_[vertex][k]));
+        return largest;
+    }
+    void fill_tables() {
+        const auto bounds = bounds_of(cage_.vertices());
+        scale_ = double(unit_scale(bounds));
+        tolerance_ = scale_ * double(coincidence_tolerance(bounds));
+        middle_ = scale_ * (0.5 * vec_cast<double>(bounds.lower) + 0.5 * vec_cast<double>(bounds.upper));
+        for (const auto& v : cage_.vertices()) at_.push_back(scale_ * vec_cast<double>(v));
+        topology_ = MeanValueTopology<D>(cage_);
+        frame_ = GreenFrame<T, D>(topology_, at_, scale_ * double(bounds.diagonal()));
+        handles_.assign(cage_.vertices().begin(), cage_.vertices().end());
+        kinds_.assign(handles_.size(), HandleKind::point);
+        for (const auto& facet : topology_.facets) {
+            std::array<Vec<T, D>, D> corner;
+            for (std::size_t k = 0; k < D; ++k) corner[k] = cage_[facet[k]];
+            if constexpr (D == 2) {
+                handles_.push_back(edge_handle(corner[0], corner[1]));
+            } else {
+                handles_.push_back(face_handle(corner, corner));
+            }
+            kinds_.push_back(HandleKind::vector);
+        }
+    }
+
+    template <bool gradients>
+    Evaluation evaluate_rows(const Batch<T>& batch, const Running& running) const {
+        const std::size_t rows = (gradients ? D : 1) * handles_.size();
+        return evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
+            GreenRows<T, D> memory(frame_);
+            for (std::size_t b = begin; b < end; ++b) evaluate_block<gradients>(batch, b, tolerance_, memory);
+        });
+    }
+
+    template <bool gradients>
+    void evaluate_block(const Batch<T>& batch, std::size_t b, double near_distance,
+                        GreenRows<T, D>& memory) const {
+        using X = Simd<T>;
+        Lanes<T>* const rows = batch.rows.block(b);
+        for (std::size_t row = 0; row < batch.rows.rows; ++row) X(T(0)).store(rows[row]);
+        // Farther away the integrals change by less than a rounding of the continuation, which
+        // restores p from any of them.
+        constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
+        Vec<X, D> p;
+        for (std::size_t k = 0; k < D; ++k) {
+            p[k] = X(T(scale_)) * X::load(batch.points.block(b)[k]);
+            p[k] = (max)(X(T(middle_[k] - farthest)), (min)(X(T(middle_[k] + farthest)), p[k]));
+        }
+        const GreenSum<T> sum = integrate_registers<gradients>(frame_, T(near_distance), p, memory, rows);
+        if constexpr (gradients) {
+            for (std::size_t row = 0; row < batch.rows.rows; ++row)
+                (X(T(scale_)) * X::load(rows[row])).store(rows[row]);
+        }
+        Lanes<T> winding, touched;
+        sum.winding.store(winding);
+        sum.touched.store(touched);
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t i = b * lanes + lane;
+            if (i >= batch.points.points || batch.states[i] == PointState::not_finite) continue;
+            const auto q = scale_ * vec_cast<double>(block_point<D>(batch.points, i));
+            const Lane at{rows, lane};
+            if (touched[lane] != T(0)) {
+                batch.states[i] = PointState::on_boundary;
+                add_on_boundary<gradients>(at, q, near_distance, 1 - double(winding[lane]));
+            } else if (winding[lane] > T(0.5)) {
+                batch.states[i] = PointState::inside;
+            } else {
+                batch.states[i] = is_finite(winding[lane]) && add_nearest<gradients>(at, q, 1)
+                                      ? PointState::outside
+                                      : PointState::unreached;
+            }
+        }
+    }
+
+    /// One lane of a block's rows.
+    struct Lane {
+        Lanes<T>* rows;
+        std::size_t lane;
+    };
+
+    Corners<D> corners_of(std::size_t facet) const noexcept {
+        Corners<D> corner;
+        for (std::size_t k = 0; k < D; ++k) corner[k] = at_[topology_.facets[facet][k]];
+        return corner;
+    }
+
+    /// Adds the continuation across a facet at q, or its derivatives, times `share`. Returns whether
+    /// what was added is finite.
+    template <bool gradients>
+    bool add_facet(const Lane& to, std::size_t facet, const Vec<double, D>& q, double share) const noexcept {
+        const FacetContinuation<D> of(corners_of(facet));
+        const std::size_t count = handles_.size();
+        bool finite = true;
+        const auto add = [&](std::size_t row, double x) {
+            T& weight = to.rows[row][to.lane];
+            weight = static_cast<T>(double(weight) + x);
+            finite = finite && is_finite(weight);
+        };
+        const auto value = of.at(q);
+        for (std::size_t k = 0; k <= D; ++k) {
+            const std::size_t h = k < D ? topology_.facets[facet][k] : cage_.size() + facet;
+            if constexpr (gradients) {
+                const auto& slope = k < D ? of.hat[k] : of.across;
+                for (std::size_t axis = 0; axis < D; ++axis)
+                    add(axis * count + h, scale_ * share * slope[axis]);
+            } else {
+                add(h, share * value[k]);
+            }
+        }
+        return finite;
+    }
+
+    /// Across the nearest facet; of facets equally near, across the one whose plane q is farthest
+    /// beyond, then the first.
+    template <bool gradients>
+    bool add_nearest(const Lane& to, const Vec<double, D>& q, double share) const noexcept {
+        const std::size_t facets = topology_.facets.size();
+        std::size_t nearest = facets;
+        double least = (std::numeric_limits<double>::max)(), farthest_beyond = 0;
+        for (std::size_t f = 0; f < facets; ++f) {
+            const auto corner = corners_of(f);
+            const double distance = distance_to_facet(q, corner);
+            // Distances to a vertex or edge that facets share differ by rounding.
+            const double rounding = 64 * epsilon<double> * (1 + largest(middle_) + distance);
+            if (!(distance <= least + rounding)) continue;
+            const double beyond = dot(outward_normal(corner), q - corner[0]);
+            if (distance < least - rounding || beyond > farthest_beyond + rounding) {
+                nearest = f;
+                farthest_beyond = beyond;
+            }
+            least = (std::min)(least, distance);
+        }
+        return nearest < facets && add_facet<gradients>(to, nearest, q, share);
+    }
+
+    /// What the facets that q lies on are seen under, divided equally: how much each has depends on
+    /// the direction that q is reached from, what they give to the vertices they share does not.
+    template <bool gradients>
+    void add_on_boundary(const Lane& to, const Vec<double, D>& q, double near_distance,
+                         double share) const noexcept {
+        // A rounding of the scalar farther than the formula has it.
+        const auto holds = [&](std::size_t f) {
+            return distance_to_facet(q, corners_of(f)) <= 1.25 * near_distance;
+        };
+        std::size_t count = 0;
+        for (std::size_t f = 0; f < topology_.facets.size(); ++f) count += holds(f) ? 1 : 0;
+        if (count == 0) (void)add_nearest<gradients>(to, q, share);
+        for (std::size_t f = 0; f < topology_.facets.size(); ++f) {
+            if (holds(f)) (void)add_facet<gradients>(to, f, q, share / double(count));
+        }
+    }
+
+    static double largest(const Vec<double, D>& v) noexcept {
+        double size = 0;
+        for (std::size_t k = 0; k < D; ++k) size = (std::max)(size, std::fabs(v[k]));
+        return size;
+    }
+
+    Cage cage_;
+    CageReport report_;
+    std::vector<Vec<T, D>> handles_;
+    std::vector<HandleKind> kinds_;
+    MeanValueTopology<D> topology_; ///< its facets belong to the vector handles
+    Buffer<Vec<double, D>> at_;     ///< the vertices, in units of 1/scale
+    GreenFrame<T, D> frame_;
+    double tolerance_ = 0, scale_ = 1; ///< the tolerance in these units
+    Vec<double, D> middle_{};
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

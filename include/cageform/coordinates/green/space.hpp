@@ -1,0 +1,222 @@
+// The formula of Green coordinates in space, for registers of points.
+#pragma once
+
+#include <cageform/coordinates/green/frame.hpp>
+#include <cageform/coordinates/mean_value/space.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <class S>
+struct GreenFrame<S, 3> {
+    struct Edge {
+        std::uint32_t from, to;
+        Vec<S, 3> direction; ///< of unit length
+        S length;
+    };
+    using Face = typename MeanValueFrame<S, 3>::Face;
+    Buffer<Vec<S, 3>> vertices;
+    Buffer<Edge> edges;
+    Buffer<Face> faces;
+    Buffer<S> inverse_size; ///< of each face, 1/√area
+
+    GreenFrame() = default;
+    GreenFrame(const MeanValueTopology<3>& topology, const Buffer<Vec<double, 3>>& at, double) {
+        Buffer<Vec<Precise<S>, 3>> places;
+        for (const auto& v : at) {
+            vertices.push_back(vec_cast<S>(v));
+            places.push_back(vec_cast<Precise<S>>(v));
+        }
+        const MeanValueFrame<S, 3> frame(topology, places);
+        faces = frame.faces;
+        for (std::size_t e = 0; e < frame.edges.size(); ++e) {
+            const auto [from, to] = topology.edges[e];
+            edges.push_back({from, to, frame.edges[e].direction, frame.edges[e].length});
+        }
+        for (const auto& [a, b, c] : topology.facets) {
+            const auto n = cross(at[b] - at[a], at[c] - at[a]);
+            inverse_size.push_back(S(1 / std::sqrt(length(n) / 2)));
+        }
+    }
+};
+
+template <class S>
+struct GreenRows<S, 3> {
+    using X = Simd<S>;
+    struct Corner {
+        Vec<X, 3> u; ///< C − p
+        X r;         ///< |u|
+    };
+    /// An edge from A to B, as seen from the points: its line's nearest place q, s₁ = A·τ and s₂ = B·τ,
+    /// f the integral of 1/r along it, and one in the lanes of points that lie on it.
+    struct Edge {
+        Vec<X, 3> q;
+        X qq, begin, end, f, touched;
+    };
+    std::vector<Corner> corners;
+    std::vector<Edge> edges;
+
+    explicit GreenRows(const GreenFrame<S, 3>& frame)
+        : corners(frame.vertices.size())
+        , edges(frame.edges.size()) {}
+};
+
+template <class S>
+Simd<S> product(const Vec<Simd<S>, 3>& a, const Vec<S, 3>& b) noexcept {
+    using X = Simd<S>;
+    return a[0] * X(b[0]) + (a[1] * X(b[1]) + a[2] * X(b[2]));
+}
+
+/// Both faces of an edge take their distances from the one q: the angles that they are seen under
+/// next to the edge are sensitive apart, though not together. It is seen from the nearer end, and
+/// projected twice, so that it is right to a rounding of its own length.
+template <bool gradients, class S>
+void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, GreenRows<S, 3>& seen,
+                  typename GreenRows<S, 3>::Edge& out) noexcept {
+    using X = Simd<S>;
+    const X zero(S(0)), one(S(1)), reach(near_distance), length(edge.length), least(least_square<S>);
+    const auto &a = seen.corners[edge.from], &b = seen.corners[edge.to];
+    const auto from_a = a.r <= b.r;
+    for (std::size_t k = 0; k < 3; ++k) out.q[k] = select(from_a, a.u[k], b.u[k]);
+    X along = product(out.q, edge.direction);
+    for (std::size_t k = 0; k < 3; ++k) out.q[k] = out.q[k] - along * X(edge.direction[k]);
+    const X rest = product(out.q, edge.direction);
+    for (std::size_t k = 0; k < 3; ++k) out.q[k] = out.q[k] - rest * X(edge.direction[k]);
+    along = along + rest;
+    out.begin = select(from_a, along, along - length);
+    out.end = select(from_a, along + length, along);
+    out.qq = out.q[0] * out.q[0] + (out.q[1] * out.q[1] + out.q[2] * out.q[2]);
+    const auto on_line = both(out.qq <= reach * reach, both(out.begin <= zero, zero <= out.end));
+    const auto on_edge = on_line | ((min)(a.r, b.r) <= reach);
+    out.touched = select(on_edge, one, zero);
+    // f → ∞ next to the edge, where values have it times a distance; derivatives are those of a
+    // place 1e-6 diagonals away.
+    const auto at_least = [&](const X& x, S step) {
+        return (max)(x, gradients ? select(on_edge, X(step), least) : least);
+    };
+    const auto ahead = zero <= out.begin, behind = out.end <= zero;
+    const X a_beyond = a.r - out.begin, b_beyond = b.r + out.end;
+    const X over = select(ahead, b_beyond, select(behind, a_beyond, a_beyond * b_beyond));
+    const X under = select(ahead, at_least(a.r + out.begin, S(0x1p-20)),
+                           select(behind, at_least(b.r - out.end, S(0x1p-20)), at_least(out.qq, S(0x1p-40))));
+    out.f = log(over / under);
+}
+
+/// The angle that an edge of a face is seen under from the foot of p on the face, less that angle
+/// seen from p through the plane: what the edge adds to the solid angle of the face, by the sign of
+/// ρ. |H| is `height`; A and B are the distances to the ends.
+///
+///   atan2(ρ s₂, D + |H| B) − atan2(ρ s₁, D + |H| A),   D = ρ² + H²
+///
+/// as one angle. s₂ A − s₁ B, where both s have one sign, is D L (s₁ + s₂)/(s₂ A + s₁ B).
+template <class S>
+Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<S, 3>& seen,
+                   const typename GreenRows<S, 3>::Edge& line, const Simd<S>& height,
+                   const Simd<S>& rho) noexcept {
+    using X = Simd<S>;
+    const X &a = seen.corners[edge.from].r, &b = seen.corners[edge.to].r, &s1 = line.begin, &s2 = line.end;
+    const X zero(S(0)), one(S(1)), length(edge.length);
+    const auto beyond = zero < s1 * s2;
+    const X factor = select(beyond, abs(s2 * a + s1 * b), one);
+    const X turn = select(beyond, line.qq * length * abs(s1 + s2), s2 * a - s1 * b);
+    const X y = rho * (length * line.qq * factor + height * turn);
+    const X x = factor * ((line.qq + height * a) * (line.qq + height * b) + rho * rho * s1 * s2);
+    const X size = angle(abs(y), x + X(least_square<S>));
+    return select(rho < zero, zero - size, size);
+}
+
+/// What a face adds to the coordinates of points: H, the height of its plane above them, ρ_k, the
+/// distances of their feet to its edges, inside positive, f_k of its edges, and Ω, the solid angle
+/// it is seen under, zero where a point lies on it.
+template <class S>
+struct FaceIntegrals {
+    using X = Simd<S>;
+    X height, rho[3], f[3], angle, touched;
+
+    FaceIntegrals(const typename GreenFrame<S, 3>::Face& face, const GreenFrame<S, 3>& cage,
+                  const GreenRows<S, 3>& seen, S near_distance) noexcept {
+        const X zero(S(0)), one(S(1)), reach(near_distance);
+        const typename GreenRows<S, 3>::Edge* edges[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            edges[k] = &seen.edges[face.edge[k]];
+            rho[k] = product(edges[k]->q, face.across[k]);
+            f[k] = edges[k]->f;
+        }
+        height = product(edges[0]->q, face.normal); // from the nearest of the edges
+        X least = edges[0]->qq;
+        for (std::size_t k = 1; k < 3; ++k) {
+            const auto nearer = edges[k]->qq < least;
+            height = select(nearer, product(edges[k]->q, face.normal), height);
+            least = select(nearer, edges[k]->qq, least);
+        }
+        const X size = abs(height);
+        angle = zero;
+        for (std::size_t k = 0; k < 3; ++k)
+            angle += edge_angle<S>(cage.edges[face.edge[k]], seen, *edges[k], size, rho[k]);
+        const X inmost = (min)(rho[0], (min)(rho[1], rho[2]));
+        touched = (max)(edges[0]->touched, (max)(edges[1]->touched, edges[2]->touched));
+        touched = select(both(size <= reach, zero <= inmost), one, touched);
+        angle = select(zero < touched, zero, select(height < zero, zero - angle, angle));
+    }
+};
+
+/// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), from ∫ over the faces, in
+/// a face's own frame, ν_k the outward normal of edge k in its plane, h_k the altitude of corner k:
+///
+///   4π h_k φ_k += ρ_k Ω + H Σ_l (ν_k·ν_l) f_l,   4π ψ = Σ_k ρ_k f_k − H Ω
+///
+/// The derivatives of Ω and f themselves cancel between the faces of an edge, so that they are left
+/// out (n × ν_k/h_k is the vortex sheet of the hat function; Biot and Savart):
+///
+///   4π h_k ∇φ_k += −(Ω ν_k + n Σ_l (ν_k·ν_l) f_l),   4π ∇ψ = Ω n − Σ_l f_l ν_l
+///
+/// ψ is divided by the length of the handle, √area. `rows` are zero on entry.
+template <bool gradients, class S>
+GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near_distance, const Vec<Simd<S>, 3>& p,
+                      GreenRows<S, 3>& seen, Lanes<S>* rows) noexcept {
+    using X = Simd<S>;
+    constexpr S full = S(4 * 3.14159265358979323846);
+    const std::size_t vertices = cage.vertices.size(), handles = vertices + cage.faces.size();
+    for (std::size_t i = 0; i < vertices; ++i) {
+        auto& [u, r] = seen.corners[i];
+        for (std::size_t k = 0; k < 3; ++k) u[k] = X(cage.vertices[i][k]) - p[k];
+        r = sqrt(u[0] * u[0] + (u[1] * u[1] + u[2] * u[2]));
+    }
+    for (std::size_t e = 0; e < cage.edges.size(); ++e)
+        look_at_edge<gradients>(cage.edges[e], near_distance, seen, seen.edges[e]);
+    X angles(S(0)), touched(S(0));
+    for (std::size_t j = 0; j < cage.faces.size(); ++j) {
+        const auto& face = cage.faces[j];
+        const FaceIntegrals<S> of(face, cage, seen, near_distance);
+        angles += of.angle;
+        touched = (max)(touched, of.touched);
+        const X size(cage.inverse_size[j] / full);
+        X normal = of.height * of.angle; // of ψ
+        Vec<X, 3> slope;
+        for (std::size_t axis = 0; axis < 3; ++axis) slope[axis] = of.angle * X(face.normal[axis]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            const X across = of.f[k] + (X(face.cosine[m]) * of.f[l] + X(face.cosine[l]) * of.f[m]);
+            const X share(face.inverse_altitude[k] / full);
+            if constexpr (gradients) {
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const X v(face.across[k][axis]);
+                    add(-(share * (of.angle * v + across * X(face.normal[axis]))),
+                        rows[axis * handles + face.corner[k]]);
+                    slope[axis] = slope[axis] - of.f[k] * v;
+                }
+            } else {
+                add(share * (of.rho[k] * of.angle + of.height * across), rows[face.corner[k]]);
+                normal = normal - of.rho[k] * of.f[k];
+            }
+        }
+        if constexpr (gradients) {
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                (size * slope[axis]).store(rows[axis * handles + vertices + j]);
+        } else {
+            (-(size * normal)).store(rows[vertices + j]);
+        }
+    }
+    return {X(1 / full) * angles, touched};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

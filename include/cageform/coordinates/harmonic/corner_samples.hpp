@@ -1,0 +1,69 @@
+// What interpolation misses next to treated corners, of many functions at many points.
+#pragma once
+
+#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/corners/corner_functions.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The corrections of the weights of some points, which are added when those of all functions are
+/// known.
+template <Scalar T>
+class CornerSamples {
+public:
+    /// Of point `i`, at `p` in units of the lattice, that `stencil` is of.
+    void add(const grid::CornerFunctions& corners, std::size_t i, const Vec<double, 2>& p,
+             const grid::CutStencil<2>& stencil) {
+        const auto correction = corners.correction(p, stencil);
+        if (correction.first != grid::CornerFunctions::Correction::none) points_.push_back({i, correction});
+    }
+    /// Makes place for the corrections of all functions.
+    void reserve(std::size_t handles) {
+        handles_ = handles;
+        parts_.resize(points_.size() * handles);
+    }
+
+    /// Those of functions `first` … first + count − 1.
+    void sample(const grid::CornerFunctions::Coefficients& coefficients, std::size_t first,
+                std::size_t count) noexcept {
+        for (std::size_t n = 0; n < points_.size(); ++n) {
+            std::array<double, grid::CornerFunctions::width> more{};
+            grid::CornerFunctions::apply(points_[n].correction, coefficients, more);
+            for (std::size_t k = 0; k < count; ++k)
+                parts_[n * handles_ + first + k] = static_cast<T>(more[k]);
+        }
+    }
+
+    /// Adds as much of a corner's part as keeps all weights of the point in [0, 1]: all of it,
+    /// unless the grid is too coarse for the corner. The part sums to 0 and moves no point, so any
+    /// share of it may be taken.
+    ///
+    ///   tolerance  the solver's; what the clamp may take away
+    void finish(double tolerance, BlockView<T> rows) const noexcept {
+        const T allowed = static_cast<T>(tolerance);
+        for (std::size_t n = 0; n < points_.size(); ++n) {
+            const std::size_t i = points_[n].point, lane = i % lane_count<T>;
+            const T* const part = parts_.data() + n * handles_;
+            auto* const row = rows.block(i / lane_count<T>);
+            T share = 1;
+            for (std::size_t k = 0; k < handles_; ++k) {
+                const T w = row[k][lane], room = allowed + (part[k] < 0 ? w : T(1) - w);
+                if (room < share * std::fabs(part[k])) share = room / std::fabs(part[k]);
+            }
+            for (std::size_t k = 0; k < handles_; ++k)
+                row[k][lane] = std::clamp(row[k][lane] + share * part[k], T(0), T(1));
+        }
+    }
+
+private:
+    struct Corrected {
+        std::size_t point;
+        grid::CornerFunctions::Correction correction;
+    };
+    std::size_t handles_ = 0;
+    Buffer<Corrected> points_;
+    std::vector<T> parts_; ///< #handles for each of the points
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,187 @@
+// Gradients of functions that can be sampled: differences of values a cell apart.
+#pragma once
+
+#include <cageform/coordinates/harmonic/solution.hpp>
+#include <cageform/core/detail/simd.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The places that the derivatives at some blocks of points are differences between: a point and
+/// its neighbours below and above along each axis. Neighbours are a cell apart, as values then have
+/// the same part of their cells' error, so that it drops out; they are nearer only where the
+/// boundary is.
+template <DifferentiableSolver S>
+class DifferencePlaces {
+    using T = typename S::Problem::scalar;
+    using Simd = detail::Simd<T>;
+    static constexpr std::size_t D = S::Problem::dimension, lanes = lane_count<T>;
+    static constexpr std::size_t places = 2 * D + 1; ///< the point, then below and above along each axis
+    using Point = Vec<T, D>;
+
+public:
+    /// For up to `blocks` blocks at a time.
+    DifferencePlaces(const S& solver, const Batch<T>& batch, std::size_t blocks)
+        : solver_(solver)
+        , batch_(batch)
+        , handles_(batch.rows.rows / D)
+        , positions_(blocks * places * D)
+        , rows_(blocks * places * handles_)
+        , factors_(blocks * 2 * D)
+        , states_(blocks * places * lanes) {}
+
+    /// Block `b` of the points has its places in block `at`, and its states told: unreached where
+    /// both neighbours along an axis fall onto the point.
+    void set(std::size_t b, std::size_t at) noexcept {
+        const std::size_t first = b * lanes;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t i = first + lane;
+            bool there = i < batch_.states.size() && batch_.states[i] != PointState::not_finite;
+            if (there) {
+                batch_.states[i] = set_point(at, lane, block_point<D>(batch_.points, i));
+                there = is_bound(batch_.states[i]);
+            }
+            for (std::size_t n = 0; n < places; ++n)
+                states_[(at * places + n) * lanes + lane] =
+                    there ? PointState::inside : PointState::not_finite;
+        }
+    }
+
+    /// The first `blocks` blocks of places, for their values to be sampled.
+    Batch<T> batch(std::size_t blocks) noexcept {
+        const std::size_t count = blocks * places * lanes;
+        return {BlockView<T>{positions_.data(), D, count},
+                {rows_.data(), handles_, count},
+                std::span(states_).first(count)};
+    }
+
+    /// From the values sampled in block `at` to the gradients in block `b`: row axis · #handles +
+    /// handle gets the derivative of the handle's function along the axis. Nothing for points that
+    /// are neither inside nor on the boundary.
+    void differentiate(std::size_t at, std::size_t b) const noexcept {
+        Lanes<T> bound;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t i = b * lanes + lane;
+            bound[lane] = i < batch_.states.size() && is_bound(batch_.states[i]) ? T(1) : T(0);
+        }
+        const auto is_set = Simd(T(0)) < Simd::load(bound);
+        const Lanes<T>* const values = rows_.data() + at * places * handles_;
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            const Lanes<T>* const below = values + (2 * axis + 1) * handles_;
+            const Lanes<T>* const above = below + handles_;
+            const Simd to_below = Simd::load(factors_[(at * D + axis) * 2]);
+            const Simd to_above = Simd::load(factors_[(at * D + axis) * 2 + 1]);
+            Lanes<T>* const slopes = batch_.rows.block(b) + axis * handles_;
+            for (std::size_t h = 0; h < handles_; ++h) {
+                const Simd here = Simd::load(values[h]);
+                const Simd slope =
+                    to_below * (here - Simd::load(below[h])) + to_above * (Simd::load(above[h]) - here);
+                select<T>(is_set, slope, Simd::load(slopes[h])).store(slopes[h]);
+            }
+        }
+    }
+
+private:
+    static bool is_bound(PointState state) noexcept {
+        return state == PointState::inside || state == PointState::on_boundary;
+    }
+
+    /// Sets a point's places; returns where it lies.
+    PointState set_point(std::size_t at, std::size_t lane, Point p) noexcept {
+        const PointState state = solver_.state_of(p);
+        if (state == PointState::on_boundary && !step_inside(p)) return PointState::unreached;
+        if (!is_bound(state)) return state;
+        const auto put = [&](std::size_t place, const Point& q) {
+            for (std::size_t k = 0; k < D; ++k) positions_[(at * places + place) * D + k][lane] = q[k];
+        };
+        put(0, p);
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            const Point below = neighbour(p, axis, false), above = neighbour(p, axis, true);
+            put(2 * axis + 1, below);
+            put(2 * axis + 2, above);
+            const double to_below = std::fabs(double(p[axis]) - double(below[axis])); // as rounded
+            const double to_above = std::fabs(double(above[axis]) - double(p[axis]));
+            if (!(to_below + to_above > 0)) return PointState::unreached;
+            const auto factors = difference_factors(to_below, to_above);
+            for (std::size_t n = 0; n < 2; ++n)
+                factors_[(at * D + axis) * 2 + n][lane] = static_cast<T>(factors[n]);
+        }
+        return state;
+    }
+    /// The place a cell from `p`, or as far as the inside goes.
+    Point neighbour(const Point& p, std::size_t axis, bool up) const noexcept {
+        const double cells = solver_.free_distance(p, axis, up, 1.0);
+        Point q = p;
+        q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * solver_.spacing(p));
+        return q;
+    }
+    /// Of the value here less that below, and of that above less that here, for the derivative:
+    /// exact for parabolas; for lines where one distance is below a tenth of the other, since errors
+    /// of the values count by the reciprocal of it.
+    static std::array<double, 2> difference_factors(double below, double above) noexcept {
+        if (below < 0.1 * above) return {0, 1 / above};
+        if (above < 0.1 * below) return {1 / below, 0};
+        return {above / (below * (below + above)), below / (above * (below + above))};
+    }
+    /// From the boundary half a cell inwards, along the diagonal that is farthest from the
+    /// boundary; false where none is inside.
+    bool step_inside(Point& p) const noexcept {
+        const double step = 0.5 * solver_.spacing(p) / std::sqrt(double(D));
+        double most = 0;
+        const Point from = p;
+        for (std::size_t direction = 0; direction < (std::size_t{1} << D); ++direction) {
+            Point q = from;
+            for (std::size_t k = 0; k < D; ++k)
+                q[k] = static_cast<T>(double(from[k]) + (((direction >> k) & 1u) != 0 ? step : -step));
+            if (solver_.state_of(q) != PointState::inside) continue;
+            double least = 1;
+            for (std::size_t k = 0; k < D; ++k) {
+                for (const bool up : {false, true}) least = solver_.free_distance(q, k, up, least);
+            }
+            if (least <= most) continue;
+            most = least;
+            p = q;
+        }
+        return most > 0;
+    }
+
+    const S& solver_;
+    Batch<T> batch_;
+    std::size_t handles_;
+    std::vector<Lanes<T>> positions_, rows_; ///< by block, place, and axis or handle
+    std::vector<Lanes<T>> factors_;          ///< by block and axis: of the differences below and above
+    std::vector<PointState> states_;
+};
+
+/// The gradients at a batch of points, by a solver's places and samples. From functions kept a few
+/// points at a time, whose values stay in cache.
+template <DifferentiableSolver S>
+Status sample_gradients(const Solution<S>& solution, const Batch<typename S::Problem::scalar>& batch,
+                        SolverReport& report, const Running& running) {
+    constexpr std::size_t together = 4; // the values of a hundred handles fill the second cache
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): a solution is used once it is made
+    const S& solver = *solution.solver;
+    const std::size_t blocks = batch.points.blocks();
+    if (!solution.functions.empty()) {
+        return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
+            DifferencePlaces<S> places(solver, batch, (std::min)(together, end - begin));
+            for (std::size_t b = begin; b < end; b += together) {
+                const std::size_t count = (std::min)(together, end - b);
+                for (std::size_t n = 0; n < count; ++n) places.set(b + n, n);
+                (void)sample_solution(solution, places.batch(count), report, {});
+                for (std::size_t n = 0; n < count; ++n) places.differentiate(n, b + n);
+            }
+        });
+    }
+    DifferencePlaces<S> places(solver, batch, blocks);
+    const auto in_blocks = [&](const auto& f) {
+        in_parallel(running, blocks, 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b) f(b);
+        });
+    };
+    in_blocks([&](std::size_t b) { places.set(b, b); });
+    const Status status = sample_solution(solution, places.batch(blocks), report, running);
+    if (status == Status::ok) in_blocks([&](std::size_t b) { places.differentiate(b, b); });
+    return status;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

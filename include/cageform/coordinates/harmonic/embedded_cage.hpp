@@ -1,0 +1,221 @@
+// A cage laid into a lattice: the nodes inside, their links to the boundary, where points lie, what
+// they are a mean of.
+#pragma once
+
+#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/grid/lattice/box_boundary.hpp>
+#include <cageform/grid/lattice/embed.hpp>
+#include <cageform/grid/lattice/simplex_boundary.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The lattice of `resolution` spacings along the longest side. Centred on the cage's box, so that
+/// a symmetric cage has symmetric functions; sides of an axis-aligned cage whose extents divide
+/// evenly lie on lattice lines.
+template <Scalar T, std::size_t D>
+Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
+    const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
+    double longest = 0;
+    for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, extent[k]);
+    Lattice<double, D> lattice;
+    lattice.spacing = longest / double(resolution);
+    for (std::size_t k = 0; k < D; ++k) {
+        const double links = std::ceil(extent[k] / lattice.spacing - grid::on_boundary_distance);
+        lattice.cells[k] = std::size_t(links) + 1;
+        lattice.origin[k] = lower[k] + 0.5 * (extent[k] - links * lattice.spacing);
+    }
+    return lattice;
+}
+
+/// Of a cage that outlives it.
+template <class C>
+class EmbeddedCage {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+    using Boundary = typename grid::GridBoundaryOf<C>::type;
+
+public:
+    static constexpr std::size_t least_resolution = 8, most_resolution = D == 2 ? 16384 : 1024;
+
+    /// Lays the cage of a problem whose options have a `resolution` into a lattice of that.
+    ///
+    ///   fails  resolution_not_supported; out_of_memory, with what it takes and a resolution that
+    ///          would do in `report`; grid_too_coarse, with the handle and such a resolution
+    template <class Problem>
+    static Status make(const Problem& problem, SolverReport& report, std::optional<EmbeddedCage>& made) {
+        if (problem.data.status() != Status::ok) return problem.data.status();
+        const std::size_t resolution = problem.options.resolution;
+        if (resolution < least_resolution || resolution > most_resolution)
+            return Status::resolution_not_supported;
+        const auto bounds = bounds_of(problem.cage.vertices());
+        const auto lattice = lattice_on(bounds, resolution);
+        const double rounding = double(epsilon<T>) * double(bounds.magnitude());
+        if (!(lattice.spacing > 4 * rounding) ||
+            lattice.spacing < 1e-290) // squares of it are to be normal numbers
+            return Status::resolution_not_supported;
+        const GridMemory memory(problem.cage, bounds);
+        const std::size_t limit = memory_limit(problem.options);
+        if (memory.bytes(resolution) > double(limit)) return refuse_memory(memory, resolution, limit, report);
+        Boundary boundary(problem.cage, lattice);
+        const auto crossings = boundary.crossings();
+        report.unseen_handle = first_unseen(problem, boundary, crossings);
+        if (report.unseen_handle == SolverReport::none) {
+            made.emplace(problem, std::move(boundary), crossings);
+            return Status::ok;
+        }
+        for (std::size_t finer = 2 * resolution;
+             finer <= most_resolution && memory.bytes(finer) <= double(limit); finer *= 2) {
+            const Boundary there(problem.cage, lattice_on(bounds, finer));
+            if (first_unseen(problem, there, there.crossings()) != SolverReport::none) continue;
+            report.sufficient_resolution = finer;
+            break;
+        }
+        return Status::grid_too_coarse;
+    }
+
+    template <class Problem>
+    EmbeddedCage(const Problem& problem, Boundary boundary, const grid::Crossings<D>& crossings)
+        : cage_(&problem.cage)
+        , data_(&problem.data)
+        , tolerance_(problem.tolerance)
+        , boundary_(std::move(boundary))
+        , problem_(grid::embed(boundary_, crossings))
+        , at_cuts_(*data_, problem_.values) {
+        boundary_.index_cells(1e-6 + 2 * double(tolerance_) / lattice().spacing);
+    }
+
+    EmbeddedCage(EmbeddedCage&&) noexcept = default;
+    EmbeddedCage& operator=(EmbeddedCage&&) noexcept = default;
+    EmbeddedCage(const EmbeddedCage&) = delete; // at_cuts_ looks at the values of this
+    EmbeddedCage& operator=(const EmbeddedCage&) = delete;
+    ~EmbeddedCage() = default;
+
+    const C& cage() const noexcept { return *cage_; }
+    const BoundaryData<C>& data() const noexcept { return *data_; }
+    const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
+    /// Cells along the longest side.
+    std::size_t resolution() const noexcept {
+        return *std::max_element(lattice().cells.begin(), lattice().cells.end()) - 1;
+    }
+    const grid::EmbeddedProblem<D>& problem() const noexcept { return problem_; }
+
+    /// Adds the data of `count` functions from `first` on to `source`, at slots[node] of each node.
+    template <class Values>
+    void add_data(std::size_t first, std::size_t count, std::span<const std::uint32_t> slots,
+                  std::span<Values> source) const noexcept {
+        for (std::size_t c = 0; c < problem_.cuts.size(); ++c) {
+            const auto& cut = problem_.cuts[c];
+            at_cuts_.for_each_weight(c, [&](std::uint32_t handle, double weight) {
+                if (handle < first || handle >= first + count) return;
+                source[slots[cut.node]][handle - first] += cut.weight * weight;
+            });
+        }
+    }
+
+    /// Where a point lies, as `locate` says; asked of what is in its cell where that tells.
+    PointState state_of(const Vec<T, D>& p) const noexcept { return located(p).state; }
+    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        return boundary_.free_distance(in_cells(p), axis, up, limit);
+    }
+    Vec<double, D> in_cells(const Vec<T, D>& p) const noexcept {
+        return lattice().in_cells(vec_cast<double>(p));
+    }
+
+    /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
+    /// outside and beyond the batch.
+    grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
+        grid::CutStencil<D> stencil;
+        if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
+        const auto p = block_point<D>(batch.points, i);
+        const auto [state, value] = located(p);
+        batch.states[i] = state;
+        if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
+        if (state == PointState::on_boundary) stencil.add(value, 1.0);
+        return stencil;
+    }
+
+    /// What the value at any place is a mean of; outside, that at the nearest place of the boundary.
+    grid::CutStencil<D> stencil_near(const Vec<T, D>& p) const noexcept {
+        const auto [state, value] = located(p);
+        if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
+        grid::CutStencil<D> stencil;
+        Vec<T, D> place;
+        stencil.add(state == PointState::on_boundary ? value : nearest_boundary_value(*cage_, p, place), 1.0);
+        return stencil;
+    }
+
+private:
+    grid::Located<D> located(const Vec<T, D>& p) const noexcept {
+        const auto at = in_cells(p);
+        bool in_lattice = true;
+        for (std::size_t k = 0; k < D; ++k)
+            in_lattice = in_lattice && at[k] >= 0 && at[k] < double(lattice().cells[k]);
+        if (in_lattice) {
+            const double tolerance = double(tolerance_) / lattice().spacing;
+            if (const auto found = boundary_.locate(at, tolerance, problem_.nodes)) return *found;
+        }
+        grid::Located<D> found{locate(*cage_, p, tolerance_), {}};
+        Vec<T, D> place;
+        if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(*cage_, p, place);
+        return found;
+    }
+
+    /// What hierarchy and block take at any resolution, by the cage's volume and surface.
+    class GridMemory {
+    public:
+        GridMemory(const C& cage, const Bounds<T, D>& bounds)
+            : vertices_(cage.size()) {
+            const auto crossings = Boundary(cage, lattice_on(bounds, counted_at)).crossings();
+            for (const auto& along : crossings) crossings_ += double(along.size());
+            for_each_inner_interval<D>(
+                crossings[0], [this](const auto& a, const auto& b) { volume_ += b.position - a.position; });
+        }
+        double bytes(std::size_t resolution) const noexcept {
+            // Of an unknown, a crossing, a treated corner: as measured (g++ 12, 64 bits).
+            constexpr double of_unknown = 300, of_crossing = D == 2 ? 1500 : 800, of_corner = 130e3;
+            const double finer = double(resolution) / double(counted_at);
+            const double surface = D == 2 ? finer : finer * finer, unknowns = volume_ * surface * finer;
+            const double corners = D == 2 ? (std::min)(of_corner * double(vertices_), 256 * unknowns) : 0;
+            return of_unknown * unknowns + of_crossing * crossings_ * surface + corners;
+        }
+
+    private:
+        static constexpr std::size_t counted_at = 64;
+        std::size_t vertices_;
+        double volume_ = 0, crossings_ = 0; ///< on a lattice of that resolution
+    };
+    static Status refuse_memory(const GridMemory& memory, std::size_t resolution, std::size_t limit,
+                                SolverReport& report) noexcept {
+        constexpr auto most = double((std::numeric_limits<std::ptrdiff_t>::max)());
+        report.bytes = std::size_t((std::min)(memory.bytes(resolution), most));
+        std::size_t fits = resolution;
+        while (fits >= least_resolution && memory.bytes(fits) > double(limit)) fits -= 1 + fits / 64;
+        report.sufficient_resolution = fits >= least_resolution ? fits : 0;
+        return Status::out_of_memory;
+    }
+
+    /// The first handle that no node feels.
+    template <class Problem>
+    static std::size_t first_unseen(const Problem& problem, const Boundary& boundary,
+                                    const grid::Crossings<D>& crossings) {
+        const auto handles = [&](const BoundaryValue<D>& value, const auto& f) {
+            problem.data.for_each_handle(value, f);
+        };
+        auto seen = grid::seen_handles<D>(crossings, problem.cage.size(), handles);
+        if (const auto thin = boundary.too_thin_bone()) seen[*thin] = false;
+        for (const CageFault& fault : problem.report.faults) { // warnings
+            if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
+        }
+        const auto first = std::find(seen.begin(), seen.end(), false);
+        return first == seen.end() ? SolverReport::none : std::size_t(first - seen.begin());
+    }
+
+    const C* cage_;
+    const BoundaryData<C>* data_;
+    T tolerance_;
+    Boundary boundary_;
+    grid::EmbeddedProblem<D> problem_;
+    typename BoundaryData<C>::Table at_cuts_; ///< of problem_.values
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

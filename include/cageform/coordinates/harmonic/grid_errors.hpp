@@ -1,0 +1,99 @@
+// Errors that a tree of cells leaves, by an estimate: values in cells against values in cells of twice
+// the size.
+#pragma once
+
+#include <cageform/coordinates/harmonic/stencil_table.hpp>
+#include <cageform/grid/tree/leaf_gather.hpp>
+#include <cageform/grid/tree/star.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// At places spread over the leaves of a tree, two means of the same functions: in the leaf there, and in
+/// the cell of twice its size that holds it. Where functions are smooth these differ by three times the
+/// error of the first, next to their kinks by once or twice; and what is wrong with the values at nodes
+/// is of the size of that error. Measured against finer grids, the largest difference is between half
+/// and four times the largest error anywhere. In the plane instead two harmonic means,
+/// exact for four powers and for two.
+template <std::size_t D>
+class GridErrors {
+public:
+    GridErrors() = default;
+    /// `data` is what the cage calls its boundary data.
+    template <class Data>
+    GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data) {
+        constexpr std::uint32_t most = 1000;
+        const std::uint32_t step = 1 + tree.cells().leaves() / most;
+        std::uint32_t count = 0;
+        tree.cells().for_each_leaf([&](const Cell& leaf) {
+            if (tree.state(leaf.number) == grid::CellState::out || leaf.number == 0) return;
+            if (count++ % step != 0) return;
+            Vec<double, D> middle{};
+            std::array<std::int64_t, D> line{};
+            for (std::size_t k = 0; k < D; ++k) {
+                middle[k] = leaf.low[k] + 0.5 * leaf.size;
+                line[k] = std::llround(std::ldexp(middle[k], tree.boundary().fraction()));
+            }
+            const auto facets = tree.facets(leaf.number);
+            if (!tree.is_inside(line)) return;
+            if (tree.boundary().nearest(facets, middle).distance <= grid::on_facet_distance) return;
+            if constexpr (D == 2) {
+                constexpr unsigned degree = HarmonicMean::most_degree;
+                const auto fine = harmonic_mean_of(tree, nodes, middle, leaf, degree);
+                const auto coarse = harmonic_mean_of(tree, nodes, middle, leaf, degree - 2);
+                if (fine && coarse) {
+                    fine_.add(*fine, data);
+                    coarse_.add(*coarse, data);
+                    return;
+                }
+            }
+            fine_.add(stencil(tree, nodes, leaf, middle), data);
+            coarse_.add(stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle), data);
+        });
+    }
+
+    /// Of functions first … first + count − 1 at each of the places the largest difference.
+    ///
+    ///   functions  functions.value(node): an array of at least `count` values
+    template <class Functions>
+    std::vector<float> of(const Functions& functions, std::size_t first, std::size_t count) const {
+        std::vector<float> errors;
+        for (std::size_t n = 0; n < fine_.size(); ++n) {
+            auto difference = value(fine_, n, functions, first, count);
+            const auto coarse = value(coarse_, n, functions, first, count);
+            double largest = 0;
+            for (std::size_t k = 0; k < count; ++k)
+                largest = (std::max)(largest, std::fabs(difference[k] - coarse[k]));
+            errors.push_back(float(largest));
+        }
+        return errors;
+    }
+
+private:
+    using Cell = typename grid::CellTree<D>::Cell;
+
+    static grid::CutStencil<D> stencil(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes,
+                                       const Cell& cell, const Vec<double, D>& p) {
+        grid::CutStencil<D> stencil;
+        grid::StencilSink<D> sink{nodes, stencil};
+        LeafGather<D, grid::StencilSink<D>>(tree.boundary(), nodes, sink)
+            .gather(cell, tree.facets(cell.number), p);
+        return stencil;
+    }
+    template <class Functions>
+    static auto value(const StencilTable<D>& stencils, std::size_t n, const Functions& functions,
+                      std::size_t first, std::size_t count) {
+        std::decay_t<decltype(functions.value(0))> sum{};
+        for (const auto& [node, share] : stencils.nodes(n)) {
+            const auto& at_node = functions.value(node);
+            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += share * at_node[k];
+        }
+        for (const auto& [handle, share] : stencils.handles(n)) {
+            if (handle - first < count) sum[handle - first] += share;
+        }
+        return sum;
+    }
+
+    StencilTable<D> fine_, coarse_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,185 @@
+// Harmonic functions of a cage by the multigrid, on a lattice that the cage is laid into where it
+// is.
+#pragma once
+
+#include <cageform/coordinates/harmonic/corner_samples.hpp>
+#include <cageform/coordinates/harmonic/cut_samples.hpp>
+#include <cageform/coordinates/harmonic/embedded_cage.hpp>
+#include <cageform/coordinates/harmonic/function_guess.hpp>
+#include <cageform/coordinates/harmonic/options.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/corners/edge_errors.hpp>
+#include <cageform/grid/multigrid_groups.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A CageSolver for every cage that GridBoundaryOf knows; groups are of sixteen functions. The
+/// singularities at a polygon's corners are treated apart (grid/corners/corner_functions.hpp).
+template <class C>
+class MultigridSolver {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+    static constexpr std::size_t width = grid::Multigrid<D>::width;
+
+public:
+    using Problem = CageProblem<C, HarmonicOptions>;
+    using Guess = detail::FunctionGuess<MultigridSolver>;
+
+    static Status make(const Problem& problem, SolverReport& report, std::optional<MultigridSolver>& made) {
+        if (!(problem.options.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
+        std::optional<detail::EmbeddedCage<C>> grid;
+        const Status status = detail::EmbeddedCage<C>::make(problem, report, grid);
+        if (status != Status::ok) return status;
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
+        made.emplace(std::move(*grid), problem.options.multigrid);
+        report.cells = made->multigrid_.unknowns();
+        return Status::ok;
+    }
+
+    MultigridSolver(detail::EmbeddedCage<C> grid, const MultigridOptions& options)
+        : grid_(std::move(grid))
+        , options_(options)
+        , corners_(corners_of(grid_, options))
+        , errors_(errors_of(grid_, corners_))
+        , multigrid_(grid_.problem().nodes, grid_.problem().cuts, corners_.sources())
+        , slots_(multigrid_.source_slots()) {
+        corners_.set_slots(slots_);
+    }
+
+    SolverMemory memory() const noexcept { return {multigrid_.bytes(), multigrid_.block_bytes()}; }
+
+    // ---- groups
+    // ------------------------------------------------------------------------------------
+
+    struct Block {
+        typename grid::Multigrid<D>::Block cycled;
+        grid::CornerFunctions::Coefficients at_corners;
+
+        typename grid::Multigrid<D>::Values value(std::uint32_t node) const noexcept {
+            return cycled.value(node);
+        }
+    };
+    std::size_t groups() const noexcept { return (grid_.cage().size() + width - 1) / width; }
+    Block make_block() const { return {multigrid_.make_block(), {}}; }
+    std::size_t helpers() const noexcept { return multigrid_.helpers(); }
+
+    Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
+        return solve(group, block, work, nullptr);
+    }
+    /// Not where corners are treated: what is fitted to a guess there is farther off than what the
+    /// cycles begin with, and takes more of them.
+    bool takes_guess() const noexcept { return corners_.empty(); }
+    /// The same from functions of another cage; null: from nothing.
+    Status solve(std::size_t group, Block& block, grid::GroupWork& work, const Guess* guess) const {
+        const std::size_t first = handles_of(group).first, count = handles_of(group).second;
+        auto& source = block.cycled.source;
+        for (auto& values : source) values.fill(0.0);
+        grid_.add_data(first, count, slots_, std::span(source));
+        block.at_corners = corners_.start(first, source);
+        if (guess != nullptr)
+            multigrid_.guess(block.cycled, [&](std::uint32_t node) { return guess->values(node, first); });
+        const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
+        const Status status = grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
+            // The corners' coefficients follow the solution and the solution them.
+            const auto fitted = corners_.fit(first, block, block.at_corners);
+            const double change = corners_.difference(fitted, block.at_corners);
+            grid::Multigrid<D>::disturb(block.cycled, corners_.replace(block.at_corners, fitted, source));
+            return change;
+        });
+        if (status == Status::ok) {
+            const std::array<std::size_t, 2> resolutions{grid_.resolution(),
+                                                         detail::EmbeddedCage<C>::most_resolution};
+            errors_.measure(first, count, block, resolutions, work.report.corners);
+        }
+        return status;
+    }
+
+    const detail::EmbeddedCage<C>& grid() const noexcept { return grid_; }
+
+    struct Functions {
+        Buffer<typename grid::Multigrid<D>::Values> values; ///< by node
+        grid::CornerFunctions::Coefficients at_corners;
+
+        const typename grid::Multigrid<D>::Values& value(std::uint32_t node) const noexcept {
+            return values[node];
+        }
+    };
+    Functions keep(const Block& block) const {
+        Functions functions{{}, block.at_corners};
+        functions.values.reserve(multigrid_.unknowns());
+        for (std::uint32_t node = 0; node < multigrid_.unknowns(); ++node)
+            functions.values.push_back(block.value(node));
+        return functions;
+    }
+
+    // ---- samples
+    // -----------------------------------------------------------------------------------
+
+    struct Samples {
+        detail::CutSamples<D> cut;
+        detail::CornerSamples<T> at_corners;
+    };
+    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
+        Samples samples{detail::CutSamples<D>(first), {}};
+        for (std::size_t i = first; i < last; ++i) {
+            const auto stencil = grid_.stencil(batch, i);
+            samples.cut.add(stencil, grid_.data());
+            if constexpr (D == 2) {
+                if (i < batch.points.points && batch.states[i] == PointState::inside)
+                    samples.at_corners.add(corners_, i, grid_.in_cells(block_point<D>(batch.points, i)),
+                                           stencil);
+            }
+        }
+        samples.at_corners.reserve(grid_.cage().size());
+        return samples;
+    }
+    template <class Solved> // a block or what is kept
+    void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
+        const auto [first, count] = handles_of(group);
+        samples.cut.sample(solved, first, count, rows);
+        samples.at_corners.sample(solved.at_corners, first, count);
+    }
+    void finish(const Samples& samples, BlockView<T> rows) const noexcept {
+        samples.at_corners.finish(options_.tolerance, rows);
+    }
+
+    double spacing(const Vec<T, D>& /*p*/) const noexcept { return grid_.lattice().spacing; }
+    PointState state_of(const Vec<T, D>& p) const noexcept { return grid_.state_of(p); }
+    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        return grid_.free_distance(p, axis, up, limit);
+    }
+
+private:
+    /// Of polygons alone.
+    static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<C>& grid,
+                                            [[maybe_unused]] const MultigridOptions& options) {
+        if constexpr (D == 2) {
+            return {grid.cage(), grid.lattice(), grid.problem(), options.corner_functions};
+        } else {
+            return {};
+        }
+    }
+    static grid::CornerErrors<D> errors_of(const detail::EmbeddedCage<C>& grid,
+                                           [[maybe_unused]] const grid::CornerFunctions& corners) {
+        if constexpr (D == 2) {
+            return corners.errors();
+        } else if constexpr (requires { boundary_of(grid.cage()).faces(); }) {
+            return cageform::grid::edge_errors(grid.cage(), grid.lattice(), grid.problem());
+        } else {
+            return {};
+        }
+    }
+    /// The first handle of a group, and how many it has.
+    std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
+        return {group * width, (std::min)(width, grid_.cage().size() - group * width)};
+    }
+
+    detail::EmbeddedCage<C> grid_;
+    MultigridOptions options_;
+    grid::CornerFunctions corners_;
+    grid::CornerErrors<D> errors_;
+    grid::Multigrid<D> multigrid_;
+    std::vector<std::uint32_t> slots_; ///< of each node in Block::source
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

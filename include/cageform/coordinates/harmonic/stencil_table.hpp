@@ -1,0 +1,61 @@
+// Stencils of many places, in nodes and handles.
+#pragma once
+
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/lattice/cut_stencil.hpp>
+
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// One stencil after the other. What a stencil takes from the boundary is kept as shares of handles.
+template <std::size_t D>
+class StencilTable {
+public:
+    using Node = typename grid::CutStencil<D>::Node;
+    struct Handle {
+        std::uint32_t handle;
+        double share;
+    };
+
+    std::size_t size() const noexcept { return ends_.size(); }
+    void reserve(std::size_t count) { ends_.reserve(count); }
+
+    void add_node(std::uint32_t node) {
+        nodes_.push_back({node, 1.0});
+        end_stencil();
+    }
+    /// `data` is the cage's BoundaryData.
+    template <class Data>
+    void add(const grid::CutStencil<D>& stencil, const Data& data) {
+        nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
+        for (std::uint32_t n = 0; n < stencil.place_count; ++n) {
+            const auto& [value, share] = stencil.places[n];
+            data.for_each_weight(value, [&, part = share](std::uint32_t handle, double weight) {
+                handles_.push_back({handle, part * weight});
+            });
+        }
+        end_stencil();
+    }
+
+    std::span<const Node> nodes(std::size_t n) const noexcept {
+        const std::size_t begin = n == 0 ? 0 : ends_[n - 1].nodes;
+        return {nodes_.data() + begin, ends_[n].nodes - begin};
+    }
+    std::span<const Handle> handles(std::size_t n) const noexcept {
+        const std::size_t begin = n == 0 ? 0 : ends_[n - 1].handles;
+        return {handles_.data() + begin, ends_[n].handles - begin};
+    }
+
+private:
+    struct Ends {
+        std::uint32_t nodes, handles;
+    };
+    void end_stencil() { ends_.push_back({std::uint32_t(nodes_.size()), std::uint32_t(handles_.size())}); }
+
+    Buffer<Node> nodes_;
+    Buffer<Handle> handles_;
+    Buffer<Ends> ends_; ///< of each stencil's nodes and handles
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,312 @@
+// Harmonic functions of a cage on an adaptive grid: bound by accuracy, not by resolution. Cells are
+// as fine as the cage is thin, its facets small and its edges sharp (grid/tree/).
+#pragma once
+
+#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/cut_samples.hpp>
+#include <cageform/coordinates/harmonic/grid_errors.hpp>
+#include <cageform/coordinates/harmonic/tree_cage.hpp>
+#include <cageform/coordinates/harmonic/options.hpp>
+#include <cageform/grid/tree_multigrid.hpp>
+
+#include <bit>
+#include <memory>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Handles in an order in which neighbours come together: functions of a group are then large in the
+/// same places.
+class HandleOrder {
+public:
+    HandleOrder() = default;
+    /// Halved across the longest side of their bounds, down to groups of `width`.
+    template <Scalar T, std::size_t D>
+    HandleOrder(std::span<const Vec<T, D>> places, std::size_t width)
+        : handle_(places.size())
+        , rank_(places.size()) {
+        for (std::uint32_t n = 0; n < handle_.size(); ++n) handle_[n] = n;
+        divide(places, width, 0, handle_.size());
+        for (std::uint32_t n = 0; n < handle_.size(); ++n) rank_[handle_[n]] = n;
+    }
+    std::uint32_t handle(std::size_t rank) const noexcept { return handle_[rank]; }
+    std::uint32_t rank(std::size_t handle) const noexcept { return rank_[handle]; }
+
+private:
+    template <Scalar T, std::size_t D>
+    void divide(std::span<const Vec<T, D>> places, std::size_t width, std::size_t begin, std::size_t end) {
+        if (end - begin <= width) return;
+        std::size_t axis = 0;
+        double longest = -1;
+        for (std::size_t k = 0; k < D; ++k) {
+            T low = places[handle_[begin]][k], high = low;
+            for (std::size_t n = begin; n < end; ++n) {
+                low = (std::min)(low, places[handle_[n]][k]);
+                high = (std::max)(high, places[handle_[n]][k]);
+            }
+            if (double(high) - double(low) <= longest) continue;
+            longest = double(high) - double(low);
+            axis = k;
+        }
+        const std::size_t groups = (end - begin + width - 1) / width, middle = begin + groups / 2 * width;
+        std::nth_element(handle_.begin() + begin, handle_.begin() + middle, handle_.begin() + end,
+                         [&](std::uint32_t a, std::uint32_t b) {
+                             return std::pair(places[a][axis], a) < std::pair(places[b][axis], b);
+                         });
+        divide(places, width, begin, middle);
+        divide(places, width, middle, end);
+    }
+
+    Buffer<std::uint32_t> handle_, rank_;
+};
+
+/// The boundary data of a tree's facets, triangles whatever the cage's faces are, by the ranks of the
+/// handles.
+template <class C>
+class RankedData {
+public:
+    using Value = BoundaryValue<C::dimension>;
+
+    RankedData(const C& cage, const BoundaryData<C>& data, const HandleOrder& order)
+        : cage_(cage)
+        , data_(data)
+        , order_(order) {}
+
+    template <class F>
+    void for_each_weight(const Value& value, F&& f) const {
+        const auto ranked = [&](std::uint32_t handle, double weight) { f(order_.rank(handle), weight); };
+        if constexpr (requires { cage_.divisions(); }) { // a box: bilinear on its rectangles
+            Vec<double, 3> place{};
+            HatData<3>::for_each_weight(value, [&](std::uint32_t handle, double weight) {
+                place = place + weight * vec_cast<double>(cage_.vertices()[handle]);
+            });
+            Vec<typename C::scalar, 3> on_box;
+            HatData<3>::for_each_weight(
+                nearest_boundary_value(cage_, vec_cast<typename C::scalar>(place), on_box), ranked);
+        } else {
+            data_.for_each_weight(value, ranked);
+        }
+    }
+
+private:
+    const C& cage_;
+    const BoundaryData<C>& data_;
+    const HandleOrder& order_;
+};
+
+} // namespace detail
+
+/// A CageSolver for every kind of cage; groups are of sixteen functions.
+/// HarmonicOptions::accuracy says how fine the grid is, and how far it is solved. Bones thinner than half
+/// the finest cell, some millionths of the cage, are refused (grid_too_coarse).
+template <class C>
+class TreeSolver {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+    using Cage = detail::TreeCage<C>;
+    using Multigrid = grid::TreeMultigrid<D>;
+    static constexpr std::size_t width = Multigrid::width;
+    /// How far functions are solved. In the plane farther: it takes little, and about corners, where
+    /// cells are tiny, gradients are differences of values near each other.
+    static constexpr double of_accuracy = D == 2 ? 0.01 : 0.1;
+
+public:
+    using Problem = CageProblem<C, HarmonicOptions>;
+    using Block = typename Multigrid::Block;
+
+    static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made) {
+        constexpr double bytes_of_leaf = 340; // tree, hierarchy and a block, as measured
+        const double accuracy = problem.options.accuracy;
+        if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
+            return Status::accuracy_not_supported;
+        if (problem.data.status() != Status::ok) return problem.data.status();
+        if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
+            return Status::resolution_not_supported;
+        const typename Cage::Plan plan(problem.cage, problem.tolerance);
+        double leaves = plan.leaves(accuracy);
+        const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
+                                       0.125 * double(std::uint32_t(-1)));
+        std::unique_ptr<Cage> cage;
+        constexpr double few = 2e5; // soon made, and fewer than the plan says
+        if (leaves < (std::max)(1.5 * most, few))
+            cage = std::make_unique<Cage>(problem.cage, problem.tolerance, plan.scale(accuracy));
+        if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
+            report.unseen_handle = *handle;
+            return Status::grid_too_coarse;
+        }
+        if (!cage || !cage->refine(accuracy, most, leaves)) {
+            report.bytes = std::size_t((std::min)(bytes_of_leaf * leaves, 9e18));
+            const double more = (std::max)(1.0, leaves / plan.leaves(accuracy)); // than planned
+            report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most / more);
+            return Status::out_of_memory;
+        }
+        made.emplace(std::move(cage), problem);
+        const auto [hierarchy, block] = made->memory();
+        if (hierarchy + block > problem.options.memory_limit) {
+            report.bytes = hierarchy + block;
+            report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most);
+            return Status::out_of_memory;
+        }
+        report.cells = made->multigrid_.unknowns();
+        made->cage_->report_finest(report);
+        return Status::ok;
+    }
+    TreeSolver(std::unique_ptr<Cage> cage, const Problem& problem)
+        : cage_(std::move(cage))
+        , data_(&problem.data)
+        , tolerance_(of_accuracy * problem.options.accuracy)
+        , max_cycles_(problem.options.multigrid.max_cycles)
+        , order_(cage_->cage().vertices(), width)
+        , multigrid_(cage_->tree(), cage_->nodes(),
+                     grid::links_of(cage_->tree(), cage_->nodes(), data_by_rank()))
+        , errors_(cage_->tree(), cage_->nodes(), data_by_rank()) {}
+
+    SolverMemory memory() const noexcept {
+        return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
+    }
+    template <class F>
+    void for_each_cell(F&& f) const {
+        cage_->for_each_cell(f);
+    }
+
+    // ---- groups
+    // ------------------------------------------------------------------------------------
+
+    std::size_t groups() const noexcept { return (cage_->cage().size() + width - 1) / width; }
+    Block make_block() const { return multigrid_.make_block(); }
+
+    Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
+        SolverReport& report = work.report;
+        const std::size_t count = handles_of(group).second;
+        report.solves = count;
+        multigrid_.start(block, group * width, cutoff());
+        double before = 0;
+        for (bool refined = !is_refined();;) { // changes in float can be small before errors are
+            if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
+            const double change = multigrid_.cycle(block, count);
+            ++report.cycles;
+            // A cycle's change is the error before it, but for what is left. The first ones gain more
+            // than those that follow.
+            const double gained = before > 0 ? change / before : 0.5;
+            if (before > tolerance_)
+                report.convergence_factor = (std::max)(report.convergence_factor, gained);
+            report.error_estimate = change * std::clamp(gained, 0.2, 0.9);
+            before = change;
+            if (refined && report.error_estimate <= tolerance_) break;
+            if (report.cycles == max_cycles_) {
+                report.unconverged = count;
+                return Status::not_converged;
+            }
+            if (is_refined() && report.cycles > 1) {
+                multigrid_.refine(block);
+                refined = true;
+            }
+        }
+        report.error_estimate += 0.25 * cutoff();
+        report.grid_errors = errors_.of(block, group * width, count);
+        return Status::ok;
+    }
+
+    /// Of the nodes where any is larger than a five hundredth of the accuracy. In float, as the cycles leave
+    /// them: what is rounded off is far below any accuracy asked for.
+    class Functions {
+    public:
+        Functions() = default;
+        Functions(const Block& block, std::uint32_t nodes, double least)
+            : words_((nodes + 63) / 64, Word{}) {
+            const auto is_kept = [&](std::uint32_t node) {
+                bool any = false;
+                for (const double x : block.value(node)) any = any || std::fabs(x) > least;
+                return any;
+            };
+            for (const std::uint32_t node : block.valued()) {
+                if (is_kept(node)) words_[node / 64].nodes |= std::uint64_t{1} << (node % 64);
+            }
+            std::uint32_t count = 0;
+            for (auto& word : words_) {
+                word.before = count;
+                count += std::uint32_t(std::popcount(word.nodes));
+            }
+            rows_.resize(count);
+            for (const std::uint32_t node : block.valued()) {
+                if (!has(node)) continue;
+                const auto values = block.value(node);
+                for (std::size_t k = 0; k < width; ++k) rows_[row(node)][k] = float(values[k]);
+            }
+        }
+
+        /// Elsewhere they are zero.
+        bool has(std::uint32_t node) const noexcept {
+            return ((words_[node / 64].nodes >> (node % 64)) & 1u) != 0;
+        }
+        typename Multigrid::Values value(std::uint32_t node) const noexcept {
+            typename Multigrid::Values values{};
+            if (!has(node)) return values;
+            for (std::size_t k = 0; k < width; ++k) values[k] = double(rows_[row(node)][k]);
+            return values;
+        }
+
+    private:
+        struct Word { ///< of 64 nodes
+            std::uint64_t nodes = 0;
+            std::uint32_t before = 0; ///< rows
+        };
+        std::size_t row(std::uint32_t node) const noexcept {
+            const Word& word = words_[node / 64];
+            return word.before +
+                   std::size_t(std::popcount(word.nodes & ((std::uint64_t{1} << (node % 64)) - 1)));
+        }
+
+        Buffer<Word> words_;
+        Buffer<typename Multigrid::Row> rows_;
+    };
+    Functions keep(const Block& block) const {
+        return Functions(block, multigrid_.unknowns(), 0.002 * tolerance_ / of_accuracy);
+    }
+
+    // ---- samples
+    // -----------------------------------------------------------------------------------
+
+    using Samples = detail::CutSamples<D>;
+
+    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
+        Samples samples(first);
+        const auto data = data_by_rank();
+        for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
+        return samples;
+    }
+    template <class Solved> // a block or what is kept
+    void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
+        const auto [first, count] = handles_of(group);
+        samples.sample(solved, first, count, rows, [this](std::size_t rank) { return order_.handle(rank); });
+    }
+    void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
+
+    double spacing(const Vec<T, D>& p) const noexcept { return cage_->spacing(p); }
+    PointState state_of(const Vec<T, D>& p) const noexcept { return cage_->state_of(p); }
+    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        return cage_->free_distance(p, axis, up, limit);
+    }
+
+private:
+    detail::RankedData<C> data_by_rank() const noexcept { return {cage_->cage(), *data_, order_}; }
+    /// Where functions are below it the next coarser level is exact enough.
+    double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
+    /// Float alone stalls at some 3e-7.
+    bool is_refined() const noexcept { return tolerance_ < 2e-6; }
+    /// The rank of a group's first handle, and how many it has.
+    std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
+        return {group * width, (std::min)(width, cage_->cage().size() - group * width)};
+    }
+
+    std::unique_ptr<Cage> cage_;
+    const detail::BoundaryData<C>* data_;
+    double tolerance_;
+    std::size_t max_cycles_;
+    detail::HandleOrder order_;
+    Multigrid multigrid_;
+    detail::GridErrors<D> errors_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,269 @@
+// The evaluation of mean value coordinates in the plane and in space: everything about the formula
+// but the formula.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/mean_value/frame.hpp>
+#include <cageform/core/affine/moment_test.hpp>
+#include <cageform/core/detail/buffer.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// `weigh` as one piece of code, which keeps numbers in registers; for gradients the same whatever
+/// the cage's scalar.
+template <class N, class Frame, class S, std::size_t D, class Rows>
+CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Frame& frame, const MeanValueLimits<S>& limits,
+                                                     const Vec<ValueOf<N>, D>& p, Rows& memory) noexcept {
+    return weigh(frame, limits, p, memory);
+}
+
+/// What MeanValueCoordinates are in both dimensions. Points are evaluated a register at a time,
+/// gradients in double whatever the scalar. Points next to the boundary and far away, where the
+/// formula loses digits, follow one by one in a wider scalar, in lengths relative to their distance
+/// from the boundary, so that nothing overflows.
+template <class Cage>
+class MeanValueEvaluation {
+public:
+    using scalar = typename Cage::scalar;
+    static constexpr std::size_t dimension = Cage::dimension;
+    static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
+
+    const Cage& cage() const noexcept { return cage_; }
+    std::span<const Vec<scalar, dimension>> handles() const noexcept { return cage_.vertices(); }
+    const CageReport& cage_report() const noexcept { return report_; }
+
+    /// As CageCoordinates says.
+    Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
+                        std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_numbers<Simd<T>>({points, weights, states}, running);
+    }
+    /// As GradientCoordinates says. For a point on the boundary, where there are derivatives from
+    /// one side only, those of a place 1e-6 diagonals inside.
+    Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
+    }
+    Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p,
+                                            std::span<scalar> row) const noexcept {
+        return nearest_boundary_weights(cage_, p, row, data_);
+    }
+
+protected:
+    explicit MeanValueEvaluation(Cage cage)
+        : cage_(std::move(cage)) {
+        prepare();
+    }
+    /// Its boundary alone.
+    explicit MeanValueEvaluation(const CellComplex<scalar, dimension>& complex) {
+        report_.status = guard_memory([&] {
+            cage_ = complex.boundary();
+            return complex.status();
+        });
+        if (report_.status != Status::ok) return;
+        prepare();
+        refuse_interior_cells(complex, report_);
+    }
+
+    Cage cage_;
+    CageReport report_;
+
+private:
+    void prepare() {
+        report_ = check(cage_);
+        if (report_.status != Status::ok) return;
+        report_.status = guard_memory([&] {
+            fill_tables();
+            return Status::ok;
+        });
+    }
+    void fill_tables() {
+        const auto bounds = bounds_of(cage_.vertices());
+        tolerance_ = double(coincidence_tolerance(bounds));
+        scale_ = double(unit_scale(bounds)); // products of three lengths stay in range
+        if constexpr (D == 3) origin_ = cage_[0];
+        topology_ = typename Form::Topology(cage_);
+        data_ = Form::data(cage_);
+        const auto at = seen_from(vec_cast<double>(origin_), scale_);
+        frame_ = {topology_, at};
+        gradient_frame_ = {topology_, at};
+        test_ = MomentTest<T, D>(at);
+        gradient_test_ = MomentTest<double, D>(at);
+    }
+
+    using T = scalar;
+    static constexpr std::size_t D = dimension;
+    using Form = MeanValueForm<Cage>;
+    template <class N>
+    using Rows = typename Form::template Rows<N>;
+    using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
+
+    /// The vertices seen from `origin`, in lengths of 1/scale.
+    template <class Number>
+    Buffer<Vec<Number, D>> seen_from(const Vec<Number, D>& origin, Number scale) const {
+        Buffer<Vec<Number, D>> at;
+        at.reserve(cage_.size());
+        for (const auto& v : cage_.vertices()) at.push_back(scale * (vec_cast<Number>(v) - origin));
+        return at;
+    }
+
+    /// In diagonals or half diagonals, for registers. Far away the weights grow like the distance
+    /// and cancel: `far_distance` keeps them to some ten roundings, gradients to a hundred. Gradients of
+    /// double next to the boundary lose what the distance is smaller than one; those that are
+    /// rounded to float do not mind.
+    template <class N>
+    MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
+        using S = ScalarOf<ValueOf<N>>;
+        const double near_distance = scale_ * tolerance_;
+        if constexpr (has_gradient<N>) {
+            return {(std::max)(near_distance, sizeof(T) == 8 ? 1e-5 : 0.0), 2, 2e-3};
+        } else {
+            return {S(near_distance), D == 2 ? S(64) : S(16), sizeof(T) == 8 ? S(5e-4) : S(1e-3)};
+        }
+    }
+
+    template <class N>
+    Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
+        const std::size_t rows = has_gradient<N> ? D * cage_.size() : cage_.size();
+        return evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
+            Rows<N> memory(topology_, cage_.size());
+            for (std::size_t b = begin; b < end; ++b) {
+                for (std::size_t first = 0; first < lane_count<T>; first += lane_count<ScalarOf<ValueOf<N>>>)
+                    evaluate_lanes(batch, b, first, memory);
+            }
+        });
+    }
+
+    /// The lanes of block `b` from `first` on, as many as N has.
+    template <class N>
+    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first, Rows<N>& memory) const {
+        using X = ValueOf<N>;
+        using S = ScalarOf<X>;
+        Lanes<T>* const rows = batch.rows.block(b);
+        Vec<X, D> p;
+        for (std::size_t k = 0; k < D; ++k)
+            p[k] = X(S(scale_)) * (load_lanes<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
+        const WeightSum<N> result = weigh_registers<N>(frame<N>(), limits<N>(), p, memory);
+        const N inverse = X(S(1)) / result.sum;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            for_parts(memory.weights[i] * inverse, i, cage_.size(), S(scale_),
+                      [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
+        }
+
+        // Inside, the sum is 2π or 4π over the diagonal and more (Hormann & Floater 2006, sec. 4.1).
+        X special = result.special;
+        if (any(value_of(result.sum) < X(S(1))))
+            special += test<N>().failed(p, memory.weights, value_of(result.sum));
+
+        Lanes<S> sums, specials;
+        value_of(result.sum).store(sums);
+        special.store(specials);
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
+            const std::size_t i = b * lane_count<T> + first + lane;
+            if (i >= batch.points.points || batch.states[i] == PointState::not_finite) continue;
+            if (specials[lane] != S(0) || !is_finite(sums[lane]) || sums[lane] == S(0)) {
+                using One = std::conditional_t<has_gradient<N>, Dual<Wide, D>, Wide>;
+                batch.states[i] = evaluate_point<One>(block_point<D>(batch.points, i), rows, first + lane);
+            } else {
+                batch.states[i] = sums[lane] > S(0) ? PointState::inside : PointState::outside;
+            }
+        }
+    }
+
+    template <class N>
+    const auto& frame() const noexcept {
+        if constexpr (has_gradient<N>)
+            return gradient_frame_;
+        else
+            return frame_;
+    }
+
+    template <class N>
+    const auto& test() const noexcept {
+        if constexpr (has_gradient<N>)
+            return gradient_test_;
+        else
+            return test_;
+    }
+
+    /// One point, in a wider scalar; on the boundary the limit.
+    template <class N>
+    PointState evaluate_point(const Vec<T, D>& p, Lanes<T>* rows, std::size_t lane) const {
+        Vec<T, D> place;
+        const auto value = nearest_boundary_value(cage_, p, place);
+        const double distance = length(scale_ * (vec_cast<double>(place) - vec_cast<double>(p)));
+        const bool on_boundary = distance <= scale_ * tolerance_;
+        if constexpr (!has_gradient<N>) {
+            if (on_boundary) {
+                store_boundary_value(value, cage_.size(), rows, lane, data_);
+                return PointState::on_boundary;
+            }
+        }
+        Rows<N> memory(topology_, cage_.size());
+        const Wide unit = Wide(on_boundary ? step_inside : distance) / Wide(scale_);
+        const N sum = on_boundary ? weigh_inside(vec_cast<double>(p), unit, memory)
+                                  : weigh_about(vec_cast<Wide>(p), unit, memory);
+        if (value_of(sum) == 0) return PointState::unreached;
+        bool finite = true;
+        const N inverse = Wide(1) / sum;
+        for (std::size_t i = 0; i < cage_.size(); ++i) {
+            for_parts(memory.weights[i] * inverse, i, cage_.size(), 1 / unit, [&](std::size_t row, Wide x) {
+                rows[row][lane] = static_cast<T>(x);
+                finite = finite && is_finite(rows[row][lane]);
+            });
+        }
+        if (!finite) return PointState::unreached;
+        // The sum's sign may be turned by rounding, about thin cages and far away.
+        return on_boundary ? PointState::on_boundary : locate(cage_, p, T(0));
+    }
+
+    /// Where derivatives are taken for places on the boundary: so far inside, in diagonals.
+    static constexpr double step_inside = 0x1p-20;
+
+    /// The weights before normalising, with p as origin and lengths in `unit`s; their sum.
+    template <class N>
+    N weigh_about(const Vec<Wide, D>& p, Wide unit, Rows<N>& memory) const {
+        // Of the limits only the last is of use here. In these units a place beside a face is 1 or
+        // more from it.
+        const MeanValueLimits<Wide> limits{0, (std::numeric_limits<float>::max)(), Wide(0.1)};
+        return weigh(typename Form::template Frame<Wide>(topology_, seen_from(p, 1 / unit)), limits,
+                     Vec<Wide, D>{}, memory)
+            .sum;
+    }
+
+    /// The same at a place `step` inside from p on the boundary: against the mean normal of the
+    /// facets that meet there, or, at corners so bent that this leads outside, from one of them.
+    template <class N>
+    N weigh_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
+        std::vector<Vec<double, D>> directions(1);
+        for (const auto& facet : topology_.facets) {
+            const auto corner = Facet<D>(facet, cage_.vertices()).corner;
+            if (distance_to_facet(p, corner) > 2 * tolerance_) continue;
+            const auto normal = outward_normal(corner);
+            Vec<double, D> to_middle = -1.0 * p;
+            for (const auto& c : corner) to_middle = to_middle + (1.0 / D) * c;
+            directions[0] = directions[0] - normal;
+            directions.push_back(to_middle - 0.25 * length(to_middle) * normal);
+        }
+        N sum(Wide(0));
+        for (const auto& direction : directions) {
+            const Wide size = Wide(length(direction));
+            if (!(size > 0)) continue;
+            const auto q = vec_cast<Wide>(p) + (step / size) * vec_cast<Wide>(direction);
+            sum = weigh_about(q, step, memory);
+            if (value_of(sum) > 0) break;
+        }
+        return sum;
+    }
+
+    typename Form::Topology topology_;
+    typename Form::Data data_;
+    typename Form::template Frame<T> frame_;
+    typename Form::template Frame<double> gradient_frame_;
+    MomentTest<T, D> test_;
+    MomentTest<double, D> gradient_test_;
+    double tolerance_ = 0, scale_ = 1;
+    Vec<T, D> origin_{};
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,204 @@
+// The formula of mean value weights in space for faces of any number of corners.
+#pragma once
+
+#include <cageform/coordinates/detail/face_coordinates.hpp>
+#include <cageform/coordinates/mean_value/space.hpp>
+#include <cageform/coordinates/mean_value/evaluation.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// That of the triangles, and which of them make up a face of more than three corners.
+struct PolygonTopology : MeanValueTopology<3> {
+    struct Polygon {
+        std::vector<std::uint32_t> corners;
+        std::pair<std::size_t, std::size_t> triangles; ///< [first, second)
+        Vec<double, 3> u, v;                           ///< axes of the plane
+        MeanValueTopology<2> plane;
+    };
+    std::vector<Polygon> polygons;
+    std::vector<std::size_t> triangles; ///< that are faces themselves
+    std::size_t most_corners = 0;       ///< of a polygon
+
+    PolygonTopology() = default;
+    template <Scalar T>
+    explicit PolygonTopology(const PolyhedralMesh<T>& mesh)
+        : MeanValueTopology<3>(mesh.triangles()) {
+        std::size_t next = 0;
+        for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+            const auto loop = mesh.face(f);
+            if (loop.size() < 4) continue;
+            const FacePlane plane = plane_of(mesh, f);
+            polygons.push_back({{loop.begin(), loop.end()},
+                                mesh.triangles_of(f),
+                                plane.u,
+                                plane.v,
+                                MeanValueTopology<2>(flat_face(mesh, f, plane))});
+            most_corners = (std::max)(most_corners, loop.size());
+            for (; next < polygons.back().triangles.first; ++next) triangles.push_back(next);
+            next = polygons.back().triangles.second;
+        }
+        for (; next < facets.size(); ++next) triangles.push_back(next);
+    }
+};
+
+template <class S>
+struct PolygonFrame : MeanValueFrame<S, 3> {
+    using Place = Vec<S, 2>;
+    struct Polygon {
+        std::vector<std::uint32_t> corners;
+        std::pair<std::size_t, std::size_t> triangles;
+        std::vector<std::array<Place, 3>> corners_of_triangle; ///< of the polygon's, in its plane
+        MeanValueFrame<S, 2> plane;
+        Place lower, upper; ///< of the corners
+    };
+    std::vector<Polygon> polygons;
+    std::vector<std::size_t> triangles;
+
+    PolygonFrame() = default;
+    PolygonFrame(const PolygonTopology& topology, const Buffer<Vec<Precise<S>, 3>>& at)
+        : MeanValueFrame<S, 3>(topology, at)
+        , triangles(topology.triangles) {
+        for (const auto& of : topology.polygons) {
+            const auto u = vec_cast<Precise<S>>(of.u), v = vec_cast<Precise<S>>(of.v);
+            const auto flat = [&](std::uint32_t i) {
+                const auto d = at[i] - at[of.corners[0]];
+                return Vec<Precise<S>, 2>{dot(d, u), dot(d, v)};
+            };
+            Buffer<Vec<Precise<S>, 2>> corners;
+            Place lower{}, upper{}; // of corner 0, where the origin is
+            for (const std::uint32_t i : of.corners) {
+                const auto place = vec_cast<S>(corners.push_back(flat(i)));
+                for (std::size_t k = 0; k < 2; ++k) {
+                    lower[k] = (std::min)(lower[k], place[k]);
+                    upper[k] = (std::max)(upper[k], place[k]);
+                }
+            }
+            std::vector<std::array<Place, 3>> of_triangles;
+            for (std::size_t t = of.triangles.first; t < of.triangles.second; ++t) {
+                const auto& [a, b, c] = topology.facets[t];
+                of_triangles.push_back({vec_cast<S>(flat(a)), vec_cast<S>(flat(b)), vec_cast<S>(flat(c))});
+            }
+            polygons.push_back(
+                {of.corners, of.triangles, std::move(of_triangles), {of.plane, corners}, lower, upper});
+        }
+    }
+};
+
+/// Memory for the formula, that of a polygon's plane beside it.
+template <class N>
+struct PolygonRows : WeightRows<N> {
+    using InPlane = std::conditional_t<has_gradient<N>, Dual<ValueOf<N>, 2>, N>;
+    WeightRows<InPlane> in_plane;
+    ValueOf<N> special{}; ///< as in WeightSum
+
+    PolygonRows(const PolygonTopology& topology, std::size_t handles)
+        : WeightRows<N>(topology, handles)
+        , in_plane(MeanValueTopology<2>(), topology.most_corners) {}
+};
+
+/// The plane's weights at a place on the polygon's edges: linear along the nearest.
+template <class N, class S>
+N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRows<N>& rows) noexcept {
+    S least = (std::numeric_limits<S>::max)(), part = 0;
+    std::size_t nearest = 0;
+    const std::size_t count = plane.corners.size();
+    const auto edge_of = [&](std::size_t i) {
+        return plane.corners[(i + 1) % count].position - plane.corners[i].position;
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto e = edge_of(i), d = x - plane.corners[i].position;
+        const S t = std::clamp(dot(d, e) / dot(e, e), S(0), S(1));
+        const auto off = d - t * e;
+        if (!(dot(off, off) < least)) continue;
+        least = dot(off, off);
+        part = t;
+        nearest = i;
+    }
+    for (N& w : rows.weights) w = N(S(0));
+    rows.weights[nearest] = N(1 - part);
+    rows.weights[(nearest + 1) % count] = rows.weights[(nearest + 1) % count] + N(part);
+    return N(S(1));
+}
+
+/// The sum of the weights of a polygon's corners, and their mean place in its plane.
+template <class N>
+struct PolygonMean {
+    N sum;
+    std::array<N, 2> place;
+};
+
+/// By the triangles, which give their corners weights with Σ w_k (C_k − p) = m, m as in
+/// MeanValueCoordinates<T, 3>: neither depends on how the polygon is cut.
+template <class N, class S>
+PolygonMean<N> mean_of(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Polygon& polygon,
+                       const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
+                       PolygonRows<N>& rows) noexcept {
+    using X = ValueOf<N>;
+    const X one(S(1)), zero(S(0));
+    N sum = zero;
+    std::array<N, 2> x{N(zero), N(zero)};
+    for (std::size_t t = polygon.triangles.first; t < polygon.triangles.second; ++t) {
+        const auto& face = cage.faces[t];
+        const auto w = face_weights<N, S>(face, angles_at<N, S>(face, rows), limits, p, rows.special);
+        const auto& corner = polygon.corners_of_triangle[t - polygon.triangles.first];
+        for (std::size_t k = 0; k < 3; ++k) {
+            sum += w[k];
+            for (std::size_t axis = 0; axis < 2; ++axis) x[axis] += X(corner[k][axis]) * w[k];
+        }
+    }
+    const auto vanishes = abs(value_of(sum)) <= X(least_divisor<S>); // beside the face, in its plane
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const X low(polygon.lower[axis]), high(polygon.upper[axis]);
+        x[axis] = x[axis] / select(vanishes, N(one), sum);
+        x[axis] = select(value_of(x[axis]) < low, N(low), x[axis]); // by rounding, of small sums
+        x[axis] = select(high < value_of(x[axis]), N(high), x[axis]);
+    }
+    return {sum, x};
+}
+
+/// What a face of more than three corners adds to their weights. With s the sum that its triangles
+/// give and x = Σ w_k C_k / s, a place in its convex hull, corner i gets s μ_i(x), μ the mean value
+/// coordinates in the face's plane: again Σ s μ_i(x) (C_i − p) = s (x − p) = m. So vector m is shared
+/// out by coordinates of the face's polygon, as by Langer, Belyaev, Seidel (Spherical barycentric
+/// coordinates, SGP 2006, sec. 4), who take coordinates about the direction of m on the sphere
+/// instead.
+template <class N, class S>
+void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polygon& polygon,
+               const MeanValueLimits<S>& limits, PolygonRows<N>& rows) noexcept {
+    using X = ValueOf<N>;
+    const auto& [sum, x] = mean;
+    rows.in_plane.weights.resize(polygon.corners.size());
+    const auto extent = polygon.upper - polygon.lower;
+    const S size = extent[0] + extent[1];
+    const MeanValueLimits<S> in_plane{
+        (std::max)(limits.near_distance, 16 * std::numeric_limits<S>::epsilon() * size),
+        std::sqrt((std::numeric_limits<S>::max)()) * S(0.5), S(0)};
+    const Vec<X, 2> at{value_of(x[0]), value_of(x[1])};
+    auto [total, near_edge] = weigh(polygon.plane, in_plane, at, rows.in_plane);
+    if constexpr (std::is_floating_point_v<X>) {
+        if (near_edge != 0) total = weigh_on_edge(polygon.plane, at, rows.in_plane);
+    } else {
+        rows.special = select(X(S(0)) < near_edge, X(S(1)), rows.special);
+    }
+    for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
+        const auto mu = rows.in_plane.weights[i] / total;
+        N weight = value_of(mu);
+        if constexpr (has_gradient<N>)
+            weight.gradient = mu.gradient[0] * x[0].gradient + mu.gradient[1] * x[1].gradient;
+        rows.weights[polygon.corners[i]] += sum * weight;
+    }
+}
+
+/// The weights in space of a PolyhedralMesh, before normalising.
+template <class N, class S>
+WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
+                   PolygonRows<N>& rows) noexcept {
+    rows.special = start_weights<N, S>(cage, limits, p, rows);
+    for (const std::size_t t : cage.triangles)
+        add_triangle<N, S>(cage.faces[t], limits, p, rows.special, rows);
+    for (const auto& polygon : cage.polygons)
+        share_out<N, S>(mean_of<N, S>(cage, polygon, limits, p, rows), polygon, limits, rows);
+    return {rows.sum(), rows.special};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

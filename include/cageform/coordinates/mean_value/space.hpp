@@ -1,0 +1,368 @@
+// The formula of mean value weights in space, for any kind of number.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/coordinates/mean_value/frame.hpp>
+#include <cageform/core/detail/buffer.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <>
+struct MeanValueTopology<3> {
+    std::vector<std::array<std::uint32_t, 3>> facets;    ///< counter-clockwise seen from outside
+    Buffer<std::array<std::uint32_t, 3>> edges_of_facet; ///< edge k is opposite to corner k
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+
+    std::size_t edge_count() const noexcept { return edges.size(); }
+
+    MeanValueTopology() = default;
+    template <Scalar T>
+    explicit MeanValueTopology(const TriangleMesh<T>& mesh)
+        : facets(outward_faces(mesh)) {
+        using Edge = std::pair<std::uint32_t, std::uint32_t>;
+        const auto opposite = [](const auto& facet, std::size_t k) -> Edge {
+            return std::minmax(facet[(k + 1) % 3], facet[(k + 2) % 3]);
+        };
+        for (const auto& facet : facets) {
+            for (std::size_t k = 0; k < 3; ++k) edges.push_back(opposite(facet, k));
+        }
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        for (const auto& facet : facets) {
+            auto& numbers = edges_of_facet.push_back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto edge = std::lower_bound(edges.begin(), edges.end(), opposite(facet, k));
+                numbers[k] = std::uint32_t(edge - edges.begin());
+            }
+        }
+    }
+};
+
+template <class S>
+struct MeanValueFrame<S, 3> {
+    struct Edge {
+        Vec<S, 3> origin, direction; ///< the direction is of unit length
+        S length;
+    };
+    struct Face {
+        std::array<std::uint32_t, 3> corner, edge; ///< edge k is opposite to corner k
+        Vec<S, 3> normal;                          ///< n, outward, of unit length
+        S offset;                                  ///< n·corner
+        std::array<Vec<S, 3>, 3> across;           ///< ν_k: outward normal of edge k in the plane
+        std::array<S, 3> across_offset;            ///< ν_k·(a point of edge k)
+        std::array<S, 3> inverse_altitude;         ///< 1/h_k
+        std::array<S, 3> cosine;                   ///< ν_l·ν_m, l and m the edges other than k
+    };
+    Buffer<Edge> edges;
+    Buffer<Face> faces;
+
+    MeanValueFrame() = default;
+    MeanValueFrame(const MeanValueTopology<3>& topology, const Buffer<Vec<Precise<S>, 3>>& at) {
+        edges.reserve(topology.edges.size());
+        for (const auto& [i, j] : topology.edges) {
+            const auto along = at[j] - at[i];
+            edges.push_back({vec_cast<S>(at[i]), vec_cast<S>(unit(along)), S(std::sqrt(dot(along, along)))});
+        }
+        faces.reserve(topology.facets.size());
+        for (std::size_t f = 0; f < topology.facets.size(); ++f) {
+            Face& face = faces.push_back();
+            face.corner = topology.facets[f];
+            face.edge = topology.edges_of_facet[f];
+            measure(face, {at[face.corner[0]], at[face.corner[1]], at[face.corner[2]]});
+        }
+    }
+
+private:
+    using Place = Vec<Precise<S>, 3>;
+
+    static Place unit(const Place& v) noexcept { return (1 / std::sqrt(dot(v, v))) * v; }
+
+    static void measure(Face& face, const std::array<Place, 3>& c) noexcept {
+        const auto normal = unit(cross(c[1] - c[0], c[2] - c[0]));
+        face.normal = vec_cast<S>(normal);
+        face.offset = static_cast<S>(dot(normal, c[0]));
+        std::array<Place, 3> across;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            across[k] = unit(cross(c[m] - c[l], normal));
+            face.across[k] = vec_cast<S>(across[k]);
+            face.across_offset[k] = static_cast<S>(dot(across[k], c[l]));
+            face.inverse_altitude[k] = static_cast<S>(1 / dot(across[k], c[l] - c[k]));
+        }
+        for (std::size_t k = 0; k < 3; ++k)
+            face.cosine[k] = static_cast<S>(dot(across[(k + 1) % 3], across[(k + 2) % 3]));
+    }
+};
+
+template <class X, class S>
+X inner(const Vec<S, 3>& a, const Vec<X, 3>& b) noexcept {
+    return X(a[0]) * b[0] + (X(a[1]) * b[1] + X(a[2]) * b[2]);
+}
+
+/// What divisors are kept above, so that quotients stay finite.
+template <class S>
+inline constexpr S least_divisor = (std::numeric_limits<S>::min)() * S(1e6);
+
+/// Whether both ends of an edge lie far to one side of a place's foot on its line, r² the squared
+/// distance to the line: the series of arctangents in r/begin and r/end then gain two digits a
+/// term.
+template <class U>
+bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
+    using K = ValueOf<U>;
+    return U(K(0)) < begin * end && K(100) * rr < begin * begin && K(100) * rr < end * end;
+}
+
+/// G of `angle_over_distance`, −2 dg/d(R²), by the series of g = Σ_k (−1)^k/(2k + 1) R^2k
+/// (begin^−(2k+1) − end^−(2k+1)).
+template <class X>
+X radial_beyond_ends(X rr, X begin, X end) noexcept {
+    constexpr int terms = sizeof(X) > 8 ? 10 : 8;
+    X b_power = 1 / begin, e_power = 1 / end, power = 2, sum = 0;
+    for (int k = 1; k <= terms + 1; ++k) {
+        b_power /= begin * begin;
+        e_power /= end * end;
+        sum += X(k % 2 == 0 ? -k : k) / X(2 * k + 1) * (power * (b_power - e_power));
+        power *= rr;
+    }
+    return sum;
+}
+
+/// An edge as a place p sees it: the vector u from p to its start, its direction t, its ends along its line from
+/// the foot of p, R⃗ the vector to that foot, R = |R⃗|.
+template <class X, class S>
+struct SeenEdge {
+    Vec<X, 3> u, t;
+    X length, begin, end, rr, r;
+
+    SeenEdge(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<X, 3>& p) noexcept
+        : u{X(edge.origin[0]) - p[0], X(edge.origin[1]) - p[1], X(edge.origin[2]) - p[2]}
+        , t{X(edge.direction[0]), X(edge.direction[1]), X(edge.direction[2])}
+        , length(edge.length)
+        , begin(inner(u, t))
+        , end(begin + length) {
+        const auto c = cross(u, t);
+        rr = (max)(inner(c, c), X(least_divisor<S>));
+        r = sqrt(rr);
+    }
+    /// The sine and the cosine of the angle θ that p sees it under, times both distances to its ends.
+    X sine() const noexcept { return r * length; }
+    X cosine() const noexcept { return rr + begin * end; }
+};
+
+/// g = θ/R of an edge: the integral of one over the squared distance along it. τ its direction, a and b the distances
+/// to its ends:
+///
+///   ∇g = τ (1/a² − 1/b²) + R⃗ G,   G = (g + end/b² − begin/a²)/R²
+template <class N, class S>
+N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<ValueOf<N>, 3>& p) noexcept {
+    using X = ValueOf<N>;
+    const SeenEdge<X, S> seen(edge, p);
+    const X g = angle(seen.sine(), seen.cosine()) / seen.r;
+    if constexpr (has_gradient<N>) {
+        const auto& [u, t, length, begin, end, rr, r] = seen;
+        const X ends = length / ((rr + begin * begin) * (rr + end * end));
+        const X axial = (begin + end) * ends;
+        X radial = (g + (rr - begin * end) * ends) / rr;
+        if constexpr (std::is_floating_point_v<X>) {
+            if (is_beyond_ends(rr, begin, end)) radial = radial_beyond_ends(rr, begin, end);
+        }
+        Vec<X, 3> slope;
+        for (std::size_t k = 0; k < 3; ++k) slope[k] = t[k] * axial + (u[k] - begin * t[k]) * radial;
+        return {g, slope};
+    } else {
+        return g;
+    }
+}
+
+/// The same of all edges. For registers in two stages, each so short that a processor has several edges under way: up to
+/// the quotients whose arctangents are wanted, and those.
+template <class N, class S>
+void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& edges,
+                           const Vec<ValueOf<N>, 3>& p, std::vector<N>& g) noexcept {
+    if constexpr (!has_gradient<N> && !std::is_floating_point_v<N>) {
+        constexpr std::size_t most = 32;
+        Lanes<S> quotient[most], offset[most], distance[most];
+        for (std::size_t first = 0; first < edges.size(); first += most) {
+            const std::size_t count = (std::min)(most, edges.size() - first);
+            for (std::size_t e = 0; e < count; ++e) {
+                const SeenEdge<N, S> seen(edges[first + e], p);
+                const AngleParts<S> parts(seen.sine(), seen.cosine());
+                (parts.numerator / parts.denominator).store(quotient[e]);
+                parts.offset.store(offset[e]);
+                seen.r.store(distance[e]);
+            }
+            for (std::size_t e = 0; e < count; ++e) {
+                const N z = N::load(quotient[e]);
+                g[first + e] = (z * atan_over(z * z) + N::load(offset[e])) / N::load(distance[e]);
+            }
+        }
+    } else {
+        for (std::size_t e = 0; e < edges.size(); ++e) g[e] = angle_over_distance<N, S>(edges[e], p);
+    }
+}
+
+/// A linear function offset − normal·p, by its value at p.
+template <class N, class S>
+N linear(const ValueOf<N>& value, const Vec<S, 3>& normal) noexcept {
+    using X = ValueOf<N>;
+    return with_gradient<N, 3>(value, {X(-normal[0]), X(-normal[1]), X(-normal[2])});
+}
+template <class N, class S>
+N linear(S offset, const Vec<S, 3>& normal, const Vec<ValueOf<N>, 3>& p) noexcept {
+    return linear<N>(ValueOf<N>(offset) - inner(normal, p), normal);
+}
+
+/// (g ρ − φ)/H² of an edge of a face, φ the signed angle it is seen under from the foot point of p
+/// in the plane, `begin` and `end` where it lies along its line, from there.
+template <class U>
+U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end) noexcept {
+    using std::atan;
+    using K = ValueOf<U>;
+    const U zero(K(0)), one(K(1)), rr = rho * rho, distance2 = rr + height * height;
+    if (is_beyond_ends(distance2, begin, end)) { // both as series, of which the H² is taken out
+        const U b = one / begin, e = one / end;
+        U b_power = b, e_power = e, powers = one, rho_power = one, sum = zero;
+        constexpr int terms = sizeof(K) == 8 ? 8 : 10;
+        for (int i = 1; i <= terms; ++i) {
+            b_power = b_power * (b * b);
+            e_power = e_power * (e * e);
+            sum += (K(i % 2 == 0 ? 1 : -1) / K(2 * i + 1)) * (powers * (b_power - e_power));
+            rho_power = rho_power * rr;
+            powers = distance2 * powers + rho_power;
+        }
+        return rho * sum;
+    }
+    const U r = abs(rho), distance = sqrt(distance2);
+    const auto part = [&](const U& t) { // (atan(t/R) − atan(t/r))/H²
+        const U d = r * distance + t * t;
+        if (!(zero < d)) return zero;
+        const U x = t * height * height / ((r + distance) * d);
+        // Below 1e-3 the next term of the series of atan(x)/x, x⁶/7, is below rounding.
+        const U slope =
+            K(1e-3) < abs(value_of(x)) ? atan(x) / x : one - x * x * (U(K(1) / K(3)) - K(0.2) * (x * x));
+        return -(t * slope / ((r + distance) * d));
+    };
+    const U seen = angle(r * (end - begin), rr + begin * end); // from the foot point
+    const U sign(rho < zero ? K(-1) : K(1));
+    return (rho / distance) * (part(end) - part(begin)) - sign * (seen / (distance * (r + distance)));
+}
+
+/// S of a face that p is not over. There Σ φ_k = 0, so that S = ½ H Σ (g_k ρ_k − φ_k)/H², which
+/// holds next to the plane, where Σ g_k ρ_k is a difference of nearly equal numbers. `rho` are the
+/// very numbers that say that p is not over the face: computed anew, with products and sums fused
+/// otherwise, they might say that it is, and Σ φ_k be 2π.
+template <class U, class S>
+CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>::Face& face, const U& height,
+                                            const std::array<U, 3>& rho) noexcept {
+    using K = ValueOf<U>;
+    U sum(K(0));
+    for (std::size_t k = 0; k < 3; ++k) {
+        // Where the corner that edges k and `other` share lies along edge k: by the distances to
+        // both.
+        const auto along = [&](std::size_t other, K cosine) {
+            const K sine = std::sqrt((max)(K(0), (1 - cosine) * (1 + cosine)));
+            return (1 / sine) * (rho[other] - cosine * rho[k]);
+        };
+        const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
+        const U begin = -along(n, K(face.cosine[l])), end = along(l, K(face.cosine[n]));
+        sum += height * angle_beside_face(height, rho[k], begin, end);
+    }
+    return K(0.5) * sum;
+}
+
+/// The same in the lanes where `beside` holds, point by point; `s` in the others.
+template <class N, class S>
+CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mask& beside,
+                                               const typename MeanValueFrame<S, 3>::Face& face,
+                                               const N& height, const std::array<N, 3>& rho) noexcept {
+    using One = std::conditional_t<has_gradient<N>, Dual<double, 3>, double>;
+    constexpr std::size_t parts = 1 + NumberTraits<N>::derivatives;
+    Lanes<S> flags, heights, rhos[3], lanes[parts];
+    select(beside, Simd<S>(S(1)), Simd<S>(S(0))).store(flags);
+    value_of(height).store(heights);
+    for (std::size_t k = 0; k < 3; ++k) value_of(rho[k]).store(rhos[k]);
+    for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k).store(lanes[k]);
+    for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
+        if (flags[lane] == S(0)) continue;
+        std::array<One, 3> across;
+        for (std::size_t k = 0; k < 3; ++k) across[k] = linear<One>(double(rhos[k][lane]), face.across[k]);
+        const One sum =
+            sum_beside_face<One, S>(face, linear<One>(double(heights[lane]), face.normal), across);
+        for (std::size_t k = 0; k < parts; ++k)
+            lanes[k][lane] = static_cast<S>(NumberTraits<One>::part(sum, k));
+    }
+    for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k) = Simd<S>::load(lanes[k]);
+}
+
+/// What a face adds to the weights of its corners. Lanes next to the face are flagged in `special`.
+template <class N, class S>
+std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, const std::array<N, 3>& g,
+                              const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
+                              ValueOf<N>& special) noexcept {
+    using X = ValueOf<N>;
+    const X zero(S(0)), one(S(1)), half(S(0.5)), least(least_divisor<S>);
+    const N height = linear<N>(face.offset, face.normal, p);
+    std::array<N, 3> rho, w;
+    N height_times_s = zero; // S is the sum of the weights of the face's corners
+    for (std::size_t k = 0; k < 3; ++k) {
+        rho[k] = linear<N>(face.across_offset[k], face.across[k], p);
+        height_times_s = height_times_s + g[k] * rho[k];
+    }
+    height_times_s = half * height_times_s;
+    const X distance = abs(value_of(height));
+    const X inmost = (min)(value_of(rho[0]), (min)(value_of(rho[1]), value_of(rho[2])));
+    special =
+        select(both(distance <= X(limits.near_distance), X(-limits.near_distance) <= inmost), one, special);
+    const X near_plane = X(limits.beside) * (max)(one, -inmost);
+    const auto beside = both(distance < near_plane, both(inmost < zero, value_of(height_times_s) < half));
+    N s = height_times_s / select(distance <= least, N(least), height);
+    if constexpr (std::is_floating_point_v<X>) {
+        if (beside) s = sum_beside_face<N, S>(face, height, rho);
+    } else if (any(beside)) {
+        set_beside_face<N, S>(s, beside, face, height, rho);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3, n = (k + 2) % 3;
+        const N across_sum = g[k] + (X(face.cosine[n]) * g[l] + X(face.cosine[l]) * g[n]);
+        w[k] = X(face.inverse_altitude[k]) * (s * rho[k] + half * (height * across_sum));
+    }
+    return w;
+}
+
+/// The edges' angles, and weights of zero; one in the lanes that lie too far away, zero in the others.
+template <class N, class S>
+ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
+                         const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
+    using X = ValueOf<N>;
+    const X zero(S(0)), one(S(1));
+    angles_over_distances<N, S>(cage.edges, p, rows.edges);
+    for (N& w : rows.weights) w = zero;
+    return select(X(limits.far_distance * limits.far_distance) < inner(p, p), one, zero);
+}
+
+/// The edges' angles at a face.
+template <class N, class S>
+std::array<N, 3> angles_at(const typename MeanValueFrame<S, 3>::Face& face,
+                           const WeightRows<N>& rows) noexcept {
+    return {rows.edges[face.edge[0]], rows.edges[face.edge[1]], rows.edges[face.edge[2]]};
+}
+
+/// Adds what a face gives to its corners.
+template <class N, class S>
+void add_triangle(const typename MeanValueFrame<S, 3>::Face& face, const MeanValueLimits<S>& limits,
+                  const Vec<ValueOf<N>, 3>& p, ValueOf<N>& special, WeightRows<N>& rows) noexcept {
+    const auto w = face_weights<N, S>(face, angles_at<N, S>(face, rows), limits, p, special);
+    for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
+}
+
+/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
+/// 3, before normalising: the formula of MeanValueCoordinates<T, 3>.
+template <class N, class S>
+WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
+                   const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
+    auto special = start_weights<N, S>(cage, limits, p, rows);
+    for (const auto& face : cage.faces) add_triangle<N, S>(face, limits, p, special, rows);
+    return {rows.sum(), special};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

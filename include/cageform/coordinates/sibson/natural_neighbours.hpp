@@ -1,0 +1,362 @@
+// Sibson's weights of a place among sites: inside their hull, on it, at a site.
+#pragma once
+
+#include <cageform/cage/sites/hull_facets.hpp>
+#include <cageform/coordinates/sibson/new_cell.hpp>
+#include <cageform/core/status.hpp>
+
+#include <memory>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A site that a place has a weight of.
+template <std::size_t D>
+struct Neighbour {
+    std::uint32_t site;
+    double weight;
+    Vec<double, D> gradient; ///< of the weight, per unit of length
+    Vec<double, D> away;     ///< the site seen from the place
+};
+
+/// Solves m y = y for a positive definite matrix, in place, of which what is below the diagonal is
+/// not read; false where it is singular to rounding.
+template <std::size_t N>
+bool solve_symmetric(Square<double, N> m, std::array<double, N>& y) noexcept {
+    std::array<double, N> first, inverse;
+    for (std::size_t k = 0; k < N; ++k) first[k] = m[k][k];
+    for (std::size_t k = 0; k < N; ++k) {
+        if (!(m[k][k] > 1e-13 * first[k])) return false;
+        inverse[k] = 1 / m[k][k];
+        for (std::size_t i = k + 1; i < N; ++i) {
+            const double f = m[k][i] * inverse[k];
+            for (std::size_t j = i; j < N; ++j) m[i][j] -= f * m[k][j];
+            y[i] -= f * y[k];
+        }
+    }
+    for (std::size_t k = N; k-- > 0;) {
+        for (std::size_t j = k + 1; j < N; ++j) y[k] -= m[k][j] * y[j];
+        y[k] *= inverse[k];
+    }
+    return true;
+}
+
+/// Natural neighbours among sites, by the specification's sections 2 to 5.
+template <std::size_t D>
+class NaturalNeighbours {
+    struct Nothing {
+        struct Scratch {};
+    };
+    using Flat = std::conditional_t<D == 3, NaturalNeighbours<2>, Nothing>;
+
+public:
+    /// What an evaluation needs, one for every thread; it holds what was found.
+    struct Scratch {
+        std::vector<Neighbour<D>> found; ///< in an order that follows from the triangulation alone
+        bool gradients = true;           ///< whether gradients are asked for: in, the only one
+        bool at_site = false;
+        Vec<double, D> missed{}; ///< Σ weight away, of a place on a facet; in extents
+        typename Delaunay<D>::Search search;
+        NewCell<D> cell;
+        std::unique_ptr<typename Flat::Scratch> flat;
+    };
+
+    NaturalNeighbours() = default;
+    /// `tolerance`: nearer to each other two places are one, in the units of the sites. `smooth`: of
+    /// a flat facet, the C² coordinates that are the limits of Sibson's in space.
+    NaturalNeighbours(std::span<const Vec<double, D>> sites, double tolerance, bool smooth = false)
+        : smooth_(smooth)
+        , lattice_(bounds_of(sites))
+        , unit_(lattice_.units(1))
+        , bounds_(bounds_of(sites).widened(tolerance))
+        , tolerance_(lattice_.extents(tolerance)) {
+        std::vector<Place<D>> places;
+        places.reserve(sites.size());
+        for (const auto& site : sites) places.push_back(lattice_.place(site));
+        sites_ = Delaunay<D>(std::move(places));
+        if (sites_.empty()) return;
+        at_.reserve(sites_.size());
+        for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.seen(sites_.place(v)));
+        HullFacets<D> hull(sites_, at_, tolerance_);
+        facets_ = std::move(hull.facets);
+        if (facets_.empty()) return;
+        hull_ = HullTree<D>(std::move(hull.parts));
+        for (auto& facet : facets_) prepare(facet);
+        const auto vertices = hull_vertices();
+        near_hull_.reserve(sites_.simplices().size());
+        for (const auto& simplex : sites_.simplices()) {
+            const auto on_hull = [&](std::uint32_t v) { return v == Delaunay<D>::infinite || vertices[v]; };
+            near_hull_.push_back(std::any_of(simplex.vertex.begin(), simplex.vertex.end(), on_hull) ? 1 : 0);
+        }
+    }
+
+    /// Where all sites lie in a plane (on a line), as good as.
+    bool empty() const noexcept { return facets_.empty(); }
+    const Delaunay<D>& sites() const noexcept { return sites_; }
+    /// Nearer to each other two places are one. Both in the units of the sites.
+    double tolerance() const noexcept { return lattice_.units(tolerance_); }
+    /// A step of the lattice.
+    double step() const noexcept { return lattice_.units(0x1p-60); }
+    /// Of every site, by the user's numbers: whether it lies on the hull, within tolerance.
+    std::vector<bool> on_hull() const {
+        const auto vertices = hull_vertices();
+        std::vector<bool> result(sites_.size(), false);
+        for (std::uint32_t v = 0; v < sites_.size(); ++v) result[sites_.site(v)] = vertices[v];
+        return result;
+    }
+
+    /// Finds the neighbours of a finite place; none outside. Gradients are set inside only, at sites
+    /// they are zero.
+    PointState find(const Vec<double, D>& p, Scratch& scratch) const {
+        scratch.found.clear();
+        scratch.at_site = false;
+        for (std::size_t k = 0; k < D; ++k) {
+            // Hulls as thin as the tolerance have facets without a plane.
+            if (p[k] < bounds_.lower[k] || p[k] > bounds_.upper[k]) return PointState::outside;
+        }
+        const auto place = lattice_.place(p);
+        const std::uint32_t at = sites_.find_cavity(place, scratch.search);
+        const auto cavity = scratch.search.cavity();
+        const auto is_near = [&](std::uint32_t s) { return near_hull_[s] != 0; };
+        if (near_hull_[at] != 0 || std::any_of(cavity.begin(), cavity.end(), is_near)) {
+            const PointState state = find_near_hull(lattice_.seen(place), scratch);
+            if (state != PointState::inside) return state;
+        }
+        if (find_inside(place, at, scratch)) return PointState::inside;
+        (void)find_on_hull(p, scratch);
+        return PointState::on_boundary;
+    }
+
+    /// The place of the hull nearest to a finite place, and its neighbours.
+    Vec<double, D> find_on_hull(const Vec<double, D>& p, Scratch& scratch) const {
+        typename HullTree<D>::Nearest nearest{0, {}, (std::numeric_limits<double>::max)()};
+        hull_.find(lattice_.seen(p), nearest);
+        scratch.found.clear();
+        scratch.missed = {};
+        find_on_facet(nearest.facet, nearest.place, scratch);
+        return lattice_.unseen(nearest.place + scratch.missed);
+    }
+
+    /// A place somewhat inside from `p` in the hull: so far towards the middle of the first simplex,
+    /// in parts of the way.
+    Vec<double, D> drawn_inside(const Vec<double, D>& p, double part) const noexcept {
+        std::uint32_t s = 0;
+        while (sites_.simplices()[s].is_ghost()) ++s;
+        Vec<double, D> middle{};
+        for (const std::uint32_t v : sites_.simplices()[s].vertex) middle = middle + (1.0 / (D + 1)) * at_[v];
+        return p + part * (lattice_.unseen(middle) - p);
+    }
+
+private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    /// A flat facet of more sites than a simplex has, in the coordinates of its plane.
+    struct FlatFacet {
+        std::array<Vec<double, D>, 2> axis;
+        Flat neighbours;
+    };
+
+    // ---- inside ---------------------------------------------------------------------------------
+
+    /// The cavity has been found, from simplex `at`. False where the cell has no measure.
+    bool find_inside(const Place<D>& place, std::uint32_t at, Scratch& scratch) const {
+        if (scratch.search.cavity().empty()) return find_site(place, sites_.simplices()[at].vertex, scratch);
+        const auto parts = smooth_             ? StolenParts::smooth
+                           : scratch.gradients ? StolenParts::moments
+                                               : StolenParts::measures;
+        const bool sound = scratch.cell.fill(sites_, place, scratch.search.cavity(), parts);
+        if (find_site(place, scratch.cell.cavity.vertices, scratch)) return true;
+        if (sound) take_cell(scratch.cell, parts == StolenParts::moments, scratch.found);
+        return sound;
+    }
+    /// Whether one of these vertices is within tolerance: then it has all the weight.
+    template <class Vertices>
+    bool find_site(const Place<D>& place, const Vertices& vertices, Scratch& scratch) const {
+        for (const std::uint32_t v : vertices) {
+            const auto away = 0x1p-60 * to_double<D>(difference<D>(sites_.place(v), place));
+            if (dot(away, away) > tolerance_ * tolerance_) continue;
+            take_site(v, away, scratch);
+            return true;
+        }
+        return false;
+    }
+    void take_site(std::uint32_t v, const Vec<double, D>& away, Scratch& scratch) const {
+        scratch.at_site = true;
+        scratch.found.push_back({sites_.site(v), 1, {}, unit_ * away});
+    }
+    void take_cell(const NewCell<D>& cell, bool gradients, std::vector<Neighbour<D>>& found) const {
+        const std::size_t count = cell.cavity.vertices.size();
+        found.resize(count);
+        Vec<double, D> sum{};
+        const double share = 1 / cell.total;
+        std::size_t used = 0;
+        for (std::size_t n = 0; n < count; ++n) {
+            const auto away = cell.seen(n);
+            Vec<double, D> slope{};
+            if (gradients) {
+                slope = (2 / dot(away, away)) * cell.moment(n);
+                sum = sum + slope;
+            }
+            if (cell.measure(n) > 0)
+                found[used++] = {sites_.site(cell.cavity.vertices[n]), cell.measure(n) * share, slope,
+                                 0x1p-60 * away};
+        }
+        found.resize(used);
+        restore(found);
+        for (auto& n : found) n.away = unit_ * n.away;
+        if (!gradients) return;
+        const double per_step = 1 / lattice_.units(0x1p-60);
+        for (auto& n : found) n.gradient = (per_step / cell.total) * (n.gradient - n.weight * sum);
+    }
+
+    /// The least change relative to the weights that restores Σu = 1 and Σ u away = 0: u_i times
+    /// y·(1, away_i). None where the neighbours are flat to rounding.
+    static void restore(std::vector<Neighbour<D>>& found) noexcept {
+        for (int round = 0; round < 2; ++round) {
+            Square<double, D + 1> m{};
+            for (const auto& n : found) {
+                m[0][0] += n.weight;
+                for (std::size_t i = 0; i < D; ++i) {
+                    const double x = n.weight * n.away[i];
+                    m[0][i + 1] += x;
+                    for (std::size_t k = i; k < D; ++k) m[i + 1][k + 1] += x * n.away[k];
+                }
+            }
+            std::array<double, D + 1> y;
+            y[0] = 1 - m[0][0];
+            for (std::size_t k = 1; k <= D; ++k) y[k] = -m[0][k];
+            if (!solve_symmetric(m, y)) return;
+            const auto factor = [&](const Neighbour<D>& n) {
+                double sum = y[0];
+                for (std::size_t k = 0; k < D; ++k) sum += y[k + 1] * n.away[k];
+                return sum;
+            };
+            double largest = 0;
+            for (const auto& n : found) largest = (std::max)(largest, std::fabs(factor(n)));
+            if (!(largest < 1e-6)) return; // more than rounding is not for this to mend
+            for (auto& n : found) n.weight += n.weight * factor(n);
+            if (largest < 1e-12) return;
+        }
+    }
+
+    // ---- on the hull ----------------------------------------------------------------------------
+
+    /// Of every vertex: whether it lies on the hull, within tolerance.
+    std::vector<bool> hull_vertices() const {
+        std::vector<bool> result(sites_.size(), false);
+        for (const auto& simplex : sites_.simplices()) {
+            for (std::size_t k = 0; simplex.is_ghost() && k < D; ++k) result[simplex.vertex[k]] = true;
+        }
+        for (const auto& facet : facets_) {
+            for (const std::uint32_t v : facet.vertex) result[v] = true;
+        }
+        return result;
+    }
+    /// Where the cavity touches the hull: whether the place, in extents, lies outside, on a facet,
+    /// whose neighbours it then finds, or inside.
+    PointState find_near_hull(const Vec<double, D>& q, Scratch& scratch) const {
+        const auto cavity = scratch.search.cavity();
+        const auto is_ghost = [&](std::uint32_t s) { return sites_.simplices()[s].is_ghost(); };
+        const bool beyond = std::any_of(cavity.begin(), cavity.end(), is_ghost);
+        // The sites of a facet lie up to a tolerance off its plane, the place another.
+        typename HullTree<D>::Nearest nearest{none, {}, 4 * tolerance_ * tolerance_};
+        hull_.find(q, nearest);
+        if (nearest.facet == none) return beyond ? PointState::outside : PointState::inside;
+        const double distance = facets_[nearest.facet].distance(q);
+        if (distance > tolerance_) return PointState::outside;
+        if (distance < -tolerance_ && !beyond) return PointState::inside;
+        find_on_facet(nearest.facet, q, scratch);
+        return PointState::on_boundary;
+    }
+    /// Orders the sites of a line, triangulates those of a plane that are more than three.
+    void prepare(HullFacet<D>& facet) {
+        if constexpr (D == 2) {
+            std::sort(facet.vertex.begin(), facet.vertex.end(), [&](std::uint32_t a, std::uint32_t b) {
+                return cross(facet.normal, at_[a]) < cross(facet.normal, at_[b]);
+            });
+        } else {
+            flat_.push_back({});
+            if (facet.vertex.size() == 3) return;
+            auto& [axis, neighbours] = flat_.back();
+            const auto along = at_[facet.vertex[1]] - at_[facet.vertex[0]];
+            const auto across = cross(facet.normal, along);
+            axis[1] = (1 / length(across)) * across;
+            axis[0] = cross(axis[1], facet.normal);
+            std::vector<Vec<double, 2>> flat;
+            flat.reserve(facet.vertex.size());
+            for (const std::uint32_t v : facet.vertex) flat.push_back(in_plane(axis, at_[v]));
+            neighbours = Flat(flat, tolerance_, true);
+        }
+    }
+    static Vec<double, 2> in_plane(const std::array<Vec<double, D>, 2>& axis,
+                                   const Vec<double, D>& q) noexcept {
+        return {dot(axis[0], q), dot(axis[1], q)};
+    }
+
+    /// Of a place within tolerance of a facet, in extents.
+    void find_on_facet(std::size_t n, const Vec<double, D>& q, Scratch& scratch) const {
+        const HullFacet<D>& facet = facets_[n];
+        for (const std::uint32_t v : facet.vertex) {
+            if (!(length(at_[v] - q) <= tolerance_)) continue;
+            return take_site(v, at_[v] - q, scratch);
+        }
+        if constexpr (D == 2) {
+            const auto position = [&](const Vec<double, 2>& x) { return cross(facet.normal, x); };
+            std::size_t next = 1;
+            while (next + 1 < facet.vertex.size() && position(at_[facet.vertex[next]]) < position(q)) ++next;
+            take_facet(std::array<std::uint32_t, 2>{facet.vertex[next - 1], facet.vertex[next]}, q, scratch);
+        } else if (flat_[n].neighbours.empty()) {
+            take_facet({facet.vertex[0], facet.vertex[1], facet.vertex[2]}, q, scratch);
+        } else {
+            if (!scratch.flat) scratch.flat = std::make_unique<typename Flat::Scratch>();
+            const auto x = in_plane(flat_[n].axis, q);
+            if (flat_[n].neighbours.find(x, *scratch.flat) == PointState::outside)
+                flat_[n].neighbours.find_on_hull(x, *scratch.flat);
+            for (const auto& flat : scratch.flat->found)
+                take(facet.vertex[flat.site], flat.weight, q, scratch);
+        }
+    }
+    void take_facet(const std::array<std::uint32_t, D>& vertex, const Vec<double, D>& q,
+                    Scratch& scratch) const {
+        Corners<D> corner;
+        for (std::size_t k = 0; k < D; ++k) corner[k] = at_[vertex[k]];
+        auto weight = nearest_on_facet(q, corner);
+        if constexpr (D == 3) refine(q, corner, weight);
+        for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
+    }
+    /// Of a triangle as thin as rounding the weights are right to some digits only, and so is what
+    /// is added for what they miss.
+    void refine(const Vec<double, D>& q, const Corners<D>& corner, std::array<double, D>& weight) const {
+        const auto& [a, b, c] = corner;
+        const auto n = cross(b - a, c - a);
+        auto miss = q - place_on_facet(weight, corner);
+        for (int round = 0; round < 4 && dot(miss, miss) > tolerance_ * tolerance_; ++round) {
+            const double u = dot(cross(c - b, miss), n) / dot(n, n),
+                         v = dot(cross(a - c, miss), n) / dot(n, n);
+            const std::array<double, D> next{weight[0] + u, weight[1] + v, weight[2] - (u + v)};
+            const auto rest = q - place_on_facet(next, corner);
+            if (!((std::min)({next[0], next[1], next[2]}) >= 0 && dot(rest, rest) < dot(miss, miss))) return;
+            weight = next;
+            miss = rest;
+        }
+    }
+    void take(std::uint32_t v, double weight, const Vec<double, D>& q, Scratch& scratch) const {
+        if (!(weight > 0)) return;
+        const auto away = at_[v] - q;
+        scratch.found.push_back({sites_.site(v), weight, {}, unit_ * away});
+        scratch.missed = scratch.missed + weight * away;
+    }
+
+    bool smooth_ = false; ///< in the plane: the measures of C² coordinates
+    SiteLattice<D> lattice_;
+    double unit_ = 1;            ///< an extent
+    Bounds<double, D> bounds_{}; ///< of the sites, widened by the tolerance
+    double tolerance_ = 0;       ///< in extents
+    Delaunay<D> sites_;
+    std::vector<Vec<double, D>> at_; ///< vertices, in extents
+    std::vector<HullFacet<D>> facets_;
+    std::vector<FlatFacet> flat_; ///< in space, for every facet
+    HullTree<D> hull_;
+    std::vector<std::uint8_t> near_hull_; ///< of every simplex: whether it has a vertex on the hull
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,73 @@
+// The rows (κ, H) of a cage's handles, in which linear precision is stated for handles of both
+// kinds.
+#pragma once
+
+#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/handles.hpp>
+
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Where handles are seen from, and in what unit.
+template <Scalar T, std::size_t D>
+struct AffineFrame {
+    Vec<T, D> centre{};
+    T size = 1;
+
+    /// (κ, (H − κ centre) / size) of a handle H, κ = 1 for points and 0 for vectors.
+    template <Scalar S>
+    Vec<T, D + 1> row(const HandleView<S, D>& handles, std::size_t handle) const noexcept {
+        const auto at = vec_cast<T>(handles.rest[handle]);
+        return handles.is_point(handle) ? with(T(1), at - centre) : with(T(0), at);
+    }
+    /// (κ, v / size).
+    Vec<T, D + 1> with(T kappa, const Vec<T, D>& v) const noexcept {
+        Vec<T, D + 1> row{kappa};
+        for (std::size_t k = 0; k < D; ++k) row[k + 1] = v[k] / size;
+        return row;
+    }
+};
+
+/// The frame of the points' bounds. Where a vector is longer than these it gives the size.
+template <Scalar T, std::size_t D>
+AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
+    std::vector<Vec<T, D>> points;
+    T longest = 0;
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (handles.is_point(i)) {
+            points.push_back(handles.rest[i]);
+        } else {
+            longest = std::fmax(longest, Bounds<T, D>{{}, handles.rest[i]}.diagonal());
+        }
+    }
+    if (points.empty()) return {{}, longest > 0 ? longest : T(1)};
+    const auto bounds = bounds_of(std::span<const Vec<T, D>>(points));
+    return {T(0.5) * (bounds.lower + bounds.upper), std::fmax(bounds.diagonal(), longest)};
+}
+
+/// The rows a_i of all handles in a frame. Weights have linear precision at a place p, or move a
+/// vector t, where
+///
+///     Σ w_i a_i = (1, (p − centre) / size),   Σ w_i a_i = (0, t / size).
+template <Scalar T, std::size_t D>
+class AffineRows {
+public:
+    template <Scalar S>
+    AffineRows(const HandleView<S, D>& handles, const AffineFrame<T, D>& frame)
+        : frame_(frame)
+        , rows_(handles.count) {
+        for (std::size_t i = 0; i < handles.count; ++i) rows_[i] = frame.row(handles, i);
+    }
+
+    const AffineFrame<T, D>& frame() const noexcept { return frame_; }
+    std::size_t size() const noexcept { return rows_.size(); }
+    const Vec<T, D + 1>& operator[](std::size_t handle) const noexcept { return rows_[handle]; }
+
+private:
+    AffineFrame<T, D> frame_;
+    Buffer<Vec<T, D + 1>> rows_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

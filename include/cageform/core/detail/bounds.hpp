@@ -1,0 +1,82 @@
+// Axis-aligned bounds, and the lengths that tolerances are relative to.
+#pragma once
+
+#include <cageform/core/vec.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Axis-aligned bounds of points, empty (lower above upper) for none.
+template <Scalar T, std::size_t D>
+struct Bounds {
+    Vec<T, D> lower;
+    Vec<T, D> upper;
+
+    /// Squared in double, so that no float overflows or vanishes.
+    T diagonal() const noexcept {
+        const auto d = vec_cast<double>(upper - lower);
+        return static_cast<T>(std::sqrt(dot(d, d)));
+    }
+    /// The largest absolute coordinate: what the rounding of the coordinates is relative to.
+    T magnitude() const noexcept {
+        T m = 0;
+        for (std::size_t k = 0; k < D; ++k)
+            m = std::fmax(m, std::fmax(std::fabs(lower[k]), std::fabs(upper[k])));
+        return m;
+    }
+    Bounds widened(T margin) const noexcept {
+        Bounds b = *this;
+        for (std::size_t k = 0; k < D; ++k) {
+            b.lower[k] -= margin;
+            b.upper[k] += margin;
+        }
+        return b;
+    }
+    bool covers(const Bounds& b) const noexcept {
+        for (std::size_t k = 0; k < D; ++k) {
+            if (b.lower[k] < lower[k] || upper[k] < b.upper[k]) return false;
+        }
+        return true;
+    }
+    bool overlaps(const Bounds& b) const noexcept {
+        for (std::size_t k = 0; k < D; ++k) {
+            if (b.upper[k] < lower[k] || upper[k] < b.lower[k]) return false;
+        }
+        return true;
+    }
+};
+
+template <Scalar T, std::size_t D>
+Bounds<T, D> bounds_of(std::span<const Vec<T, D>> points) noexcept {
+    Bounds<T, D> b;
+    for (std::size_t k = 0; k < D; ++k) {
+        b.lower[k] = (std::numeric_limits<T>::max)();
+        b.upper[k] = std::numeric_limits<T>::lowest();
+        for (const auto& p : points) {
+            b.lower[k] = std::fmin(b.lower[k], p[k]);
+            b.upper[k] = std::fmax(b.upper[k], p[k]);
+        }
+    }
+    return b;
+}
+
+/// Two places of a cage nearer than this are one: eight roundings of its largest coordinate. Points
+/// this near to a vertex or an edge are on it. In the units of the cage.
+template <Scalar T, std::size_t D>
+T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
+    return 8 * epsilon<T> * std::fmax(bounds.diagonal(), bounds.magnitude());
+}
+
+/// A power of two that makes the diagonal at most 1: scaling by it is exact.
+template <Scalar T, std::size_t D>
+T unit_scale(const Bounds<T, D>& bounds) noexcept {
+    int exponent = 0;
+    std::frexp(bounds.diagonal(), &exponent);
+    return std::ldexp(T(1), -exponent);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

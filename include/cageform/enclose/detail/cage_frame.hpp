@@ -1,0 +1,78 @@
+// Where make_cage computes, in the plane and in space.
+#pragma once
+
+#include <cageform/cage/detail/primitives.hpp>
+#include <cageform/enclose/detail/cage_making.hpp>
+
+#include <utility>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Coordinates in which the figure's bounds have a diagonal between 1/2 and 1, and a mirror stands at x = 0.
+template <std::size_t D>
+struct CageFrame {
+    using Point = Vec<double, D>;
+    Point origin{};
+    double scale = 1;     ///< a power of two: scaling is exact
+    std::size_t axis = 0; ///< that changes places with the first: the mirror's
+
+    CageFrame() = default;
+    CageFrame(const Bounds<double, D>& box, const std::optional<MirrorPlane>& mirror) noexcept
+        : origin(0.5 * (box.lower + box.upper))
+        , scale(unit_scale(box)) {
+        if (!mirror) return;
+        axis = mirror->axis;
+        origin[axis] = mirror->place.value_or(origin[axis]);
+    }
+
+    Point to_local(const Point& p) const noexcept {
+        Point q = scale * (p - origin);
+        std::swap(q[0], q[axis]);
+        return q;
+    }
+    Point from_local(Point q) const noexcept {
+        std::swap(q[0], q[axis]);
+        return origin + (1 / scale) * q;
+    }
+    /// Whether what is counter-clockwise here is clockwise there.
+    bool turns_over() const noexcept { return axis != 0; }
+};
+
+/// Areas, or volumes, of larger figures overflow.
+template <Scalar T, std::size_t D>
+constexpr T largest_figure_coordinate() noexcept {
+    return T((std::min)(double((std::numeric_limits<T>::max)()) / 64, D == 2 ? 1e150 : 1e100));
+}
+
+/// Of a diagonal below that they underflow.
+template <std::size_t D>
+constexpr double least_figure_diagonal() noexcept {
+    return D == 2 ? 0 : 1e-100;
+}
+
+/// Whether coordinates of T tell a margin: so far from 0 their spacing is small against it.
+template <Scalar T, std::size_t D>
+bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
+    double farthest = 0;
+    for (std::size_t k = 0; k < D; ++k)
+        farthest = (std::max)({farthest, std::fabs(box.lower[k]), std::fabs(box.upper[k])});
+    return margin > 4 * double(std::numeric_limits<T>::epsilon()) * farthest;
+}
+
+/// Whether the cage that a report is about keeps what make_cage promises.
+inline bool holds_figure(const MakeCageReport& report) noexcept {
+    return report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin;
+}
+
+/// What is wrong with what is asked for, in D dimensions.
+template <std::size_t D>
+Status check_options(const MakeCageOptions& options) noexcept {
+    if (options.vertices != 0 && options.vertices <= D) return Status::too_few_cage_vertices;
+    if (!is_finite(options.margin) || options.margin < 0) return Status::margin_not_positive;
+    if (!options.mirror) return Status::ok;
+    const auto& place = options.mirror->place;
+    return options.mirror->axis >= D || (place && !is_finite(*place)) ? Status::mirror_not_supported
+                                                                      : Status::ok;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,313 @@
+// make_cage in the plane, first step: on a lattice, how far each node is from what is drawn, less the
+// margin. Below zero lies what a cage has to enclose.
+#pragma once
+
+#include <cageform/cage/detail/primitives.hpp>
+
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A piece of what is drawn: all places within `radius` of the segment from `a` to `b`. A stroke is made of
+/// these, with half its width for a radius; an outline has radius 0.
+template <Scalar T>
+struct DrawnSegment {
+    Vec<T, 2> a, b;
+    T radius = 0;
+};
+
+/// Segments `begin` … `end` − 1 are closed outlines of one painted area.
+struct PaintedArea {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+    bool even_odd = false; ///< else non-zero, as in SVG
+};
+
+namespace detail {
+
+/// The function f = distance from the figure − margin on the nodes of a lattice of equal spacings, linear along lattice
+/// lines. Single precision: lengths are about 1 here.
+template <std::size_t D>
+class DistanceLattice {
+public:
+    using Point = Vec<double, D>;
+    using Count = std::array<std::size_t, D>;
+
+    DistanceLattice() = default;
+    /// Nodes at `low` + `spacing` (i, j, …), all of them `farthest` from the figure.
+    DistanceLattice(const Point& low, double spacing, const Count& count, double farthest)
+        : low_(low)
+        , h_(spacing)
+        , count_(count)
+        , far_(farthest) {
+        std::size_t size = 1;
+        for (std::size_t k = 0; k < D; ++k) {
+            stride_[k] = size;
+            size *= count[k];
+        }
+        f_.assign(size, static_cast<float>(farthest));
+    }
+
+    double spacing() const noexcept { return h_; }
+    const Count& count() const noexcept { return count_; }
+    const Count& stride() const noexcept { return stride_; }
+    std::size_t size() const noexcept { return f_.size(); }
+    float& operator[](std::size_t node) noexcept { return f_[node]; }
+    float operator[](std::size_t node) const noexcept { return f_[node]; }
+    /// The number of a node along every axis.
+    Count numbers(std::size_t node) const noexcept {
+        Count n{};
+        for (std::size_t k = D; k-- > 0;) {
+            n[k] = node / stride_[k];
+            node -= n[k] * stride_[k];
+        }
+        return n;
+    }
+    Point place(std::size_t node) const noexcept {
+        const Count n = numbers(node);
+        Point p = low_;
+        for (std::size_t k = 0; k < D; ++k) p[k] += h_ * double(n[k]);
+        return p;
+    }
+    /// The square of the distance of two nodes, in spacings.
+    double steps2(std::size_t a, std::size_t b) const noexcept {
+        const Count na = numbers(a), nb = numbers(b);
+        double sum = 0;
+        for (std::size_t k = 0; k < D; ++k)
+            sum += (double(na[k]) - double(nb[k])) * (double(na[k]) - double(nb[k]));
+        return sum;
+    }
+
+    /// f between the nodes; `far` beyond the lattice.
+    double value(const Point& p) const noexcept {
+        std::size_t node = 0;
+        std::array<double, D> part;
+        for (std::size_t k = 0; k < D; ++k) {
+            const double x = (p[k] - low_[k]) / h_;
+            if (!(x >= 0 && x < double(count_[k] - 1))) return far_;
+            const auto i = static_cast<std::size_t>(x);
+            part[k] = x - double(i);
+            node += i * stride_[k];
+        }
+        const float* f = f_.data() + node;
+        const auto along_x = [&](std::size_t at) {
+            return (1 - part[0]) * double(f[at]) + part[0] * double(f[at + 1]);
+        };
+        const auto along_y = [&](std::size_t at) {
+            return (1 - part[1]) * along_x(at) + part[1] * along_x(at + stride_[1]);
+        };
+        if constexpr (D == 2) {
+            return along_y(0);
+        } else {
+            return (1 - part[2]) * along_y(0) + part[2] * along_y(stride_[2]);
+        }
+    }
+
+    /// f = min(f, distance from the segment − `radius`), for nodes up to `reach` beyond the radius.
+    void stamp(const Point& a, const Point& b, double radius, double reach) noexcept {
+        const double all = radius + reach;
+        const auto box = bounds_of(std::span<const Point>(std::array{a, b})).widened(all);
+        const auto e = vec_cast<float>(b - a);
+        const double length2 = dot(b - a, b - a);
+        const float inverse = length2 > 0 ? static_cast<float>(1 / length2) : 0.0F;
+        const auto h = static_cast<float>(h_), r = static_cast<float>(radius);
+        for_each_row(box, [&](std::size_t row, std::size_t first, std::size_t last) {
+            auto d = vec_cast<float>(place(row) - a);
+            const float from = d[0];
+            for (std::size_t i = first; i < last; ++i) {
+                d[0] = from + h * static_cast<float>(i);
+                const float s = (std::min)((std::max)(dot(d, e) * inverse, 0.0F), 1.0F);
+                const auto off = d - s * e;
+                f_[row + i] = (std::min)(f_[row + i], std::sqrt(dot(off, off)) - r);
+            }
+        });
+    }
+
+    /// visit(row, first, last): nodes row + first … row + last − 1 lie in the box, for all rows along the first axis
+    /// that it meets; `row` is the first node of the row.
+    template <class Visit>
+    void for_each_row(const Bounds<double, D>& box, const Visit& visit) const {
+        Count first{}, last{};
+        for (std::size_t k = 0; k < D; ++k) {
+            const double from = std::ceil((box.lower[k] - low_[k]) / h_);
+            const double to = std::floor((box.upper[k] - low_[k]) / h_) + 1;
+            first[k] = static_cast<std::size_t>(std::clamp(from, 0.0, double(count_[k])));
+            last[k] = static_cast<std::size_t>(std::clamp(to, 0.0, double(count_[k])));
+        }
+        for (std::size_t j = first[1]; j < last[1]; ++j) {
+            if constexpr (D == 2) {
+                visit(j * stride_[1], first[0], last[0]);
+            } else {
+                for (std::size_t k = first[2]; k < last[2]; ++k)
+                    visit(j * stride_[1] + k * stride_[2], first[0], last[0]);
+            }
+        }
+    }
+
+    /// The nodes reached from the lattice's rim over neighbours along lattice lines where open(node).
+    template <class Open>
+    std::vector<std::uint8_t> flood(const Open& open) const {
+        std::vector<std::uint8_t> reached(f_.size(), 0);
+        std::vector<std::size_t> front;
+        const auto enter = [&](std::size_t node) {
+            if (reached[node] != 0 || !open(node)) return;
+            reached[node] = 1;
+            front.push_back(node);
+        };
+        for (std::size_t node = 0; node < f_.size(); ++node) {
+            const Count n = numbers(node);
+            bool on_rim = false;
+            for (std::size_t k = 0; k < D; ++k) on_rim = on_rim || n[k] == 0 || n[k] + 1 == count_[k];
+            if (on_rim) enter(node);
+        }
+        while (!front.empty()) {
+            const std::size_t node = front.back();
+            front.pop_back();
+            for_each_neighbour(node, enter);
+        }
+        return reached;
+    }
+    /// Where f exceeds `level` all the way from the rim.
+    std::vector<std::uint8_t> outside(float level) const {
+        return flood([&](std::size_t node) { return f_[node] > level; });
+    }
+
+    /// visit(neighbour), along lattice lines.
+    template <class Visit>
+    void for_each_neighbour(std::size_t node, const Visit& visit) const {
+        const Count n = numbers(node);
+        for (std::size_t k = 0; k < D; ++k) {
+            if (n[k] > 0) visit(node - stride_[k]);
+            if (n[k] + 1 < count_[k]) visit(node + stride_[k]);
+        }
+    }
+    /// visit(neighbour), across corners too: 8 in the plane, 26 in space.
+    template <class Visit>
+    void for_each_around(std::size_t node, const Visit& visit) const {
+        Count from = numbers(node), to = from;
+        for (std::size_t k = 0; k < D; ++k) {
+            to[k] = (std::min)(from[k] + 1, count_[k] - 1);
+            if (from[k] > 0) --from[k];
+        }
+        const auto visit_row = [&](std::size_t row) {
+            for (std::size_t other = row + from[0]; other <= row + to[0]; ++other) {
+                if (other != node) visit(other);
+            }
+        };
+        for (std::size_t j = from[1]; j <= to[1]; ++j) {
+            if constexpr (D == 2) {
+                visit_row(j * stride_[1]);
+            } else {
+                for (std::size_t k = from[2]; k <= to[2]; ++k) visit_row(j * stride_[1] + k * stride_[2]);
+            }
+        }
+    }
+
+    /// f = min(f, its mirror image across the middle of the first axis).
+    void mirror() noexcept {
+        for (std::size_t node = 0; node < f_.size(); ++node) {
+            const std::size_t column = node % count_[0], image = node - column + (count_[0] - 1 - column);
+            f_[node] = f_[image] = (std::min)(f_[node], f_[image]);
+        }
+    }
+
+private:
+    Point low_{};
+    double h_ = 1;
+    Count count_{};
+    Count stride_{};
+    double far_ = 0;
+    std::vector<float> f_;
+};
+
+/// f = min(f, what the hull of a figure has), as an intersection of half-spaces along a few hundred directions: a convex
+/// body about the hull, by a thousandth looser.
+///
+///   support   support(direction): how far the figure reaches along a unit vector, margin included
+template <std::size_t D, class Support>
+void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
+    using Point = Vec<double, D>;
+    constexpr std::size_t directions = D == 2 ? 128 : 512;
+    std::vector<Point> normals;
+    std::vector<double> offsets;
+    for (std::size_t k = 0; k < directions; ++k) {
+        Point n{};
+        if constexpr (D == 2) {
+            const double angle = 2 * std::numbers::pi * double(k) / directions;
+            n = {std::cos(angle), std::sin(angle)};
+        } else { // along a spiral, equally dense on the sphere
+            const double z = 1 - (2 * double(k) + 1) / directions,
+                         angle = std::numbers::pi * (3 - std::sqrt(5.0)) * double(k);
+            const double r = std::sqrt(1 - z * z);
+            n = {r * std::cos(angle), r * std::sin(angle), z};
+        }
+        normals.push_back(n);
+        offsets.push_back(support(n));
+    }
+    for (std::size_t node = 0; node < lattice.size(); ++node) {
+        const Point p = lattice.place(node);
+        double most = std::numeric_limits<double>::lowest();
+        for (std::size_t k = 0; k < directions; ++k) most = (std::max)(most, dot(normals[k], p) - offsets[k]);
+        lattice[node] = (std::min)(lattice[node], static_cast<float>(most));
+    }
+}
+
+/// Of nodes in a lattice: what make_cage takes at most, some 70 bytes for each.
+inline constexpr std::size_t most_lattice_nodes = std::size_t{1} << 24;
+
+/// Whether f is not below zero along a segment, but for a quarter of the spacing, which is what the lattice
+/// cannot tell. f changes no faster than the place (Hart, Sphere tracing, 1996), so that steps as long as f will do.
+inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
+                     const Vec<double, 2>& b) noexcept {
+    const auto e = b - a;
+    const double whole = length(e), least = -0.25 * lattice.spacing();
+    for (double t = 0; t < whole;) {
+        const double f = lattice.value(a + (t / whole) * e);
+        if (f < least) return false;
+        t += (std::max)(f, 0.5 * lattice.spacing());
+    }
+    return lattice.value(b) >= least;
+}
+
+/// Nodes inside a painted area are below zero by at least `depth`. Row by row, by the crossings of the outlines.
+inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<double>> outlines, bool even_odd,
+                  double depth) {
+    const Vec<double, 2> low = lattice.place(0);
+    const double h = lattice.spacing();
+    const std::size_t width = lattice.count()[0];
+    struct Crossing {
+        double x;
+        int turn;
+    };
+    std::vector<std::vector<Crossing>> rows(lattice.count()[1]);
+    for (const auto& edge : outlines) {
+        const bool up = edge.b[1] > edge.a[1];
+        const auto& lower = up ? edge.a : edge.b;
+        const auto& upper = up ? edge.b : edge.a;
+        const auto row = [&](double y) { return std::ceil((y - low[1]) / h); };
+        for (auto j = static_cast<std::size_t>((std::max)(row(lower[1]), 0.0)); double(j) < row(upper[1]);
+             ++j) {
+            const double t = (low[1] + h * double(j) - lower[1]) / (upper[1] - lower[1]);
+            rows[j].push_back({lower[0] + t * (upper[0] - lower[0]), up ? 1 : -1});
+        }
+    }
+    for (std::size_t j = 0; j < lattice.count()[1]; ++j) {
+        auto& crossings = rows[j];
+        std::sort(crossings.begin(), crossings.end(),
+                  [](const Crossing& a, const Crossing& b) { return a.x < b.x; });
+        int winding = 0;
+        std::size_t i = 0;
+        for (const auto& crossing : crossings) {
+            const bool painted = even_odd ? winding % 2 != 0 : winding != 0;
+            for (; low[0] + h * double(i) < crossing.x; ++i) {
+                float& f = lattice[j * width + i];
+                if (painted) f = (std::min)(f, static_cast<float>(-depth));
+            }
+            winding += crossing.turn;
+        }
+    }
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

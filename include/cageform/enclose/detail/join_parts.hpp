@@ -1,0 +1,160 @@
+// make_cage, second step: the parts of the figure are joined by bridges, and slits too narrow to
+// deform are closed.
+#pragma once
+
+#include <cageform/enclose/detail/distance_lattice.hpp>
+
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The connected parts of what the outside does not reach.
+struct LatticeParts {
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    std::vector<std::uint32_t> of_node; ///< the part; `none` outside
+    std::size_t count = 0;
+
+    template <std::size_t D>
+    LatticeParts(const DistanceLattice<D>& lattice, const std::vector<std::uint8_t>& outside)
+        : of_node(lattice.size(), none) {
+        std::vector<std::size_t> front;
+        for (std::size_t start = 0; start < lattice.size(); ++start) {
+            const auto enter = [&](std::size_t node) {
+                if (outside[node] != 0 || of_node[node] != none) return;
+                of_node[node] = static_cast<std::uint32_t>(count);
+                front.push_back(node);
+            };
+            enter(start);
+            if (front.empty()) continue;
+            while (!front.empty()) {
+                const std::size_t node = front.back();
+                front.pop_back();
+                lattice.for_each_around(node, enter);
+            }
+            ++count;
+        }
+    }
+};
+
+/// For every node, one of the nodes where is_source(node) that is about the nearest: passes over the lattice, each node
+/// taking the best of its neighbours' (Danielsson, Euclidean distance mapping, 1980). The lattice's size where there
+/// is none.
+template <std::size_t D, class Test>
+std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, const Test& is_source) {
+    const std::size_t none = lattice.size();
+    std::vector<std::size_t> nearest(lattice.size(), none);
+    for (std::size_t node = 0; node < lattice.size(); ++node) {
+        if (is_source(node)) nearest[node] = node;
+    }
+    const auto update = [&](std::size_t node) {
+        lattice.for_each_around(node, [&](std::size_t other) {
+            const std::size_t candidate = nearest[other];
+            if (candidate != none && (nearest[node] == none ||
+                                      lattice.steps2(candidate, node) < lattice.steps2(nearest[node], node)))
+                nearest[node] = candidate;
+        });
+    };
+    for (int pass = 0; pass < 2; ++pass) {
+        for (std::size_t node = 0; node < lattice.size(); ++node) update(node);
+        for (std::size_t node = lattice.size(); node-- > 0;) update(node);
+    }
+    return nearest;
+}
+
+/// Two nodes of different parts, and the square of their distance in steps of the lattice.
+struct Bridge {
+    double steps2;
+    std::size_t from, to;
+};
+
+/// The bridges of a shortest tree over the parts: of each two that have a common border of what is nearest to them the
+/// shortest one, then as Kruskal has it.
+template <std::size_t D>
+std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeParts& parts) {
+    const auto nearest =
+        nearest_sources(lattice, [&](std::size_t node) { return parts.of_node[node] != LatticeParts::none; });
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Bridge> between;
+    for (std::size_t node = 0; node < lattice.size(); ++node) {
+        lattice.for_each_neighbour(node, [&](std::size_t other) {
+            if (other < node) return;
+            std::size_t from = nearest[node], to = nearest[other];
+            if (parts.of_node[from] == parts.of_node[to]) return;
+            if (parts.of_node[from] > parts.of_node[to]) std::swap(from, to);
+            const Bridge bridge{lattice.steps2(from, to), from, to};
+            const auto [place, is_new] =
+                between.try_emplace({parts.of_node[from], parts.of_node[to]}, bridge);
+            if (!is_new && bridge.steps2 < place->second.steps2) place->second = bridge;
+        });
+    }
+    std::vector<Bridge> bridges;
+    bridges.reserve(between.size());
+    for (const auto& [pair, bridge] : between) bridges.push_back(bridge);
+    std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
+        return std::tuple(a.steps2, a.from, a.to) < std::tuple(b.steps2, b.from, b.to);
+    });
+    std::vector<std::uint32_t> root(parts.count);
+    std::iota(root.begin(), root.end(), std::uint32_t{0});
+    const auto find = [&](std::uint32_t part) {
+        while (root[part] != part) part = root[part] = root[root[part]];
+        return part;
+    };
+    std::erase_if(bridges, [&](const Bridge& bridge) {
+        const std::uint32_t a = find(parts.of_node[bridge.from]), b = find(parts.of_node[bridge.to]);
+        root[a] = b;
+        return a == b;
+    });
+    return bridges;
+}
+
+/// Adds capsules to the figure until it is one part. `mirrored`: and their images. Returns how many, images not
+/// counted; at most eight rounds.
+template <std::size_t D>
+std::size_t join_parts(DistanceLattice<D>& lattice, double margin, bool mirrored) {
+    std::size_t count = 0;
+    for (int round = 0; round < 8; ++round) {
+        const LatticeParts parts(lattice, lattice.outside(0));
+        if (parts.count < 2) break;
+        for (const auto& bridge : shortest_bridges(lattice, parts)) {
+            auto a = lattice.place(bridge.from), b = lattice.place(bridge.to);
+            const auto u = (margin / length(b - a)) * (b - a);
+            a = a - u;
+            b = b + u;
+            lattice.stamp(a, b, 1.3 * margin, 2 * margin);
+            ++count;
+        }
+        if (mirrored) lattice.mirror();
+    }
+    return count;
+}
+
+/// A closing of the figure by discs or balls (Serra, Image analysis and mathematical morphology, 1982): what no disc of this
+/// radius reaches from outside becomes inside. `holes`: a disc may start in a hole, too.
+template <std::size_t D>
+void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
+    std::vector<std::uint8_t> outside = lattice.outside(static_cast<float>(radius));
+    if (holes) {
+        for (std::size_t node = 0; node < lattice.size(); ++node)
+            outside[node] = double(lattice[node]) > radius;
+    }
+    const double reach = radius + 2 * lattice.spacing();
+    DistanceLattice<D> free(lattice); // how far a node is from the places that a disc's middle can reach
+    for (std::size_t node = 0; node < free.size(); ++node) free[node] = static_cast<float>(reach);
+    for (std::size_t node = 0; node < lattice.size(); ++node) {
+        if (outside[node] == 0) continue;
+        lattice.for_each_neighbour(node, [&](std::size_t other) {
+            if (outside[other] != 0) return;
+            const double f = double(lattice[node]), g = double(lattice[other]);
+            const double t = std::clamp((f - radius) / (f - g), 0.0, 1.0);
+            const auto p = (1 - t) * lattice.place(node) + t * lattice.place(other);
+            free.stamp(p, p, 0, reach);
+        });
+    }
+    for (std::size_t node = 0; node < lattice.size(); ++node) {
+        if (outside[node] == 0)
+            lattice[node] = (std::min)(lattice[node], static_cast<float>(radius) - free[node]);
+    }
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

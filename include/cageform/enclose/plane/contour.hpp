@@ -1,0 +1,78 @@
+// make_cage in the plane, third step: the tightest cage, of a vertex wherever a lattice line enters the figure.
+#pragma once
+
+#include <cageform/enclose/detail/distance_lattice.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+using Loop = std::vector<Vec<double, 2>>;
+
+inline double signed_area(const Loop& loop) noexcept {
+    double twice = 0;
+    for (std::size_t i = 0; i < loop.size(); ++i) twice += cross(loop[i], loop[(i + 1) % loop.size()]);
+    return twice / 2;
+}
+
+/// The borders of the outside by marching squares (Lorensen & Cline 1987, in the plane), the inside to their left:
+/// outer loops turn counter-clockwise. Follows the outside as given and not the sign of f, so that what is inside for
+/// other reasons has no borders of its own. Where two outside corners of a square lie opposite, they stay
+/// apart: loops never touch.
+class Contour {
+public:
+    Contour(const DistanceLattice<2>& lattice, const std::vector<std::uint8_t>& outside)
+        : lattice_(lattice)
+        , outside_(outside)
+        , next_(2 * lattice.size(), none) {
+        const std::size_t width = lattice.count()[0];
+        for (std::size_t node = 0; node + width + 1 < lattice.size(); ++node) {
+            if (node % width + 1 < width) link_square(node);
+        }
+    }
+
+    std::vector<Loop> loops() const {
+        std::vector<Loop> loops;
+        std::vector<bool> done(next_.size(), false);
+        for (std::size_t start = 0; start < next_.size(); ++start) {
+            if (next_[start] == none || done[start]) continue;
+            Loop loop;
+            for (std::size_t edge = start; !done[edge]; edge = next_[edge]) {
+                done[edge] = true;
+                loop.push_back(crossing(edge));
+            }
+            loops.push_back(std::move(loop));
+        }
+        return loops;
+    }
+
+private:
+    static constexpr std::size_t none = ~std::size_t{0};
+
+    /// Lattice edges are numbered 2 node + axis. Each run of outside corners, counter-clockwise about the square, has a
+    /// piece of the border about it: from the edge that leaves the inside to the edge that enters it.
+    void link_square(std::size_t node) {
+        const std::size_t width = lattice_.count()[0];
+        const std::array<std::size_t, 4> corner{node, node + 1, node + width + 1, node + width};
+        const std::array<std::size_t, 4> edge{2 * node, 2 * (node + 1) + 1, 2 * (node + width), 2 * node + 1};
+        const auto is_out = [&](std::size_t k) { return outside_[corner[k % 4]] != 0; };
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (is_out(k) || !is_out(k + 1)) continue;
+            std::size_t end = k + 1;
+            while (is_out(end + 1)) ++end;
+            next_[edge[k]] = edge[end % 4];
+        }
+    }
+
+    /// Kept off the nodes, where the piece would have no length.
+    Vec<double, 2> crossing(std::size_t edge) const {
+        const std::size_t from = edge / 2, to = from + (edge % 2 == 0 ? 1 : lattice_.count()[0]);
+        const double f = double(lattice_[from]), g = double(lattice_[to]);
+        const double t = f != g ? std::clamp(f / (f - g), 0.02, 0.98) : 0.5;
+        return (1 - t) * lattice_.place(from) + t * lattice_.place(to);
+    }
+
+    const DistanceLattice<2>& lattice_;
+    const std::vector<std::uint8_t>& outside_;
+    std::vector<std::size_t> next_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,324 @@
+// make_cage in space, fourth step: from the contour to few vertices by edge collapses whose new faces stay off the
+// figure and off each other (Garland & Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997;
+// Calderon & Boubekeur, Bounding proxies for shape approximation, SIGGRAPH 2017, collapse under containment alike).
+#pragma once
+
+#include <cageform/enclose/space/shell.hpp>
+
+#include <queue>
+#include <tuple>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The sum of squared distances from planes, weighted, as a function of the place: x'Ax + 2 b'x + c.
+struct Quadric {
+    using Point = Vec<double, 3>;
+    std::array<double, 6> a{}; ///< xx, xy, xz, yy, yz, zz
+    Point b{};
+    double c = 0;
+
+    /// The plane through `p` with a normal of any length, whose square is the weight.
+    void add_plane(const Point& normal, const Point& p, double weight) noexcept {
+        const double offset = -dot(normal, p);
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = i; j < 3; ++j) a[n++] += weight * normal[i] * normal[j];
+            b[i] += weight * offset * normal[i];
+        }
+        c += weight * offset * offset;
+    }
+    Quadric& operator+=(const Quadric& other) noexcept {
+        for (std::size_t i = 0; i < 6; ++i) a[i] += other.a[i];
+        b = b + other.b;
+        c += other.c;
+        return *this;
+    }
+    double at(const Point& x) const noexcept {
+        const double square = a[0] * x[0] * x[0] + a[3] * x[1] * x[1] + a[5] * x[2] * x[2] +
+                              2 * (a[1] * x[0] * x[1] + a[2] * x[0] * x[2] + a[4] * x[1] * x[2]);
+        return (std::max)(square + 2 * dot(b, x) + c, 0.0);
+    }
+    /// Where it is least; nothing where that is a line or a plane, up to rounding.
+    bool least(Point& x) const noexcept {
+        const Point r0{a[0], a[1], a[2]}, r1{a[1], a[3], a[4]}, r2{a[2], a[4], a[5]};
+        const double det = dot(r0, cross(r1, r2)), trace = a[0] + a[3] + a[5];
+        if (!(det > 1e-6 * trace * trace * trace)) return false;
+        x = (-1 / det) * (b[0] * cross(r1, r2) + b[1] * cross(r2, r0) + b[2] * cross(r0, r1));
+        return true;
+    }
+};
+
+/// Collapses edges, the cheapest first.
+class ShellReduction {
+public:
+    using Point = Vec<double, 3>;
+
+    ShellReduction(Shell& shell, const ShellObstacles& obstacles)
+        : shell_(shell)
+        , obstacles_(obstacles)
+        , hash_(hash_of(shell))
+        , quadric_(shell.points.size())
+        , version_(shell.points.size(), 0)
+        , count_(shell.whole_size()) {
+        for (std::uint32_t f = 0; f < shell_.faces.size(); ++f) {
+            const auto corner = shell_.corners(shell_.faces[f]);
+            const Point n = area_normal(corner);
+            const double size = length(n);
+            if (!(size > 0)) continue;
+            Quadric q;
+            q.add_plane(n, corner[0], 0.5 / size); // of unit normals, by the area
+            for (const auto v : shell_.faces[f]) quadric_[v] += q;
+        }
+        const double h = obstacles.lattice->spacing();
+        for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
+            if (shell_.on_rim[v]) quadric_[v].add_plane({1, 0, 0}, {0, 0, 0}, 100 * h * h);
+        }
+        for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
+            for (const auto w : shell_.neighbours(v)) {
+                if (v < w) propose(v, w);
+            }
+        }
+    }
+
+    /// Down to this many vertices of the whole cage, or as few as it gets; false when the progress says stop.
+    bool reduce_to(std::size_t vertices, const Running& running) {
+        const double first = double(count_);
+        for (std::size_t step = 0; count_ > vertices; ++step) {
+            if (step % 256 == 0 && !running.keep_going(std::clamp(
+                                       (first - double(count_)) / (first - double(vertices)), 0.0, 1.0)))
+                return false;
+            if (queue_.empty() && !retry()) break;
+            if (3 * count_ < hashed_) { // faces have become larger than its cells
+                hash_ = hash_of(shell_);
+                hashed_ = count_;
+            }
+            Collapse next = queue_.top();
+            queue_.pop();
+            if (!is_current(next)) continue;
+            if (next.exact && links(next.u, next.v) &&
+                may_lie(faces_about(next.u, next.v), next, next.place)) {
+                take(next);
+                continue;
+            }
+            if (!find_place(next)) {
+                next.exact = false;
+                waiting_.push_back(next);
+                continue;
+            }
+            next.exact = true;
+            if (!queue_.empty() && next.cost > queue_.top().cost) {
+                queue_.push(next);
+            } else {
+                take(next);
+            }
+        }
+        return true;
+    }
+
+private:
+    struct Collapse {
+        double cost; ///< at least
+        std::uint32_t u, v;
+        std::uint32_t versions; ///< of both ends together
+        bool exact;             ///< the cost, and the place is known
+        Point place;
+
+        bool operator<(const Collapse& other) const noexcept { // the queue has its largest on top
+            return std::tie(other.cost, other.u, other.v) < std::tie(cost, u, v);
+        }
+    };
+
+    bool is_current(const Collapse& c) const noexcept {
+        return !shell_.star[c.u].empty() && !shell_.star[c.v].empty() &&
+               c.versions == version_[c.u] + version_[c.v];
+    }
+
+    /// Keeps edges short where the quadric cannot tell; in units of area times squared distance.
+    double stretch(std::uint32_t u, std::uint32_t v) const noexcept {
+        const auto e = shell_.points[v] - shell_.points[u];
+        return 1e-3 * dot(e, e) * dot(e, e);
+    }
+    void propose(std::uint32_t u, std::uint32_t v) {
+        Quadric q = quadric_[u];
+        q += quadric_[v];
+        Point x{};
+        const double least = q.least(x) ? q.at(x) : 0;
+        queue_.push({least + stretch(u, v),
+                     (std::min)(u, v),
+                     (std::max)(u, v),
+                     version_[u] + version_[v],
+                     false,
+                     {}});
+    }
+    /// Those refused get another chance, as others have changed.
+    bool retry() {
+        if (!changed_) return false;
+        changed_ = false;
+        for (const Collapse& c : waiting_) {
+            if (is_current(c)) queue_.push(c);
+        }
+        waiting_.clear();
+        return !queue_.empty();
+    }
+
+    /// Two faces at the edge and no other triangle of neighbours about it; on the rim one.
+    bool links(std::uint32_t u, std::uint32_t v) const {
+        std::size_t at_edge = 0;
+        for (const auto f : shell_.star[u]) at_edge += shell_.has(f, v) ? 1 : 0;
+        const bool along_rim = shell_.on_rim[u] && shell_.on_rim[v];
+        if (at_edge != (along_rim ? 1 : 2)) return false;
+        const auto a = shell_.neighbours(u), b = shell_.neighbours(v);
+        std::vector<std::uint32_t> common;
+        std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+        return common.size() == at_edge;
+    }
+
+    /// The faces that stay, with the ends of the edge in one: vertex u.
+    std::vector<std::uint32_t> faces_about(std::uint32_t u, std::uint32_t v) const {
+        std::vector<std::uint32_t> faces;
+        for (const auto f : shell_.star[u]) {
+            if (!shell_.has(f, v)) faces.push_back(f);
+        }
+        for (const auto f : shell_.star[v]) {
+            if (!shell_.has(f, u)) faces.push_back(f);
+        }
+        return faces;
+    }
+
+    /// The cheapest place for both: of four, moved outwards until the new faces are free.
+    bool find_place(Collapse& c) {
+        if (!links(c.u, c.v)) return false;
+        Quadric q = quadric_[c.u];
+        q += quadric_[c.v];
+        const auto faces = faces_about(c.u, c.v);
+        Point normal{};
+        for (const auto v : {c.u, c.v}) {
+            for (const auto f : shell_.star[v])
+                normal = normal + area_normal(shell_.corners(shell_.faces[f]));
+        }
+        const double size = length(normal);
+        if (!(size > 0)) return false;
+        normal = (1 / size) * normal;
+        const Point &a = shell_.points[c.u], &b = shell_.points[c.v];
+        const double h = obstacles_.lattice->spacing(), extra = stretch(c.u, c.v);
+        std::array<Point, 4> starts{a, 0.5 * (a + b), a, b};
+        const std::size_t first = q.least(starts[0]) && is_near(starts[0], a, b) ? 0 : 1;
+        double best = std::numeric_limits<double>::infinity();
+        for (std::size_t k = first; k < 4; ++k) {
+            for (const double out : {0.0, 0.3, 0.8, 1.6, 3.0, 5.0}) {
+                const Point p = constrained(c.u, c.v, starts[k] + (out * h) * normal);
+                const double cost = (q.at(p) + extra) * shape_factor(faces, c, p);
+                if (!(cost < best)) break;
+                if (!may_lie(faces, c, p)) continue;
+                best = cost;
+                c.place = p;
+                c.cost = cost;
+                break;
+            }
+        }
+        return is_finite(best);
+    }
+    static bool is_near(const Point& p, const Point& a, const Point& b) noexcept {
+        const auto e = b - a, d = p - 0.5 * (a + b);
+        return dot(d, d) <= 9 * dot(e, e);
+    }
+    /// On the mirror's plane, or well to its right.
+    Point constrained(std::uint32_t u, std::uint32_t v, Point p) const noexcept {
+        if (!shell_.half) return p;
+        const double least = 0.4 * obstacles_.lattice->spacing();
+        p[0] = shell_.on_rim[u] || shell_.on_rim[v] ? 0 : (std::max)(p[0], least);
+        return p;
+    }
+
+    Corners<3> moved(std::uint32_t f, const Collapse& c, const Point& p) const noexcept {
+        auto corner = shell_.corners(shell_.faces[f]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (shell_.faces[f][k] == c.u || shell_.faces[f][k] == c.v) corner[k] = p;
+        }
+        return corner;
+    }
+    /// More than 1 for needles.
+    double shape_factor(std::span<const std::uint32_t> faces, const Collapse& c,
+                        const Point& p) const noexcept {
+        double worst = 1;
+        for (const auto f : faces) worst = (std::min)(worst, triangle_quality(moved(f, c, p)));
+        return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
+    }
+    bool may_lie(std::span<const std::uint32_t> faces, const Collapse& c, const Point& p) {
+        const auto& lattice = *obstacles_.lattice;
+        if (lattice.value(p) < -0.05 * lattice.spacing()) return false;
+        for (const auto f : faces) {
+            const Point was = area_normal(shell_.corners(shell_.faces[f])), is = area_normal(moved(f, c, p));
+            if (!(dot(was, is) > 0.1 * length(was) * length(is))) return false;
+        }
+        for (const auto f : faces) {
+            if (!is_clear(lattice, moved(f, c, p))) return false;
+        }
+        return !crosses(faces, c, p);
+    }
+    /// Whether the new faces cross others, or each other.
+    bool crosses(std::span<const std::uint32_t> faces, const Collapse& c, const Point& p) {
+        std::vector<std::uint32_t> gone = shell_.star[c.u];
+        gone.insert(gone.end(), shell_.star[c.v].begin(), shell_.star[c.v].end());
+        const Point old = shell_.points[c.u];
+        shell_.points[c.u] = p;
+        std::vector<Shell::Face> fresh;
+        for (const auto f : faces) {
+            auto face = shell_.faces[f];
+            std::replace(face.begin(), face.end(), c.v, c.u);
+            fresh.push_back(face);
+        }
+        bool found = false;
+        for (std::size_t i = 0; i < fresh.size() && !found; ++i) {
+            found = obstacles_.crosses(shell_, hash_, fresh[i], [&](std::uint32_t g) {
+                return std::find(gone.begin(), gone.end(), g) != gone.end();
+            });
+            const std::span<const Point> points(shell_.points);
+            for (std::size_t j = 0; j < i && !found; ++j)
+                found = faces_touch(Facet<3>(fresh[i], points), Facet<3>(fresh[j], points), obstacles_.gap());
+        }
+        shell_.points[c.u] = old;
+        return found;
+    }
+
+    void take(const Collapse& c) {
+        for (const auto w : {c.u, c.v}) {
+            const auto star = shell_.star[w];
+            for (const auto f : star) {
+                if (w == c.v && shell_.has(f, c.u)) continue; // once
+                hash_.remove(f);
+            }
+        }
+        const bool rim_u = shell_.on_rim[c.u], rim_v = shell_.on_rim[c.v];
+        const auto both = shell_.star[c.u];
+        for (const auto f : both) {
+            if (shell_.has(f, c.v)) shell_.remove_face(f);
+        }
+        for (const auto f : shell_.star[c.v]) {
+            std::replace(shell_.faces[f].begin(), shell_.faces[f].end(), c.v, c.u);
+            shell_.star[c.u].push_back(f);
+        }
+        shell_.star[c.v].clear();
+        shell_.points[c.u] = c.place;
+        shell_.on_rim[c.u] = rim_u || rim_v;
+        quadric_[c.u] += quadric_[c.v];
+        for (const auto f : shell_.star[c.u]) hash_.add(f, shell_.corners(shell_.faces[f]));
+        count_ -= shell_.half && !(rim_u && rim_v) ? 2 : 1;
+        ++version_[c.u];
+        changed_ = true;
+        for (const auto w : shell_.neighbours(c.u)) propose(c.u, w);
+    }
+
+    Shell& shell_;
+    const ShellObstacles& obstacles_;
+    FaceHash hash_;
+    std::vector<Quadric> quadric_;
+    std::vector<std::uint32_t> version_;
+    std::size_t count_;
+    std::size_t hashed_ = count_; ///< vertices when the hash was made
+    std::priority_queue<Collapse> queue_;
+    std::vector<Collapse> waiting_;
+    bool changed_ = false;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,238 @@
+// make_cage in space, fifth step: vertices move and edges flip where the shell's energy falls. This takes back
+// what the collapses gave away, and makes faces even.
+#pragma once
+
+#include <cageform/enclose/space/shell.hpp>
+
+#include <tuple>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// What a shell is to have little of: volume, needles, short edges, folds. Without units; what each is worth was
+/// chosen by looking at cages.
+class ShellEnergy {
+public:
+    using Point = Vec<double, 3>;
+
+    ShellEnergy(double six_volumes, std::size_t vertices, double area, double regular)
+        : six_volumes_(six_volumes)
+        , length_(std::sqrt(area / double(2 * vertices) * (4 / std::numbers::sqrt3))) // of equilateral faces
+        , regular_(0.02 * regular) {}
+
+    /// The terms of some faces and of the edges between any of them; of edges to others those of folds.
+    double of(const Shell& shell, std::span<const std::uint32_t> faces) const noexcept {
+        double volume = 0, shape = 0;
+        for (const auto f : faces) {
+            const auto& face = shell.faces[f];
+            volume += shell.six_volumes(face);
+            const double q = triangle_quality(shell.corners(face)), poor = (std::max)(0.6 - q, 0.0);
+            shape += poor * poor * (1 + 8 * (std::max)(0.2 - q, 0.0));
+            for (std::size_t k = 0; k < 3; ++k) shape += edge(shell, faces, f, face[k], face[(k + 1) % 3]);
+        }
+        return volume / six_volumes_ + regular_ * shape;
+    }
+
+private:
+    /// Half of the terms of an edge that two of the faces have, all of one that has another face beyond.
+    double edge(const Shell& shell, std::span<const std::uint32_t> faces, std::uint32_t f, std::uint32_t v,
+                std::uint32_t w) const noexcept {
+        const auto g = shell.face_across(f, v, w);
+        const double share =
+            g != Shell::none && std::find(faces.begin(), faces.end(), g) != faces.end() ? 0.5 : 1;
+        const auto e = shell.points[w] - shell.points[v];
+        const double is_short = (std::max)(0.4 - length(e) / length_, 0.0);
+        double sum = 8 * is_short * is_short;
+        if (g != Shell::none) {
+            const Point n = area_normal(shell.corners(shell.faces[f])),
+                        m = area_normal(shell.corners(shell.faces[g]));
+            const double sizes = length(n) * length(m);
+            const double fold = sizes > 0 ? (std::max)(-0.5 - dot(n, m) / sizes, 0.0) : 0;
+            sum += 4 * fold * fold;
+        }
+        return share * sum;
+    }
+
+    double six_volumes_;
+    double length_;
+    double regular_;
+};
+
+/// Where a vertex may go: along the unit normal both ways, across, towards the middle of its neighbours, which
+/// is `to_middle` away, and slanted inwards. Steps are of about length 1.
+inline std::array<Vec<double, 3>, 10> step_directions(const Vec<double, 3>& normal,
+                                                      const Vec<double, 3>& to_middle) noexcept {
+    using Point = Vec<double, 3>;
+    const std::size_t smallest = std::fabs(normal[0]) < std::fabs(normal[1])
+                                     ? (std::fabs(normal[0]) < std::fabs(normal[2]) ? 0 : 2)
+                                     : (std::fabs(normal[1]) < std::fabs(normal[2]) ? 1 : 2);
+    Point along{};
+    along[smallest] = 1;
+    Point across = cross(normal, along);
+    across = (1 / length(across)) * across;
+    along = cross(across, normal);
+    const double away = length(to_middle);
+    const Point inwards = Point{} - normal;
+    return {normal,
+            inwards,
+            along,
+            Point{} - along,
+            across,
+            Point{} - across,
+            away > 0 ? (1 / away) * to_middle : along,
+            0.7 * (along + inwards),
+            0.7 * (across + inwards),
+            0.7 * (inwards - along) - 0.3 * across};
+}
+
+class ShellRelaxation {
+public:
+    using Point = Vec<double, 3>;
+
+    ShellRelaxation(Shell& shell, const ShellObstacles& obstacles, const ShellEnergy& energy)
+        : shell_(shell)
+        , obstacles_(obstacles)
+        , energy_(energy)
+        , hash_(hash_of(shell)) {}
+
+    /// Each sweep flips edges, then moves vertices; steps shrink from sweep to sweep. False when the progress says stop.
+    bool relax(int sweeps, const Running& running) {
+        double step = 2 * obstacles_.margin;
+        for (int sweep = 0; sweep < sweeps; ++sweep) {
+            if (!running.keep_going(double(sweep) / sweeps)) return false;
+            for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
+                for (const auto w : shell_.neighbours(v)) {
+                    if (v < w) flip(v, w);
+                }
+            }
+            for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
+                if (!shell_.star[v].empty()) improve(v, step);
+            }
+            if (sweep % 3 == 2) step *= 0.85;
+        }
+        return true;
+    }
+
+private:
+    struct Move {
+        double energy;
+        Point x;
+    };
+
+    /// Ten directions and four lengths.
+    void improve(std::uint32_t v, double step) {
+        const auto& star = shell_.star[v];
+        const Point x = shell_.points[v];
+        Point normal{}, middle{};
+        for (const auto f : star) normal = normal + area_normal(shell_.corners(shell_.faces[f]));
+        const auto ring = shell_.neighbours(v);
+        for (const auto w : ring) middle = middle + (1.0 / double(ring.size())) * (shell_.points[w] - x);
+        if (!(length(normal) > 0)) return;
+        const auto directions = step_directions((1 / length(normal)) * normal, middle);
+        const double now = energy_.of(shell_, star);
+        std::array<Move, 40> moves;
+        std::size_t count = 0;
+        for (const auto& u : directions) {
+            for (const double part : {1.0, 0.5, 0.25, 0.125}) {
+                const Point p = constrained(v, x + (part * step) * u);
+                shell_.points[v] = p;
+                const double energy = energy_.of(shell_, star);
+                if (energy < now - 1e-9) moves[count++] = {energy, p};
+            }
+        }
+        shell_.points[v] = x;
+        std::sort(moves.begin(), moves.begin() + std::ptrdiff_t(count), [](const Move& a, const Move& b) {
+            return std::tuple(a.energy, a.x[0], a.x[1], a.x[2]) <
+                   std::tuple(b.energy, b.x[0], b.x[1], b.x[2]);
+        });
+        for (std::size_t m = 0; m < count; ++m) {
+            if (try_move(v, moves[m].x)) return;
+        }
+    }
+    Point constrained(std::uint32_t v, Point p) const noexcept {
+        if (!shell_.half) return p;
+        p[0] = shell_.on_rim[v] ? 0 : (std::max)(p[0], 0.4 * obstacles_.lattice->spacing());
+        return p;
+    }
+
+    bool try_move(std::uint32_t v, const Point& p) {
+        const auto& star = shell_.star[v];
+        const Point x = shell_.points[v];
+        for (const auto f : star) hash_.remove(f);
+        std::vector<Point> were;
+        for (const auto f : star) were.push_back(area_normal(shell_.corners(shell_.faces[f])));
+        shell_.points[v] = p;
+        bool good = true;
+        for (std::size_t k = 0; k < star.size() && good; ++k) // no face turns over
+            good = dot(were[k], area_normal(shell_.corners(shell_.faces[star[k]]))) > 0;
+        good = good && are_free(star);
+        if (!good) shell_.points[v] = x;
+        for (const auto f : star) hash_.add(f, shell_.corners(shell_.faces[f]));
+        return good;
+    }
+    /// Whether faces that the hash does not hold are clear of the figure, of the others and of each other.
+    bool are_free(std::span<const std::uint32_t> faces) const {
+        for (const auto f : faces) {
+            if (!is_clear(*obstacles_.lattice, shell_.corners(shell_.faces[f]))) return false;
+        }
+        const std::span<const Point> points(shell_.points);
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+            const auto& face = shell_.faces[faces[i]];
+            if (obstacles_.crosses(shell_, hash_, face, [](std::uint32_t) { return false; })) return false;
+            for (std::size_t j = 0; j < i; ++j) {
+                if (faces_touch(Facet<3>(face, points), Facet<3>(shell_.faces[faces[j]], points),
+                                obstacles_.gap()))
+                    return false;
+            }
+        }
+        return true;
+    }
+
+    /// Turns the edge between two faces into their other diagonal.
+    void flip(std::uint32_t v, std::uint32_t w) {
+        std::array<std::uint32_t, 2> pair{};
+        std::size_t count = 0;
+        for (const auto f : shell_.star[v]) {
+            if (shell_.has(f, w) && count < 2) pair[count++] = f;
+        }
+        if (count != 2) return;
+        const auto a = shell_.third(pair[0], v, w), b = shell_.third(pair[1], v, w);
+        const auto ring = shell_.neighbours(a);
+        if (a == b || std::binary_search(ring.begin(), ring.end(), b)) return;
+        if (shell_.star[v].size() <= 3 || shell_.star[w].size() <= 3) return;
+        const double before = energy_.of(shell_, pair);
+        const std::array<Shell::Face, 2> old{shell_.faces[pair[0]], shell_.faces[pair[1]]};
+        std::array<Point, 2> normals{};
+        for (std::size_t k = 0; k < 2; ++k) {
+            normals[k] = area_normal(shell_.corners(old[k]));
+            hash_.remove(pair[k]);
+        }
+        // The first face loses w and gains b, the second loses v and gains a; both keep their sense.
+        auto fresh = old;
+        std::replace(fresh[0].begin(), fresh[0].end(), w, b);
+        std::replace(fresh[1].begin(), fresh[1].end(), v, a);
+        set_faces(pair, old, fresh);
+        bool good = energy_.of(shell_, pair) < before - 1e-9;
+        for (const auto& face : fresh) {
+            const Point n = area_normal(shell_.corners(face));
+            good = good && dot(n, normals[0]) > 0 && dot(n, normals[1]) > 0;
+        }
+        good = good && are_free(pair);
+        if (!good) set_faces(pair, fresh, old);
+        for (const auto f : pair) hash_.add(f, shell_.corners(shell_.faces[f]));
+    }
+    void set_faces(const std::array<std::uint32_t, 2>& pair, const std::array<Shell::Face, 2>& from,
+                   const std::array<Shell::Face, 2>& to) {
+        for (std::size_t k = 0; k < 2; ++k) {
+            for (const auto v : from[k]) std::erase(shell_.star[v], pair[k]);
+            for (const auto v : to[k]) shell_.star[v].push_back(pair[k]);
+            shell_.faces[pair[k]] = to[k];
+        }
+    }
+
+    Shell& shell_;
+    const ShellObstacles& obstacles_;
+    const ShellEnergy& energy_;
+    FaceHash hash_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,277 @@
+// make_cage in space: a closed mesh of triangles that changes, and a hash to find the faces near a place.
+#pragma once
+
+#include <cageform/enclose/space/space_distance.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A mesh on its way from the contour to a cage: faces counter-clockwise seen from outside. Or, of a mirrored cage, the
+/// half x >= 0 of one, open along a rim on the plane x = 0.
+struct Shell {
+    using Point = Vec<double, 3>;
+    using Face = std::array<std::uint32_t, 3>;
+
+    std::vector<Point> points;
+    std::vector<bool> on_rim; ///< of points: in a half, on the plane
+    std::vector<Face> faces;  ///< those that are gone have one vertex three times
+    bool half = false;
+    std::vector<std::vector<std::uint32_t>> star; ///< the faces of every point; none: the point is gone
+
+    void link() {
+        star.assign(points.size(), {});
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            if (!is_face(f)) continue;
+            for (const auto v : faces[f]) star[v].push_back(static_cast<std::uint32_t>(f));
+        }
+    }
+
+    bool is_face(std::size_t f) const noexcept { return faces[f][0] != faces[f][1]; }
+    bool has(std::size_t f, std::uint32_t v) const noexcept {
+        return faces[f][0] == v || faces[f][1] == v || faces[f][2] == v;
+    }
+    Corners<3> corners(const Face& face) const noexcept {
+        return {points[face[0]], points[face[1]], points[face[2]]};
+    }
+    /// Of the whole cage that it stands for.
+    std::size_t whole_size() const noexcept {
+        std::size_t count = 0;
+        for (std::size_t v = 0; v < points.size(); ++v)
+            count += star[v].empty() ? 0 : half && !on_rim[v] ? 2 : 1;
+        return count;
+    }
+    /// Six times what it encloses; a half is closed by its plane, which goes through the origin.
+    double six_volumes() const noexcept {
+        double sum = 0;
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            if (is_face(f)) sum += six_volumes(faces[f]);
+        }
+        return sum;
+    }
+    double six_volumes(const Face& face) const noexcept {
+        return dot(points[face[0]], cross(points[face[1]], points[face[2]]));
+    }
+
+    /// The neighbours of a point, in rising order.
+    std::vector<std::uint32_t> neighbours(std::uint32_t v) const {
+        std::vector<std::uint32_t> all;
+        for (const auto f : star[v]) {
+            for (const auto w : faces[f]) {
+                if (w != v) all.push_back(w);
+            }
+        }
+        std::sort(all.begin(), all.end());
+        all.erase(std::unique(all.begin(), all.end()), all.end());
+        return all;
+    }
+    /// The face at an edge that is not `f`; `none` on a rim.
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    std::uint32_t face_across(std::uint32_t f, std::uint32_t v, std::uint32_t w) const noexcept {
+        for (const auto g : star[v]) {
+            if (g != f && has(g, w)) return g;
+        }
+        return none;
+    }
+    std::uint32_t third(std::uint32_t f, std::uint32_t v, std::uint32_t w) const noexcept {
+        for (const auto x : faces[f]) {
+            if (x != v && x != w) return x;
+        }
+        return v;
+    }
+
+    void remove_face(std::uint32_t f) {
+        for (const auto v : faces[f]) std::erase(star[v], f);
+        faces[f] = {0, 0, 0};
+    }
+};
+
+/// V - E + F of the whole, 2 for each shell without a tunnel.
+inline std::ptrdiff_t euler_number(const Shell& shell) {
+    std::ptrdiff_t points = 0, faces = 0, rim = 0;
+    for (std::size_t v = 0; v < shell.points.size(); ++v) {
+        points += shell.star[v].empty() ? 0 : 1;
+        rim += !shell.star[v].empty() && shell.on_rim[v] ? 1 : 0;
+    }
+    for (std::size_t f = 0; f < shell.faces.size(); ++f) faces += shell.is_face(f) ? 1 : 0;
+    if (!shell.half) return points - faces / 2;
+    // Doubled, with as many edges along the rim as points on it.
+    return 2 * points - rim - faces;
+}
+
+/// How many shells there are, each connected by its edges.
+inline std::ptrdiff_t shell_count(const Shell& shell) {
+    std::ptrdiff_t count = 0;
+    std::vector<bool> seen(shell.points.size());
+    std::vector<std::uint32_t> front;
+    for (std::uint32_t start = 0; start < shell.points.size(); ++start) {
+        if (seen[start] || shell.star[start].empty()) continue;
+        ++count;
+        front.push_back(start);
+        seen[start] = true;
+        while (!front.empty()) {
+            const auto v = front.back();
+            front.pop_back();
+            for (const auto w : shell.neighbours(v)) {
+                if (!seen[w]) front.push_back(w);
+                seen[w] = true;
+            }
+        }
+    }
+    return count;
+}
+
+/// Twice the area of a triangle along its normal.
+inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
+    return cross(corner[1] - corner[0], corner[2] - corner[0]);
+}
+
+/// 1 for an equilateral triangle, towards 0 for needles: its altitude over its longest side, times 2/sqrt(3).
+inline double triangle_quality(const Corners<3>& corner) noexcept {
+    double longest2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto e = corner[(k + 1) % 3] - corner[k];
+        longest2 = (std::max)(longest2, dot(e, e));
+    }
+    return longest2 > 0 ? length(area_normal(corner)) / longest2 * (2 / std::numbers::sqrt3) : 0;
+}
+
+/// The box of a triangle whose corners are numbers.
+inline Bounds<double, 3> box_of(const Corners<3>& corner) noexcept {
+    Bounds<double, 3> box{corner[0], corner[0]};
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.lower[k] = (std::min)({corner[0][k], corner[1][k], corner[2][k]});
+        box.upper[k] = (std::max)({corner[0][k], corner[1][k], corner[2][k]});
+    }
+    return box;
+}
+
+/// Finds faces by the cells of a grid that their boxes meet; cells share buckets.
+class FaceHash {
+public:
+    FaceHash(double cell, std::size_t faces)
+        : cell_(cell)
+        , buckets_(std::bit_ceil(std::max<std::size_t>(2 * faces, 64))) {}
+
+    void add(std::uint32_t face, const Corners<3>& corner) {
+        if (face >= boxes_.size()) boxes_.resize(face + 1);
+        boxes_[face] = box_of(corner);
+        for_each_cell(boxes_[face], [&](std::size_t bucket) {
+            buckets_[bucket].push_back(face);
+            return false;
+        });
+    }
+    void remove(std::uint32_t face) {
+        for_each_cell(boxes_[face], [&](std::size_t bucket) {
+            buckets_[bucket].erase(std::find(buckets_[bucket].begin(), buckets_[bucket].end(), face));
+            return false;
+        });
+    }
+    /// Whether test(face) for any face whose box meets this one; a face may be asked several times.
+    template <class Test>
+    bool any(const Bounds<double, 3>& box, const Test& test) const {
+        return for_each_cell(box, [&](std::size_t bucket) {
+            return std::any_of(buckets_[bucket].begin(), buckets_[bucket].end(),
+                               [&](std::uint32_t face) { return boxes_[face].overlaps(box) && test(face); });
+        });
+    }
+
+private:
+    template <class Visit>
+    bool for_each_cell(const Bounds<double, 3>& box, const Visit& visit) const {
+        std::array<std::int64_t, 3> from{}, to{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            from[k] = static_cast<std::int64_t>(std::floor(box.lower[k] / cell_));
+            to[k] = static_cast<std::int64_t>(std::floor(box.upper[k] / cell_));
+        }
+        for (auto z = from[2]; z <= to[2]; ++z) {
+            for (auto y = from[1]; y <= to[1]; ++y) {
+                for (auto x = from[0]; x <= to[0]; ++x) {
+                    const auto mixed = std::uint64_t(x) * 0x9E3779B97F4A7C15U ^
+                                       std::uint64_t(y) * 0xC2B2AE3D27D4EB4FU ^
+                                       std::uint64_t(z) * 0x165667B19E3779F9U;
+                    if (visit(std::size_t(mixed >> 20U) & (buckets_.size() - 1))) return true;
+                }
+            }
+        }
+        return false;
+    }
+
+    double cell_;
+    std::vector<std::vector<std::uint32_t>> buckets_;
+    std::vector<Bounds<double, 3>> boxes_;
+};
+
+/// All faces of a shell, in cells some edges wide.
+inline FaceHash hash_of(const Shell& shell) {
+    double edges = 0;
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+        if (!shell.is_face(f)) continue;
+        const auto corner = shell.corners(shell.faces[f]);
+        edges += length(corner[1] - corner[0]);
+        ++count;
+    }
+    FaceHash hash(2.5 * edges / double(count), count);
+    for (std::uint32_t f = 0; f < shell.faces.size(); ++f) {
+        if (shell.is_face(f)) hash.add(f, shell.corners(shell.faces[f]));
+    }
+    return hash;
+}
+
+/// Whether the plane of triangle `a`, or one at right angles to it through an edge, has all corners of `b` beyond it that
+/// the two do not share, by more than `gap`: then they meet in what they share at most. Most pairs are told apart so.
+inline bool are_apart(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
+    const auto n = area_normal(a.corner);
+    const double reach = gap * length(n);
+    int above = 0, below = 0, shared = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (a.has(b.vertex[k])) {
+            ++shared;
+            continue;
+        }
+        const double off = dot(n, b.corner[k] - a.corner[0]);
+        above += off > reach;
+        below += off < -reach;
+    }
+    if (above + shared == 3 || below + shared == 3) return true;
+    for (std::size_t e = 0; e < 3; ++e) {
+        const std::size_t next = (e + 1) % 3, opposite = (e + 2) % 3;
+        if (b.has(a.vertex[opposite])) continue;
+        const auto outwards = cross(a.corner[next] - a.corner[e], n);
+        const double limit = gap * length(outwards);
+        bool beyond = true;
+        for (std::size_t k = 0; k < 3; ++k)
+            beyond = beyond && (a.has(b.vertex[k]) || dot(outwards, b.corner[k] - a.corner[e]) > limit);
+        if (beyond) return true;
+    }
+    return false;
+}
+
+/// Whether two faces touch elsewhere than in what they share, or come nearer than `gap`.
+inline bool faces_touch(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
+    return !are_apart(a, b, gap) && !are_apart(b, a, gap) && facets_touch(a, b, gap);
+}
+
+/// What the faces of a shell keep clear of: the figure, and each other.
+class ShellObstacles {
+public:
+    ShellObstacles(const DistanceLattice<3>& of_figure, double keeps)
+        : lattice(&of_figure)
+        , margin(keeps) {}
+
+    /// Whether a new face, in the place of faces for which replaced(f), touches none of the others.
+    template <class Replaced>
+    bool crosses(const Shell& shell, const FaceHash& hash, const Shell::Face& face,
+                 const Replaced& replaced) const {
+        const Facet<3> facet(face, std::span<const Vec<double, 3>>(shell.points));
+        return hash.any(box_of(facet.corner).widened(gap()), [&](std::uint32_t g) {
+            if (replaced(g)) return false;
+            return faces_touch(facet, {shell.faces[g], std::span<const Vec<double, 3>>(shell.points)}, gap());
+        });
+    }
+    double gap() const noexcept { return 1e-5 * margin; }
+
+    const DistanceLattice<3>* lattice;
+    double margin;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,116 @@
+// make_cage in space, first step: the distance of a lattice's nodes from the faces of a figure.
+#pragma once
+
+#include <cageform/core/running.hpp>
+#include <cageform/enclose/detail/distance_lattice.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Fills a lattice with the distance from triangles less `margin`, at most `farthest`: exact beside the faces, then by sweeps
+/// that try the nearest triangles of the neighbours (Bridson, Fluid simulation for computer graphics, 2015, sec. 14.1).
+/// Farther off what it finds is a true distance of some face, at times not of the nearest: containment does not rest on it.
+class SpaceDistance {
+public:
+    using Point = Vec<double, 3>;
+
+    SpaceDistance(DistanceLattice<3>& lattice, std::span<const Corners<3>> triangles)
+        : lattice_(lattice)
+        , triangles_(triangles)
+        , nearest_(lattice.size(), none) {}
+
+    void fill(double margin, double farthest) {
+        for (std::size_t node = 0; node < lattice_.size(); ++node)
+            lattice_[node] = static_cast<float>(farthest + margin);
+        for (std::size_t t = 0; t < triangles_.size(); ++t) place_beside(t);
+        for (int round = 0; round < 2; ++round) {
+            for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
+        }
+        for (std::size_t node = 0; node < lattice_.size(); ++node)
+            lattice_[node] = static_cast<float>((std::min)(double(lattice_[node]) - margin, farthest));
+    }
+
+private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    void offer(std::size_t node, std::uint32_t triangle) {
+        const auto d = static_cast<float>(distance_to_facet(lattice_.place(node), triangles_[triangle]));
+        if (!(d < lattice_[node])) return;
+        lattice_[node] = d;
+        nearest_[node] = triangle;
+    }
+
+    /// The nodes in the box of a triangle and one about it; of a large one those near its plane.
+    void place_beside(std::size_t t) {
+        const auto& corner = triangles_[t];
+        const double h = lattice_.spacing();
+        const auto n = cross(corner[1] - corner[0], corner[2] - corner[0]);
+        const double size = length(n);
+        const auto box = bounds_of(std::span<const Point>(corner)).widened(h);
+        lattice_.for_each_row(box, [&](std::size_t row, std::size_t first, std::size_t last) {
+            for (std::size_t node = row + first; node < row + last; ++node) {
+                if (size > 0 && std::fabs(dot(n, lattice_.place(node) - corner[0])) > 2 * h * size) continue;
+                offer(node, static_cast<std::uint32_t>(t));
+            }
+        });
+    }
+
+    /// One pass over all nodes, each trying what the nodes before it found; bit k of `directions`: downwards along axis k.
+    /// A neighbour's triangle is nearer than what a node has only if the neighbour's distance is, but for the step between.
+    void sweep(unsigned directions, double farthest) {
+        const auto& count = lattice_.count();
+        const auto& stride = lattice_.stride();
+        const auto h = static_cast<float>(lattice_.spacing());
+        std::array<std::ptrdiff_t, 3> step{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const bool down = (directions >> k & 1U) != 0;
+            step[k] = down ? std::ptrdiff_t(stride[k]) : -std::ptrdiff_t(stride[k]);
+        }
+        const auto number = [&](std::size_t k, std::size_t i) {
+            return (directions >> k & 1U) != 0 ? count[k] - 2 - i : i + 1;
+        };
+        for (std::size_t a = 0; a + 1 < count[2]; ++a) {
+            for (std::size_t b = 0; b + 1 < count[1]; ++b) {
+                const std::size_t row = number(2, a) * stride[2] + number(1, b) * stride[1];
+                for (std::size_t c = 0; c + 1 < count[0]; ++c) {
+                    const std::size_t node = row + number(0, c);
+                    for (unsigned about = 1; about < 8; ++about) {
+                        std::ptrdiff_t off = 0;
+                        for (std::size_t k = 0; k < 3; ++k) off += (about >> k & 1U) != 0 ? step[k] : 0;
+                        const auto other = static_cast<std::size_t>(std::ptrdiff_t(node) + off);
+                        if (nearest_[other] == nearest_[node] || nearest_[other] == none) continue;
+                        const float least = lattice_[other] - 1.75F * h; // the step is at most sqrt(3) h
+                        if (least < lattice_[node] && double(lattice_[other]) < farthest)
+                            offer(node, nearest_[other]);
+                    }
+                }
+            }
+        }
+    }
+
+    DistanceLattice<3>& lattice_;
+    std::span<const Corners<3>> triangles_;
+    std::vector<std::uint32_t> nearest_; ///< the triangle that a node's distance is from
+};
+
+/// Whether f is not below zero on a triangle, but for a twentieth of the spacing: f changes no faster than the place, so
+/// a triangle is halved until it lies within a sphere as large as f at its middle.
+inline bool is_clear(const DistanceLattice<3>& lattice, const Corners<3>& corner) noexcept {
+    const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
+    const double f = lattice.value(middle);
+    if (f < -0.05 * lattice.spacing()) return false;
+    double reach2 = 0;
+    std::array<double, 3> side2{}; // opposite to each corner
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto to = corner[k] - middle, side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
+        reach2 = (std::max)(reach2, dot(to, to));
+        side2[k] = dot(side, side);
+    }
+    const double free = (std::max)(f, 0.8 * lattice.spacing());
+    if (free * free >= reach2) return true;
+    const auto k = std::size_t(std::max_element(side2.begin(), side2.end()) - side2.begin());
+    const auto &a = corner[k], &b = corner[(k + 1) % 3], &c = corner[(k + 2) % 3];
+    const auto half = 0.5 * (b + c);
+    return is_clear(lattice, {a, b, half}) && is_clear(lattice, {a, half, c});
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

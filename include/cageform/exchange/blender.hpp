@@ -1,0 +1,104 @@
+// Keyframes of Blender's F-curves.
+#pragma once
+
+#include <cageform/exchange/detail/easing.hpp>
+
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A bpy.types.Keyframe: places (frame, value), which Blender stores in single precision.
+/// `interpolation` says how the next keyframe is reached; CONSTANT is hold.
+struct BlenderKey {
+    Vec<double, 2> co{}, handle_left{}, handle_right{};
+    KeyKind interpolation = KeyKind::bezier;
+};
+
+/// What Blender does to long handles when it evaluates a curve; the stored ones stay as they are.
+enum class BlenderLimit : std::uint8_t {
+    /// A handle that spans more time than the interval is shortened, in its direction, to the
+    /// interval's length; the other stays. Blender 3.4.1, where it was measured.
+    each_handle,
+    /// Two handles that together span more time than the interval are both scaled by the interval's
+    /// length over their sum. Blender before that.
+    both_together,
+};
+
+namespace detail {
+
+/// A handle at `factor` times its distance from its key; the same where the factor is 1, without
+/// rounding.
+inline Vec<double, 2> shortened(const Vec<double, 2>& key, const Vec<double, 2>& handle,
+                                double factor) noexcept {
+    return factor == 1 ? handle : key + factor * (handle - key);
+}
+
+/// The curve as Blender evaluates it.
+inline BezierCurve limited_by_blender(const BezierCurve& curve, BlenderLimit limit) noexcept {
+    const auto& [p0, p1, p2, p3] = curve.points;
+    const double length = p3[0] - p0[0];
+    const double first = std::fabs(p1[0] - p0[0]), second = std::fabs(p3[0] - p2[0]);
+    const auto factor = [&](double span) { return span > length ? length / span : 1.0; };
+    const bool each = limit == BlenderLimit::each_handle;
+    return {{p0, shortened(p0, p1, factor(each ? first : first + second)),
+             shortened(p3, p2, factor(each ? second : first + second)), p3}};
+}
+
+} // namespace detail
+
+/// The curve from a keyframe to the next, as Blender evaluates it: long handles are shortened.
+///
+///   fails  value_not_finite; interval_empty; curve_turns_back where a handle points away from the
+///          interval
+/// The easing interpolations (SINE, BOUNCE, …) are no Bézier curves. Blender manual, Graph Editor,
+/// F-Curves, "Handles" and "Interpolation"; the limits from what fcurve.evaluate() gives.
+inline ImportedCurve from_blender(const BlenderKey& first, const BlenderKey& second,
+                                  BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+    if (first.interpolation == KeyKind::hold) return detail::held(first.co, second.co[0]);
+    if (first.interpolation == KeyKind::linear)
+        return detail::imported(KeyKind::linear, detail::straight(first.co, second.co));
+    const BezierCurve stored{{first.co, first.handle_right, second.handle_left, second.co}};
+    for (const auto& p : stored.points) {
+        if (!is_finite(p)) return detail::refused(Status::value_not_finite);
+    }
+    if (!(second.co[0] > first.co[0])) return detail::refused(Status::interval_empty);
+    return detail::imported(KeyKind::bezier, detail::limited_by_blender(stored, limit));
+}
+
+/// Writes what a curve says of two keyframes: places, the handles between them, how the second is
+/// reached. The outer handles are the neighbours'. Both handle types must be FREE (or ALIGNED), or
+/// Blender places the handles anew.
+///
+///   hold   the second key's value is left alone
+///   fails  as `check`; handle_not_allowed where Blender would shorten a handle; nothing is written
+///          then
+inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey& second,
+                         KeyKind kind = KeyKind::bezier,
+                         BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+    const Status status = detail::sound(curve);
+    if (status != Status::ok) return status;
+    const auto& p = curve.points;
+    if (kind == KeyKind::bezier) {
+        const auto kept = detail::limited_by_blender(curve, limit).points;
+        const double off = std::fabs(kept[1][0] - p[1][0]) + std::fabs(kept[2][0] - p[2][0]);
+        const double rounding = 4 * epsilon<double> * (std::fabs(p[0][0]) + std::fabs(p[3][0]));
+        if (off > rounding) return Status::handle_not_allowed;
+    }
+    first.co = p[0];
+    first.handle_right = p[1];
+    first.interpolation = kind;
+    second.co = {p[3][0], kind == KeyKind::hold ? second.co[1] : p[3][1]};
+    second.handle_left = kind == KeyKind::hold ? second.co : p[2];
+    return Status::ok;
+}
+
+/// All keyframes of an F-curve as keys to be compiled, in frames: the curves between are those of
+/// `from_blender`. Fails as it does, for the first interval that is refused.
+inline ImportedKeys keys_from_blender(std::span<const BlenderKey> keyframes,
+                                      BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+    return detail::import_keys(
+        keyframes.size(), [&](std::size_t n) { return from_blender(keyframes[n], keyframes[n + 1], limit); },
+        [&](std::size_t n) { return keyframes[n].co; });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

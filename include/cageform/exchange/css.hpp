@@ -1,0 +1,252 @@
+// CSS easing functions, read and written: W3C, CSS Easing Functions Level 1.
+#pragma once
+
+#include <cageform/exchange/detail/easing.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A curve from (0, 0) to (1, 1). `status` is
+///   input_malformed      the text is no easing function of those below
+///   handle_not_allowed   x1 or x2 lies outside [0, 1]
+///   value_not_finite     y1 or y2 is too large for a double
+/// `curve` is then all zeros, and `error_at` where in the text the fault lies, in bytes; its size
+/// where it ends too early.
+struct CssEasing {
+    Status status = Status::ok;
+    BezierCurve curve{};
+    std::size_t error_at = 0;
+};
+
+namespace detail {
+
+/// Reads tokens of CSS Syntax Module Level 3, sec. 4, from ASCII text.
+class CssReader {
+public:
+    explicit CssReader(std::string_view text) noexcept
+        : text_(text) {}
+
+    std::size_t at() const noexcept { return at_; }
+    bool ended() const noexcept { return at_ == text_.size(); }
+
+    /// Whitespace and closed comments.
+    void skip_space() noexcept {
+        while (!ended()) {
+            const char c = text_[at_];
+            if (c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f') {
+                ++at_;
+            } else if (text_.substr(at_, 2) == "/*") {
+                const std::size_t close = text_.find("*/", at_ + 2);
+                if (close == std::string_view::npos) return;
+                at_ = close + 2;
+            } else {
+                return;
+            }
+        }
+    }
+
+    bool take(char c) noexcept {
+        if (peek(at_) != c || ended()) return false;
+        ++at_;
+        return true;
+    }
+
+    /// Letters, digits, hyphens and underscores; empty where there are none.
+    std::string_view name() noexcept {
+        const std::size_t begin = at_;
+        while (is_name(peek(at_))) ++at_;
+        return text_.substr(begin, at_ - begin);
+    }
+
+    /// A number-token (sec. 4.3.12): no unit or percent sign behind it, digits behind a point.
+    /// Infinite where it is too large for a double, zero where too small; on failure, false, and
+    /// `at` is where it went wrong.
+    bool number(double& value) noexcept {
+        const bool negative = peek(at_) == '-';
+        if (negative || peek(at_) == '+') ++at_;
+        const std::size_t begin = at_;
+        std::size_t first = skip_digits(at_); // digits, then perhaps a point and digits
+        if (peek(first) == '.' && is_digit(peek(first + 1))) first = skip_digits(first + 1);
+        if (first == at_) return false;
+        at_ = first;
+        const std::size_t sign = at_ + 1, digits = sign + (peek(sign) == '+' || peek(sign) == '-' ? 1 : 0);
+        if ((peek(at_) == 'e' || peek(at_) == 'E') && is_digit(peek(digits))) at_ = skip_digits(digits);
+        if (is_name(peek(at_)) || peek(at_) == '.' || peek(at_) == '%') return false;
+        const std::string_view token = text_.substr(begin, at_ - begin);
+        double magnitude = 0;
+        if (std::from_chars(token.data(), token.data() + token.size(), magnitude).ec != std::errc())
+            magnitude = is_large(token) ? detail::infinite() : 0;
+        value = negative ? -magnitude : magnitude;
+        return true;
+    }
+
+private:
+    static bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
+    static bool is_name(char c) noexcept {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '-' || c == '_';
+    }
+    char peek(std::size_t at) const noexcept { return at < text_.size() ? text_[at] : '\0'; }
+    std::size_t skip_digits(std::size_t at) const noexcept {
+        while (is_digit(peek(at))) ++at;
+        return at;
+    }
+
+    /// Of a number that is no double: whether it is too large, not too small, by the power of ten
+    /// of its first digit.
+    static bool is_large(std::string_view token) noexcept {
+        constexpr std::int64_t most = std::int64_t{1} << 56; // longer than any text
+        const std::size_t e = (std::min)(token.find_first_of("eE"), token.size());
+        const std::size_t point = (std::min)(token.substr(0, e).find('.'), e);
+        const std::size_t first = (std::min)(token.find_first_of("123456789"), e);
+        const std::int64_t power = std::int64_t(point) - std::int64_t(first);
+        std::int64_t exponent = 0;
+        for (const char c : token.substr(e)) {
+            if (is_digit(c)) exponent = (std::min)(10 * exponent + (c - '0'), most);
+        }
+        return power + (token.find('-', e) != std::string_view::npos ? -exponent : exponent) > 0;
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+};
+
+/// `lower` is in lower case.
+inline bool equal_in_any_case(std::string_view text, std::string_view lower) noexcept {
+    return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
+        return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+    });
+}
+
+inline BezierCurve unit_curve(double x1, double y1, double x2, double y2) noexcept {
+    return {{{{0, 0}, {x1, y1}, {x2, y2}, {1, 1}}}};
+}
+
+} // namespace detail
+
+/// Reads `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
+/// `ease-in-out`.
+///
+///   text    one easing function: in any case, with whitespace and comments where CSS has them; the
+///           decimal point is a point in every locale. Not understood: steps(), linear(), calc(),
+///           escapes in names, a missing last bracket.
+///   curve   `linear` has its handles on its keys, as cubic-bezier(0, 0, 1, 1)
+///   cost    one pass, no allocation
+/// CSS Easing Functions Level 1, sec. 2.1 and 2.2; CSS Syntax Module Level 3, sec. 4.3.
+inline CssEasing parse_css_easing(std::string_view text) noexcept {
+    struct Keyword {
+        std::string_view name;
+        double x1, y1, x2, y2;
+    };
+    static constexpr std::array<Keyword, 5> keywords{{{"linear", 0, 0, 1, 1},
+                                                      {"ease", 0.25, 0.1, 0.25, 1},
+                                                      {"ease-in", 0.42, 0, 1, 1},
+                                                      {"ease-out", 0, 0, 0.58, 1},
+                                                      {"ease-in-out", 0.42, 0, 0.58, 1}}};
+    const auto failed = [](Status status, std::size_t at) { return CssEasing{status, {}, at}; };
+    detail::CssReader reader(text);
+    reader.skip_space();
+    const std::size_t begin = reader.at();
+    const std::string_view name = reader.name();
+    CssEasing result{Status::input_malformed, {}, begin};
+    if (detail::equal_in_any_case(name, "cubic-bezier")) {
+        if (!reader.take('(')) return failed(Status::input_malformed, reader.at());
+        std::array<double, 4> value{};
+        std::array<std::size_t, 4> place{};
+        for (std::size_t i = 0; i < 4; ++i) {
+            reader.skip_space();
+            place[i] = reader.at();
+            if (!reader.number(value[i])) return failed(Status::input_malformed, reader.at());
+            reader.skip_space();
+            if (!reader.take(i < 3 ? ',' : ')')) return failed(Status::input_malformed, reader.at());
+        }
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (i % 2 == 0 && !(value[i] >= 0 && value[i] <= 1))
+                return failed(Status::handle_not_allowed, place[i]);
+            if (!is_finite(value[i])) return failed(Status::value_not_finite, place[i]);
+        }
+        result = {Status::ok, detail::unit_curve(value[0], value[1], value[2], value[3]), 0};
+    } else {
+        for (const Keyword& k : keywords) {
+            if (detail::equal_in_any_case(name, k.name))
+                result = {Status::ok, detail::unit_curve(k.x1, k.y1, k.x2, k.y2), 0};
+        }
+        if (result.status != Status::ok) return result;
+    }
+    reader.skip_space();
+    if (!reader.ended()) return failed(Status::input_malformed, reader.at());
+    return result;
+}
+
+/// `text` is empty where `status` is not ok.
+struct CssText {
+    Status status = Status::ok;
+    std::string text;
+};
+
+/// `cubic-bezier(x1, y1, x2, y2)` of the curve moved and scaled to keys at (0, 0) and (1, 1). The
+/// digits are the fewest that are read as the same numbers, so that of a curve with such keys the
+/// text gives back every bit.
+///
+///   level   a curve of one value is what any easing between equal values is; its y1 and y2 become
+///           0 and 1
+///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval, which CSS
+///           forbids, or where the keys have one value and a handle another; value_not_finite;
+///           out_of_memory
+/// CSS Easing Functions Level 1, sec. 2.2.
+inline CssText to_css(const BezierCurve& curve) noexcept {
+    CssText result;
+    const auto unit = detail::unit_handles(curve);
+    result.status = unit.status;
+    if (result.status != Status::ok) return result;
+    std::array<char, 160> buffer{}; // at most 4 numbers of 24 characters and 21 more are used
+    char* end = buffer.data();
+    const auto append = [&](std::string_view s) { end = std::copy(s.begin(), s.end(), end); };
+    std::string_view before = "cubic-bezier(";
+    for (const double number : {unit.first[0], unit.first[1], unit.second[0], unit.second[1]}) {
+        append(before);
+        end = std::to_chars(end, buffer.data() + buffer.size(), number).ptr;
+        before = ", ";
+    }
+    append(")");
+    result.status = detail::guard_memory([&] {
+        result.text.assign(buffer.data(), end);
+        return Status::ok;
+    });
+    return result;
+}
+
+/// A keyframe of one number, with the easing function to the next.
+struct CssKey {
+    double time = 0, value = 0;
+    std::string_view easing = "linear"; ///< as `parse_css_easing` takes it
+};
+
+/// All keyframes of an animation of one number as keys to be compiled, in the units of their times.
+///
+///   fails  as `parse_css_easing`; interval_empty; value_not_finite
+/// CSS Easing Functions Level 1, sec. 2; CSS Animations Level 1, sec. 3.
+inline ImportedKeys keys_from_css(std::span<const CssKey> keyframes) noexcept {
+    const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
+    return detail::import_keys(
+        keyframes.size(),
+        [&](std::size_t n) {
+            const CssEasing easing = parse_css_easing(keyframes[n].easing);
+            if (easing.status != Status::ok) return detail::refused(easing.status);
+            const auto first = place(n), second = place(n + 1);
+            const auto& unit = easing.curve.points;
+            const auto scaled = [&](const Vec<double, 2>& p) {
+                return Vec<double, 2>{std::lerp(first[0], second[0], p[0]),
+                                      std::lerp(first[1], second[1], p[1])};
+            };
+            return detail::imported(KeyKind::bezier, {{first, scaled(unit[1]), scaled(unit[2]), second}});
+        },
+        place);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,92 @@
+// The easing of Lottie keyframes.
+#pragma once
+
+#include <cageform/exchange/detail/easing.hpp>
+
+#include <initializer_list>
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A handle in parts of the interval: x of its time, y of the rise from the first key's value to
+/// the second's. In the file both are numbers or arrays with one for each component of the value;
+/// an array of one serves all components.
+struct LottieHandle {
+    double x = 0, y = 0;
+
+    friend bool operator==(const LottieHandle&, const LottieHandle&) = default;
+};
+
+/// The members `o`, `i` and `h` of a keyframe, which say how the next keyframe is reached: `i` too
+/// stands in the first of the two. Linear by default.
+struct LottieEasing {
+    LottieHandle out{0, 0}, in{1, 1};
+    bool hold = false;
+
+    friend bool operator==(const LottieEasing&, const LottieEasing&) = default;
+};
+
+/// The curve from a keyframe to the next.
+///
+///   first, second  times (in frames) and values (of one component) of both keyframes
+///   fails          value_not_finite; interval_empty; handle_not_allowed where an x leaves [0, 1].
+///                  A y may leave it: the prose of the specification says otherwise, its schema and
+///                  the players have overshooting handles.
+/// Lottie specification 1.0, Properties, "Keyframes" and "Keyframe Easing".
+inline ImportedCurve from_lottie(const LottieEasing& easing, const Vec<double, 2>& first,
+                                 const Vec<double, 2>& second) noexcept {
+    if (easing.hold) return detail::held(first, second[0]);
+    for (const LottieHandle& handle : {easing.out, easing.in}) {
+        if (!is_finite(handle.y)) return detail::refused(Status::value_not_finite);
+        if (const Status status = detail::check_part(handle.x); status != Status::ok)
+            return detail::refused(status);
+    }
+    const auto place = [&](const LottieHandle& handle) {
+        return Vec<double, 2>{std::lerp(first[0], second[0], handle.x),
+                              std::lerp(first[1], second[1], handle.y)};
+    };
+    return detail::imported(KeyKind::bezier, {{first, place(easing.out), place(easing.in), second}});
+}
+
+struct LottieResult {
+    Status status = Status::ok;
+    LottieEasing easing;
+};
+
+/// The easing of the first of two keyframes at the curve's ends; a kind other than bezier goes
+/// without handles.
+///
+///   level  a curve of one value is what any easing between equal values is; its y are 0 and 1
+///   fails  as `check`; handle_not_allowed where a handle's time leaves the interval, or where the
+///          keys have one value and a handle another: an overshoot from a value to itself has no
+///          easing in Lottie; value_not_finite
+inline LottieResult to_lottie(const BezierCurve& curve, KeyKind kind = KeyKind::bezier) noexcept {
+    LottieResult result;
+    result.easing.hold = kind == KeyKind::hold;
+    if (kind != KeyKind::bezier) {
+        result.status = detail::sound(curve);
+        return result;
+    }
+    const auto unit = detail::unit_handles(curve);
+    result.status = unit.status;
+    if (unit.status == Status::ok)
+        result.easing = {{unit.first[0], unit.first[1]}, {unit.second[0], unit.second[1]}, false};
+    return result;
+}
+
+/// A keyframe of one component, with the easing to the next.
+struct LottieKey {
+    double time = 0, value = 0; ///< the time in frames
+    LottieEasing easing;
+};
+
+/// All keyframes of one component as keys to be compiled, in frames: the curves between are those of
+/// `from_lottie`. Fails as it does, for the first interval that is refused.
+inline ImportedKeys keys_from_lottie(std::span<const LottieKey> keyframes) noexcept {
+    const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
+    return detail::import_keys(
+        keyframes.size(),
+        [&](std::size_t n) { return from_lottie(keyframes[n].easing, place(n), place(n + 1)); }, place);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,98 @@
+// Keyframes of Unity's AnimationCurve.
+#pragma once
+
+#include <cageform/exchange/detail/easing.hpp>
+
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A UnityEngine.Keyframe: tangents are slopes (value by time), weights parts of the interval on
+/// their side, in [0, 1]. Unity stores all in single precision. Numbers read and written again
+/// round to the same ones, unless a handle is shorter than 1e-7 of its key's coordinates.
+struct UnityKey {
+    double time = 0, value = 0;
+    double in_tangent = 0, out_tangent = 0;
+    double in_weight = 1.0 / 3, out_weight = 1.0 / 3;
+    WeightedHandles weighted = WeightedHandles::none; ///< weightedMode
+};
+
+/// The curve from a keyframe to the next: a handle lies at its weight of the interval, a third
+/// where it is not weighted, on the tangent. An infinite tangent on either side of the interval
+/// holds the first value.
+///
+///   reads  of `first` the out, of `second` the in tangent and weight; a weight only where
+///          `weighted` says so
+///   fails  value_not_finite; interval_empty; handle_not_allowed where a weight leaves [0, 1]
+/// Unity Scripting API, Keyframe ("Hermite Segment", "Bezier Segment") and WeightedMode.
+inline ImportedCurve from_unity(const UnityKey& first, const UnityKey& second) noexcept {
+    if (detail::is_infinite(first.out_tangent) || detail::is_infinite(second.in_tangent))
+        return detail::held({first.time, first.value}, second.time);
+    constexpr double third = 1.0 / 3;
+    const double out = detail::has(first.weighted, WeightedHandles::out) ? first.out_weight : third;
+    const double in = detail::has(second.weighted, WeightedHandles::in) ? second.in_weight : third;
+    for (const double weight : {out, in}) {
+        if (const Status status = detail::check_part(weight); status != Status::ok)
+            return detail::refused(status);
+    }
+    const double length = second.time - first.time;
+    return detail::imported(
+        KeyKind::bezier,
+        {{{{first.time, first.value},
+           {std::lerp(first.time, second.time, out), first.value + out * length * first.out_tangent},
+           {std::lerp(second.time, first.time, in), second.value - in * length * second.in_tangent},
+           {second.time, second.value}}}});
+}
+
+/// Writes what a curve says of two keyframes: times, values, and the tangents, weights and weighted
+/// sides between them. A handle at a third goes unweighted. The outer tangents are the neighbours'.
+///
+///   hold    an infinite tangent; the second key's value is left alone
+///   linear  the straight line between the keys, whatever the handles
+///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval;
+///           slope_unbounded where a handle is vertical or too steep for single precision; nothing
+///           is written then
+inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& second,
+                       KeyKind kind = KeyKind::bezier) noexcept {
+    Status status = detail::sound(curve);
+    if (status != Status::ok) return status;
+    const auto p =
+        kind == KeyKind::linear ? detail::straight(curve.points[0], curve.points[3]).points : curve.points;
+    constexpr double third = 1.0 / 3;
+    double out_tangent = detail::infinite(), in_tangent = out_tangent;
+    double out = third, in = third;
+    if (kind != KeyKind::hold) {
+        status = detail::slope_of(p[1] - p[0], out_tangent);
+        if (status != Status::ok) return status;
+        status = detail::slope_of(p[3] - p[2], in_tangent);
+        if (status != Status::ok) return status;
+    }
+    if (kind == KeyKind::bezier) {
+        out = (p[1][0] - p[0][0]) / (p[3][0] - p[0][0]);
+        in = (p[3][0] - p[2][0]) / (p[3][0] - p[0][0]);
+        if (!(out <= 1 && in <= 1)) return Status::handle_not_allowed;
+    }
+    first.time = p[0][0];
+    first.value = p[0][1];
+    first.out_tangent = out_tangent;
+    first.out_weight = out;
+    first.weighted = detail::with(first.weighted, WeightedHandles::out, !detail::is_third(out));
+    second.time = p[3][0];
+    if (kind != KeyKind::hold) second.value = p[3][1];
+    second.in_tangent = in_tangent;
+    second.in_weight = in;
+    second.weighted = detail::with(second.weighted, WeightedHandles::in, !detail::is_third(in));
+    return Status::ok;
+}
+
+/// All keyframes of an AnimationCurve as keys to be compiled, in seconds: the curves between are
+/// those of `from_unity`. Fails as it does, for the first interval that is refused.
+inline ImportedKeys keys_from_unity(std::span<const UnityKey> keyframes) noexcept {
+    return detail::import_keys(
+        keyframes.size(), [&](std::size_t n) { return from_unity(keyframes[n], keyframes[n + 1]); },
+        [&](std::size_t n) {
+            return Vec<double, 2>{keyframes[n].time, keyframes[n].value};
+        });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,319 @@
+// Weights of bones at the vertices of a triangle mesh: harmonic, and by bone heat. Not part of
+// cageform.hpp. `bind_bones` and `skin_weights` take them as they are.
+#pragma once
+
+#include <cageform/fields/detail/face_tree.hpp>
+#include <cageform/fields/surface.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Where a bone lies at rest; a point where both ends are one. A mesh in the plane lies where the
+/// third coordinate is 0.
+struct BoneSegment {
+    Vec<double, 3> head, tail;
+};
+
+/// What SurfaceSkinOptions::groups has for a vertex of no bone.
+inline constexpr std::uint32_t no_bone = ~std::uint32_t{0};
+
+enum class BoneVisibility : std::uint8_t {
+    inside,  ///< a bone heats a vertex where the segment to its nearest place stays inside the mesh
+    ignored, ///< it heats the vertices it is nearest to; for meshes that are not closed or in the plane
+};
+
+struct SurfaceSkinOptions {
+    /// Of bone heat: c > 0, how much the heat of bones counts beside that of neighbours. It has no unit.
+    double heat = 1;
+    BoneVisibility visibility = BoneVisibility::inside; ///< of bone heat
+    /// Of `harmonic_skin`: of every vertex the bone whose weight is 1 there, or no_bone. Empty: that
+    /// of the vertices whose nearest place on all bones is in the middle third of this one.
+    std::span<const std::uint32_t> groups{};
+};
+
+struct SurfaceSkinReport {
+    Status status = Status::ok;
+    SurfaceReport mesh;                  ///< faults of the mesh, flips, negative weights
+    SolverReport solver;                 ///< culprit: a vertex (cells_unreached), else a bone or a label
+    std::vector<std::size_t> idle_bones; ///< nearest to no vertex that sees them: their weights are zero
+    std::size_t hidden = 0;              ///< vertices that do not see their nearest bones
+    double seconds = 0;                  ///< wall-clock time
+};
+
+/// Empty unless the report's status is ok.
+template <Scalar T>
+struct SurfaceSkin {
+    std::vector<T> weights; ///< #vertices · #bones: a vertex's lie side by side; of one without a face zeros
+    SurfaceSkinReport report;
+};
+
+namespace detail {
+
+/// The bones nearest to a place.
+struct NearestBones {
+    double distance = std::numeric_limits<double>::infinity();
+    std::vector<std::uint32_t> bones; ///< as near but for rounding, ascending
+};
+
+/// c / d² of distances. Where even the nearest bone heats so little or so much that the mesh's own
+/// weights are nothing beside, or all, no more and no less says the same and stays a number.
+class HeatScale {
+public:
+    HeatScale(double heat, std::span<const NearestBones> nearest) noexcept {
+        for (const auto& each : nearest) least_ = std::fmin(least_, at_least(each.distance));
+        most_ = std::clamp(heat / least_ / least_, 1e-100, 1e200);
+    }
+    double of(double distance) const noexcept {
+        const double part = least_ / at_least(distance);
+        return most_ * part * part;
+    }
+
+private:
+    /// On a bone the weight is that bone's, as it is to rounding at this distance.
+    static double at_least(double distance) noexcept { return std::fmax(distance, 1e-6); }
+
+    double least_ = std::numeric_limits<double>::infinity();
+    double most_ = 0;
+};
+
+/// The making of weights in a unit in which the mesh is of the size of one.
+class SurfaceSkinner {
+public:
+    SurfaceSkinner(std::span<const BoneSegment> bones, const SurfaceSkinOptions& options,
+                   SurfaceSkinReport& report)
+        : bones_(bones.begin(), bones.end())
+        , options_(options)
+        , report_(report) {}
+
+    template <class R, class F>
+    Status load(const R& points, const F& faces) {
+        mesh_ = cotangent_weights(points, faces);
+        report_.mesh = mesh_.report;
+        if (mesh_.report.status != Status::ok) return mesh_.report.status;
+        if (bones_.empty()) return Status::bone_weights_do_not_match;
+        for (std::size_t b = 0; b < bones_.size(); ++b) {
+            for (auto* end : {&bones_[b].head, &bones_[b].tail}) {
+                *end = scaled(*end);
+                constexpr double most = 1e200; // far below where the squares of distances overflow
+                if (dot(*end, *end) <= most) continue;
+                report_.solver.culprit = b;
+                return Status::value_not_finite;
+            }
+        }
+        places_ = places_in_space(points);
+        for (auto& place : places_) place = scaled(place);
+        for (std::size_t f = 0; f < std::size(faces); ++f)
+            faces_.push_back(checked_face(faces[f], places_.size()));
+        return Status::ok;
+    }
+
+    /// Weights 1 and 0 in the groups, harmonic between.
+    Status solve_harmonic(const Running& running) {
+        const std::size_t size = places_.size();
+        std::vector<std::uint32_t> groups(options_.groups.begin(), options_.groups.end());
+        if (groups.empty()) groups = middle_thirds();
+        if (groups.size() != size) return Status::labels_do_not_match;
+        std::vector<std::uint8_t> given(size);
+        values_.assign(size * bones_.size(), 0.0);
+        std::vector<std::uint8_t> busy(bones_.size());
+        for (std::size_t i = 0; i < size; ++i) {
+            if (groups[i] == no_bone || mesh_.unused[i] != 0) continue;
+            if (groups[i] >= bones_.size()) {
+                report_.solver.culprit = i;
+                return Status::index_out_of_range;
+            }
+            given[i] = busy[groups[i]] = 1;
+            values_[groups[i] * size + i] = 1;
+        }
+        list_idle(busy);
+        const auto evaluation = solve_surface(mesh_, given, std::span(values_), running);
+        report_.solver = evaluation.solver;
+        return evaluation.status;
+    }
+
+    /// (L + M H) w = M H p: to the mesh's links come those of vertices with their bones, a node each.
+    Status solve_heat(const Running& running) {
+        if (!is_finite(options_.heat) || !(options_.heat > 0)) return Status::weights_not_positive;
+        std::vector<NearestBones> nearest(places_.size());
+        const Status status = find_bones(running.part(0, 0.5), nearest);
+        if (status != Status::ok) return status;
+        const std::size_t size = places_.size(), nodes = size + bones_.size();
+        std::vector<GraphLink> links = mesh_.links;
+        std::vector<std::uint8_t> given(mesh_.unused), busy(bones_.size());
+        const HeatScale scale(options_.heat, nearest);
+        for (std::size_t i = 0; i < size; ++i) {
+            if (given[i] != 0) continue;
+            const auto& bones = nearest[i].bones;
+            if (bones.empty()) ++report_.hidden;
+            for (const std::uint32_t b : bones) {
+                const double heat = scale.of(nearest[i].distance) * mesh_.areas[i] / double(bones.size());
+                links.push_back({std::uint32_t(i), std::uint32_t(size + b), heat});
+                busy[b] = 1;
+            }
+        }
+        list_idle(busy);
+        given.insert(given.end(), bones_.size(), 1);
+        std::vector<double> all(nodes * bones_.size(), 0.0);
+        for (std::size_t b = 0; b < bones_.size(); ++b) all[b * nodes + size + b] = 1;
+        const GraphOptions graph{.allow_negative = mesh_.report.negative_weights > 0};
+        const auto evaluation =
+            solve_graph(Graph{nodes, links}, given, std::span(all), graph, running.part(0.5, 1));
+        report_.solver = evaluation.solver;
+        if (evaluation.status != Status::ok) return evaluation.status;
+        for (std::size_t b = 0; b < bones_.size(); ++b) {
+            const auto field = all.begin() + std::ptrdiff_t(b * nodes);
+            values_.insert(values_.end(), field, field + std::ptrdiff_t(size));
+        }
+        return Status::ok;
+    }
+
+    /// A vertex's side by side. Negative cotangents may leave sums that are 1e-6 off 1.
+    template <Scalar T>
+    std::vector<T> weights() const {
+        const std::size_t size = places_.size(), bones = bones_.size();
+        std::vector<T> result(size * bones);
+        for (std::size_t i = 0; i < size; ++i) {
+            if (mesh_.unused[i] != 0) continue;
+            double sum = 0;
+            for (std::size_t b = 0; b < bones; ++b) sum += values_[b * size + i];
+            for (std::size_t b = 0; b < bones; ++b)
+                result[i * bones + b] = static_cast<T>(values_[b * size + i] / sum);
+        }
+        return result;
+    }
+
+private:
+    Vec<double, 3> scaled(Vec<double, 3> p) const noexcept {
+        for (std::size_t k = 0; k < 3; ++k) p[k] /= mesh_.unit;
+        return p;
+    }
+    Vec<double, 3> foot(std::size_t bone, const Vec<double, 3>& p) const noexcept {
+        return nearest_on_segment(p, bones_[bone].head, bones_[bone].tail);
+    }
+
+    NearestBones nearest_to(const Vec<double, 3>& p) const {
+        constexpr double rounding = 1e-9; // two as near to this share
+        NearestBones nearest;
+        const auto is_near = [&](double distance) {
+            return distance <= nearest.distance + rounding * (std::max)(nearest.distance, 1e-6);
+        };
+        for (std::uint32_t b = 0; b < bones_.size(); ++b) {
+            const double distance = length(foot(b, p) - p);
+            if (!is_near(distance)) continue;
+            nearest.distance = (std::min)(nearest.distance, distance);
+            nearest.bones.push_back(b);
+        }
+        std::erase_if(nearest.bones, [&](std::uint32_t b) { return !is_near(length(foot(b, p) - p)); });
+        return nearest;
+    }
+
+    std::vector<std::uint32_t> middle_thirds() const {
+        std::vector<std::uint32_t> groups;
+        for (const auto& p : places_) {
+            const auto nearest = nearest_to(p);
+            const BoneSegment& bone = bones_[nearest.bones.front()];
+            const double part = part_of_segment(p, bone.head, bone.tail);
+            const bool is_middle = bone.head == bone.tail || std::fabs(part - 0.5) <= 1.0 / 6;
+            groups.push_back(nearest.bones.size() == 1 && is_middle ? nearest.bones.front() : no_bone);
+        }
+        return groups;
+    }
+
+    /// The nearest bones of every vertex, without those that it does not see.
+    Status find_bones(const Running& running, std::vector<NearestBones>& nearest) {
+        const bool looks = options_.visibility == BoneVisibility::inside;
+        if (looks && mesh_.report.rim_edges > 0) {
+            const auto half_edges = half_edges_of(faces_);
+            for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
+                const auto [low, high] = edge[0].edge();
+                if (edge.size() == 1) report_.mesh.mesh.add(CageFaultKind::open_edge, low, high);
+            });
+            return report_.mesh.mesh.status;
+        }
+        const FaceTree tree(places_, looks ? std::span<const MeshFace>(faces_) : std::span<const MeshFace>());
+        return for_each_block(places_.size(), running, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (mesh_.unused[i] != 0) continue;
+                nearest[i] = nearest_to(places_[i]);
+                if (!looks) continue;
+                std::erase_if(nearest[i].bones, [&](std::uint32_t b) {
+                    const auto q = foot(b, places_[i]);
+                    if (q == places_[i]) return false;
+                    return !tree.is_free(std::uint32_t(i), q) || !tree.encloses(0.5 * (places_[i] + q));
+                });
+            }
+        });
+    }
+
+    void list_idle(const std::vector<std::uint8_t>& busy) {
+        for (std::size_t b = 0; b < busy.size(); ++b) {
+            if (busy[b] == 0) report_.idle_bones.push_back(b);
+        }
+    }
+
+    std::vector<BoneSegment> bones_;
+    const SurfaceSkinOptions& options_;
+    SurfaceSkinReport& report_;
+    CotangentWeights mesh_;
+    std::vector<Vec<double, 3>> places_;
+    std::vector<MeshFace> faces_;
+    std::vector<double> values_; // a bone's side by side
+};
+
+template <class R, class F, class Solve>
+SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
+                                            std::span<const BoneSegment> bones,
+                                            const SurfaceSkinOptions& options, const Solve& solve) {
+    SurfaceSkin<range_scalar_t<R>> skin;
+    run_into(skin.report, [&] {
+        SurfaceSkinner skinner(bones, options, skin.report);
+        Status status = skinner.load(points, faces);
+        if (status == Status::ok) status = solve(skinner);
+        if (status == Status::ok) skin.weights = skinner.template weights<range_scalar_t<R>>();
+        return status;
+    });
+    return skin;
+}
+
+} // namespace detail
+
+/// Harmonic weights: 1 at the vertices that belong to a bone and 0 at those of the others
+/// (SurfaceSkinOptions::groups), harmonic between (fields/surface.hpp).
+///
+///   returns  weights that sum to 1, in [0, 1] but for rounding, unless SurfaceReport::negative_weights
+///            says otherwise. The mesh may be open
+///   cost     one factorisation for all bones; a search of O(#vertices · #bones) for the groups
+///   fails    as cotangent_weights; bone_weights_do_not_match (no bones), value_not_finite (a bone,
+///            or one 1e100 times as far off as the mesh is large), labels_do_not_match and
+///            index_out_of_range (the groups), cells_unreached (a part of the mesh that belongs to no
+///            bone), not_converged (only with negative weights); cancelled; out_of_memory
+template <PointRange R, FaceRange F>
+    requires(range_dimension<R> == 2 || range_dimension<R> == 3)
+SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
+                                             std::span<const BoneSegment> bones,
+                                             const SurfaceSkinOptions& options = {},
+                                             const Running& running = {}) {
+    return detail::surface_skin(points, faces, bones, options,
+                                [&](auto& skinner) { return skinner.solve_harmonic(running); });
+}
+
+/// Weights by bone heat (Baran, Popović, Automatic rigging and animation of 3D characters, SIGGRAPH
+/// 2007, sec. 4): the equilibrium where heat flows along the mesh and from the nearest bone,
+/// (L + M H) w = M H p. M is a third of the given faces around a vertex, H = c / d² with d the distance
+/// to the nearest bone where the vertex sees it, else 0; bones as near within 1e-9 share. A vertex
+/// nearer to a bone than 1e-6 of the mesh's size counts as that far. Weights do not depend on the unit.
+///
+///   returns  weights that sum to 1, in [0, 1] as those of harmonic_skin
+///   cost     as harmonic_skin; O(log #F) as a rule for what a vertex sees
+///   fails    as harmonic_skin; cage_not_closed where visibility is asked for and an edge has one face
+///            (SurfaceReport::mesh); weights_not_positive (the heat); cells_unreached: a part of the
+///            mesh that sees no bone
+template <PointRange R, FaceRange F>
+    requires(range_dimension<R> == 2 || range_dimension<R> == 3)
+SurfaceSkin<range_scalar_t<R>> bone_heat(const R& points, const F& faces, std::span<const BoneSegment> bones,
+                                         const SurfaceSkinOptions& options = {},
+                                         const Running& running = {}) {
+    return detail::surface_skin(points, faces, bones, options,
+                                [&](auto& skinner) { return skinner.solve_heat(running); });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,444 @@
+// What a grid cannot resolve: the corners of a polygon, whose singular functions (grid/corners/corner.hpp)
+// are known but for their coefficients.
+//
+// Differences do badly on the s_k with small exponents, and on w where ω is close to π (r log r).
+// So what the difference equations get wrong about them is given to the equations as a right-hand
+// side, with the a_k fitted to the solution around the corner, and interpolation is corrected
+// likewise.
+#pragma once
+
+#include <cageform/cage/polygon.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/affine/orthonormal_rows.hpp>
+#include <cageform/grid/corners/corner_errors.hpp>
+#include <cageform/grid/lattice/embed.hpp>
+#include <cageform/grid/multigrid.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
+
+/// The corners of a polygon laid into a lattice, and how they enter equations and sampling.
+class CornerFunctions {
+public:
+    static constexpr std::size_t width = Multigrid<2>::width;
+    using Row = Multigrid<2>::Values;
+
+    /// Coefficients of sixteen functions, corner by corner: of w, then of s_1, …, s_count.
+    using Coefficients = Buffer<Row>;
+
+    CornerFunctions() = default;
+
+    /// Of a Polygon or a CellComplex. Corners without room for a fit are left as they are, and all
+    /// are where they are not to be treated.
+    template <class Cage>
+    CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem,
+                    bool treat)
+        : vertices_(lattice.in_cells(whole.vertices())) {
+        const auto neighbours = neighbours_of_vertices(whole);
+        for (std::size_t i = 0; i < vertices_.size(); ++i) {
+            const auto& of_i = neighbours[i];
+            if (of_i.empty()) continue;
+            const double radius = room_about(i, whole, lattice.spacing);
+            for (std::size_t n = 0; n + 1 < of_i.size(); ++n) {
+                const std::size_t after = of_i[n], before = of_i[n + 1];
+                const Corner corner(vertices_[i], vertices_[before], vertices_[after], radius);
+                const Treated t{corner, {i, before, after}};
+                bool treated = corner.is_smooth() && radius >= ample_radius;
+                if (treat && !corner.is_smooth() && radius >= least_radius) treated = add(t, problem);
+                if (!treated || radius < ample_radius) add_estimate(t, treated, treat, problem.nodes);
+            }
+        }
+    }
+
+    /// Of the corners with little room, and of those that are not treated.
+    const CornerErrors<2>& errors() const noexcept { return errors_; }
+    bool empty() const noexcept { return corners_.empty(); }
+
+    /// Nodes whose equations get a right-hand side; ascending, without repeats.
+    std::vector<std::uint32_t> sources() const {
+        std::vector<std::uint32_t> nodes;
+        for (const auto& corner : corners_) {
+            nodes.insert(nodes.end(), corner.defects.nodes.begin(), corner.defects.nodes.end());
+        }
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        return nodes;
+    }
+    /// slots[node]: the place of a source node in Block::source.
+    void set_slots(std::span<const std::uint32_t> slots) {
+        for (auto& corner : corners_) {
+            for (auto& node : corner.defects.nodes) node = slots[node];
+        }
+    }
+
+    /// The known coefficients (of w) of functions first … first + 15; the others zero. Adds what
+    /// they do to `source`.
+    Coefficients start(std::size_t first, std::span<Row> source) const {
+        Coefficients all(coefficients_, Row{});
+        for (const Treated& t : corners_) {
+            for (std::size_t lane = 0; lane < width; ++lane) {
+                const auto slope = slopes(t, first + lane);
+                all[t.first][lane] = slope[1] - slope[0] * t.corner.cosine();
+            }
+            add_defects(t, 0, all[t.first], source);
+        }
+        return all;
+    }
+
+    /// The coefficients that fit a solution, those of w as in `known`.
+    template <class Solution> // a block of the multigrid
+    Coefficients fit(std::size_t first, const Solution& solution, const Coefficients& known) const {
+        Coefficients all = known;
+        for (const Treated& t : corners_) {
+            std::array<std::array<double, 3>, width> data{};
+            for (std::size_t lane = 0; lane < width; ++lane) {
+                data[lane] = {t.handles[0] == first + lane ? 1.0 : 0.0, slopes(t, first + lane)[0],
+                              known[t.first][lane]};
+            }
+            std::array<std::array<double, width>, Corner::most> sum{};
+            for (std::size_t i = 0; i < t.around.size(); ++i) {
+                const auto& node = t.around[i];
+                Row rest = solution.value(node.node);
+                for (std::size_t lane = 0; lane < width; ++lane)
+                    rest[lane] -= data[lane][0] + data[lane][1] * node.along + data[lane][2] * node.w;
+                for (std::size_t k = 0; k < t.corner.count(); ++k) {
+                    const double share = t.fit[i * t.corner.count() + k];
+                    for (std::size_t lane = 0; lane < width; ++lane) sum[k][lane] += share * rest[lane];
+                }
+            }
+            for (std::size_t k = 0; k < t.corner.count(); ++k) {
+                for (std::size_t lane = 0; lane < width; ++lane) all[t.first + k + 1][lane] = sum[k][lane];
+            }
+        }
+        return all;
+    }
+    /// The largest difference of two sets of coefficients, which is how far they move a value.
+    double difference(const Coefficients& a, const Coefficients& b) const noexcept {
+        double largest = 0;
+        for (const Treated& t : corners_) {
+            for (std::size_t k = t.first + 1; k <= t.first + t.corner.count(); ++k) {
+                for (std::size_t lane = 0; lane < width; ++lane)
+                    largest = (std::max)(largest, std::fabs(a[k][lane] - b[k][lane]));
+            }
+        }
+        return largest;
+    }
+    /// Replaces coefficients by others and changes `source` accordingly; returns by how much at
+    /// most, per function.
+    Row replace(Coefficients& all, const Coefficients& by, std::span<Row> source) const noexcept {
+        Row disturbance;
+        disturbance.fill(0.0);
+        for (const Treated& t : corners_) {
+            for (std::size_t k = 1; k <= t.corner.count(); ++k) {
+                Row change;
+                for (std::size_t lane = 0; lane < width; ++lane) {
+                    change[lane] = by[t.first + k][lane] - all[t.first + k][lane];
+                    disturbance[lane] += t.largest_defect[k] * std::fabs(change[lane]);
+                }
+                add_defects(t, k, change, source);
+            }
+        }
+        all = by;
+        return disturbance;
+    }
+
+    /// What interpolation by `stencil` at `p` (in units of the lattice) misses of each function of
+    /// the corner whose disc the stencil lies in.
+    struct Correction {
+        static constexpr std::uint32_t none = ~std::uint32_t{0};
+        std::uint32_t first = none; ///< the corner's in Coefficients
+        std::array<double, Corner::most + 1> missed{};
+    };
+    Correction correction(const Vec<double, 2>& p, const CutStencil<2>& stencil) const {
+        Correction result;
+        double nearest = (std::numeric_limits<double>::max)();
+        for (std::size_t n = 0; n < discs_.size(); ++n) {
+            const auto d = p - discs_[n].centre;
+            const double square = dot(d, d);
+            if (square > discs_[n].reach_squared || square >= nearest) continue;
+            if (!corners_[n].corner.holds(p) || !interpolate(corners_[n], stencil, result.missed)) continue;
+            nearest = square;
+            result.first = corners_[n].first;
+            const auto here = corners_[n].corner.functions(p);
+            for (std::size_t k = 0; k <= corners_[n].corner.count(); ++k)
+                result.missed[k] = here[k] - result.missed[k];
+        }
+        return result;
+    }
+    static void apply(const Correction& correction, const Coefficients& all,
+                      std::array<double, width>& value) noexcept {
+        if (correction.first == Correction::none) return;
+        for (std::size_t k = 0; k < correction.missed.size(); ++k) {
+            if (correction.missed[k] == 0) continue;
+            for (std::size_t lane = 0; lane < width; ++lane)
+                value[lane] += correction.missed[k] * all[correction.first + k][lane];
+        }
+    }
+
+private:
+    static constexpr double least_radius = 1, most_radius = 24;
+    static constexpr double ample_radius = 10; ///< errors are then a few times 1e-4 at most
+
+    using Functions = std::array<double, Corner::most + 1>;
+    struct Disc {
+        Vec<double, 2> centre;
+        double reach_squared;
+    };
+    struct Around {
+        std::uint32_t node;
+        double along, w;
+    };
+    /// A row of numbers for each of some nodes: w, s_1, … or what the equations make of them.
+    struct NodeRows {
+        std::vector<std::uint32_t> nodes{}; ///< ascending
+        std::vector<double> numbers{};      ///< as many for each as the corner has functions
+
+        void add(std::uint32_t node, const Functions& row, std::size_t count) {
+            nodes.push_back(node);
+            numbers.insert(numbers.end(), row.begin(), row.begin() + std::ptrdiff_t(count));
+        }
+        void shrink() { // they are kept as long as the solver
+            nodes.shrink_to_fit();
+            numbers.shrink_to_fit();
+        }
+    };
+    struct Treated {
+        Corner corner;
+        std::array<std::size_t, 3> handles; ///< at the corner, before it, after it
+        std::uint32_t first = 0;            ///< of its Coefficients
+        std::size_t columns = 0;            ///< of both tables: the functions before some were left out
+        NodeRows functions{};               ///< at the nodes of the disc
+        NodeRows defects{};                 ///< A applied to them, in rows `nodes`; then slots
+        Buffer<Around> around{};            ///< nodes of the fit
+        std::vector<double> fit{};          ///< of each of them, its share in each coefficient
+        Functions largest_defect{};
+
+        /// The functions at a node of the disc; null elsewhere.
+        const double* find(std::uint32_t node) const noexcept {
+            const auto& nodes = functions.nodes;
+            const auto found = std::lower_bound(nodes.begin(), nodes.end(), node);
+            if (found == nodes.end() || *found != node) return nullptr;
+            return functions.numbers.data() + std::size_t(found - nodes.begin()) * columns;
+        }
+    };
+
+    /// Slopes of a handle's hat along the edge after the corner and the one before it, away from
+    /// the corner.
+    static std::array<double, 2> slopes(const Treated& t, std::size_t handle) noexcept {
+        std::array<double, 2> slope{};
+        if (handle == t.handles[0]) slope = {-1 / t.corner.length_after(), -1 / t.corner.length_before()};
+        if (handle == t.handles[1]) slope[1] += 1 / t.corner.length_before();
+        if (handle == t.handles[2]) slope[0] += 1 / t.corner.length_after();
+        return slope;
+    }
+    static void add_defects(const Treated& t, std::size_t k, const Row& coefficients,
+                            std::span<Row> source) noexcept {
+        for (std::size_t i = 0; i < t.defects.nodes.size(); ++i) {
+            const double defect = t.defects.numbers[i * t.columns + k];
+            for (std::size_t lane = 0; lane < width; ++lane)
+                source[t.defects.nodes[i]][lane] += defect * coefficients[lane];
+        }
+    }
+
+    /// The vertices that edges lead to from every vertex, counter-clockwise: between neighbours
+    /// lies a corner of the inside. None of a vertex without edges.
+    template <class Cage>
+    std::vector<std::vector<std::size_t>> neighbours_of_vertices(const Cage& cage) const {
+        std::vector<std::vector<std::size_t>> all(vertices_.size());
+        const auto& polygon = boundary_of(cage);
+        for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
+            const bool left = inside_is_left(polygon, n);
+            polygon.loops()[n].for_each_edge([&](std::size_t i, std::size_t j) {
+                all[i].insert(left ? all[i].begin() : all[i].end(), j);
+                all[j].insert(left ? all[j].end() : all[j].begin(), i);
+            });
+        }
+        const auto& cells = interior_cells(cage);
+        for (const auto& [i, j] : cells.facets) {
+            add_neighbour(all[i], i, j);
+            add_neighbour(all[j], j, i);
+        }
+        return all;
+    }
+    void add_neighbour(std::vector<std::size_t>& of_i, std::size_t i, std::size_t j) const {
+        if (of_i.empty()) { // the end of a chain, so far: from this edge all about to itself
+            of_i = {j, j};
+            return;
+        }
+        const auto turn_to = [&](std::size_t k) { // counter-clockwise from the first, in (0, 2π]
+            const auto a = vertices_[of_i.front()] - vertices_[i], b = vertices_[k] - vertices_[i];
+            const double angle = std::atan2(cross(a, b), dot(a, b));
+            return of_i.front() == k || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
+        };
+        of_i.insert(std::find_if(of_i.begin() + 1, of_i.end(),
+                                 [&](std::size_t k) { return turn_to(k) > turn_to(j); }),
+                    j);
+    }
+
+    /// How far the disc about a vertex reaches in which no other part of the boundary lies.
+    template <class Cage>
+    double room_about(std::size_t i, const Cage& cage, double spacing) const {
+        double radius = most_radius;
+        const auto keep_off = [&](std::size_t j, std::size_t k, double margin) {
+            const auto &p = vertices_[i], &a = vertices_[j], &b = vertices_[k];
+            radius = (std::min)(radius, j == i || k == i ? detail::length(a - b)
+                                                         : detail::distance_to_segment(p, a, b) - margin);
+        };
+        boundary_of(cage).for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });
+        const auto& cells = interior_cells(cage);
+        for (const auto& [j, k] : cells.facets) keep_off(j, k, 0);
+        for (const auto& bone : cells.bones) keep_off(bone.i, bone.j, bone.radius / spacing);
+        return radius;
+    }
+
+    /// Treats a corner, if there are nodes for a fit: two for every function. Returns whether.
+    bool add(Treated t, const EmbeddedProblem<2>& problem) {
+        const double radius = t.corner.radius();
+        t.columns = t.corner.count() + 1;
+        std::vector<Vec<double, 2>> places;
+        for_each_node_within(t.corner.reach(), t.corner.vertex(), problem.nodes,
+                             [&](std::uint32_t node, const auto& p) {
+                                 if (!t.corner.reaches(p) || !t.corner.holds(p)) return;
+                                 t.functions.add(node, t.corner.functions(p), t.columns);
+                                 places.push_back(p);
+                             });
+        t.functions.shrink();
+        std::vector<const double*> fitted;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const double r = t.corner.distance(places[i]);
+            if (r < radius) add_defect(t, t.functions.nodes[i], places[i], problem);
+            if (!(r > 0.3 * radius && r < (std::max)(0.8 * radius, (std::min)(radius, 8.0)))) continue;
+            fitted.push_back(t.functions.numbers.data() + i * t.columns);
+            t.around.push_back({t.functions.nodes[i], t.corner.along(places[i]), fitted.back()[0]});
+        }
+        t.defects.shrink();
+        t.corner.keep(t.around.size() / 2);
+        if (t.corner.count() < t.corner.least_count()) return false;
+        fit_to_nodes(t, fitted);
+        t.first = coefficients_;
+        coefficients_ += std::uint32_t(t.corner.count() + 1);
+        for (std::size_t n = 0; n < t.defects.numbers.size(); ++n) {
+            double& largest = t.largest_defect[n % t.columns];
+            largest = (std::max)(largest, std::fabs(t.defects.numbers[n]));
+        }
+        discs_.push_back({t.corner.vertex(), t.corner.reach() * t.corner.reach()});
+        corners_.push_back(std::move(t));
+        return true;
+    }
+
+    /// Has the error about a corner estimated: one that is treated or not, where corners are to be or
+    /// not. The error falls with the room about treated corners, which on a finer grid it may be, and
+    /// about those that differences know what to do with.
+    void add_estimate(const Treated& t, bool treated, bool treat, const NodeRuns<2>& nodes) {
+        double slope_of_w = 0;
+        std::array<double, 3> along{}, w{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto slope = slopes(t, t.handles[k]);
+            along[k] = slope[0];
+            w[k] = slope[1] - slope[0] * t.corner.cosine();
+            slope_of_w = (std::max)(slope_of_w, std::fabs(w[k]));
+        }
+        const double room = t.corner.radius();
+        const bool resolved = treated || t.corner.is_smooth();
+        auto estimate = CornerErrors<2>::treated(t.handles, room);
+        if (!resolved) estimate = CornerErrors<2>::untreated(t.handles, t.corner, slope_of_w);
+        if (treat) estimate.order = CornerErrors<2>::treated_order;
+        estimate.room = room;
+        Buffer<CornerErrors<2>::Node> around;
+        const double reach = std::clamp(room, 1.5, resolved ? 2.5 : 1.5);
+        for_each_node_within(reach, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
+            if (t.corner.distance(p) > reach || !t.corner.holds(p)) return;
+            const double x = t.corner.along(p), f = t.corner.functions(p)[0];
+            around.push_back(
+                {node, {1 + along[0] * x + w[0] * f, along[1] * x + w[1] * f, along[2] * x + w[2] * f}});
+        });
+        errors_.add(estimate, around);
+    }
+
+    /// f(node, position) for the nodes of a square about a place.
+    template <class F>
+    static void for_each_node_within(double reach, const Vec<double, 2>& centre, const NodeRuns<2>& nodes,
+                                     F&& f) {
+        NodeRuns<2>::Index low, high;
+        for (std::size_t k = 0; k < 2; ++k) {
+            low[k] = std::int32_t((std::max)(std::ceil(centre[k] - reach), 0.0));
+            high[k] = std::int32_t((std::min)(std::floor(centre[k] + reach), double(nodes.size()[k]) - 1));
+        }
+        for (auto index = low; index[1] <= high[1]; ++index[1]) {
+            for (index[0] = low[0]; index[0] <= high[0]; ++index[0]) {
+                const auto node = nodes.find(index);
+                if (node != NodeRuns<2>::none) f(node, node_position<2>(index));
+            }
+        }
+    }
+
+    /// Least squares: the share of each node around in every coefficient, (SᵀS)⁻¹ Sᵀ, S the
+    /// functions at the nodes.
+    static void fit_to_nodes(Treated& t, std::span<const double* const> functions) {
+        const std::size_t count = t.corner.count();
+        Buffer<Vec<double, Corner::most>> s(functions.size());
+        for (std::size_t i = 0; i < s.size(); ++i) std::copy_n(functions[i] + 1, count, s[i].v);
+        const detail::OrthonormalRows<Corner::most> rows(std::move(s));
+        t.fit.reserve(t.around.size() * count);
+        for (std::size_t i = 0; i < t.around.size(); ++i) {
+            const auto shares = detail::coefficients(rows.triangle(), rows[i]);
+            t.fit.insert(t.fit.end(), shares.v, shares.v + count);
+        }
+    }
+
+    /// What the difference equation of a node makes of the functions, which is zero for those that
+    /// it knows exactly. Nothing where the equation reaches beyond them.
+    static void add_defect(Treated& t, std::uint32_t node, const Vec<double, 2>& p,
+                           const EmbeddedProblem<2>& problem) {
+        auto cut = std::lower_bound(problem.cuts.begin(), problem.cuts.end(), node,
+                                    [](const CutLink& a, std::uint32_t n) { return a.node < n; });
+        std::array<double, 4> weight{}; // of cut links
+        for (; cut != problem.cuts.end() && cut->node == node; ++cut) weight[cut->direction] = cut->weight;
+        Functions defect{}, there{};
+        const double* const here = t.find(node);
+        for (std::size_t direction = 0; direction < 4; ++direction) {
+            const bool is_cut = weight[direction] != 0;
+            const double w = is_cut ? weight[direction] : 1;
+            auto q = p;
+            q[direction / 2] += ((direction & 1) != 0 ? 1 : -1) / w;
+            if (!t.corner.reaches(q)) return;
+            const double* const at_node =
+                is_cut ? nullptr : t.find(problem.nodes.find({std::int32_t(q[0]), std::int32_t(q[1])}));
+            if (at_node == nullptr) there = t.corner.functions(q);
+            const double* const f = at_node == nullptr ? there.data() : at_node;
+            for (std::size_t k = 0; k < t.columns; ++k) defect[k] += w * (here[k] - f[k]);
+        }
+        t.defects.add(node, defect, t.columns);
+    }
+
+    /// The mean of each function that a stencil takes; false where it reaches beyond them.
+    bool interpolate(const Treated& t, const CutStencil<2>& stencil, Functions& mean) const noexcept {
+        Functions sum{};
+        const auto add = [&](const double* f, double share) {
+            for (std::size_t k = 0; k <= t.corner.count(); ++k) sum[k] += share * f[k];
+        };
+        for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
+            const double* const f = t.find(stencil.nodes[i].node);
+            if (f == nullptr) return false;
+            add(f, stencil.nodes[i].share);
+        }
+        for (std::uint32_t i = 0; i < stencil.place_count; ++i) {
+            const auto& [handle, weight] = stencil.places[i].value;
+            const auto q = weight[0] * vertices_[handle[0]] + weight[1] * vertices_[handle[1]];
+            if (!t.corner.reaches(q)) return false;
+            add(t.corner.functions(q).data(), stencil.places[i].share);
+        }
+        mean = sum;
+        return true;
+    }
+
+    std::vector<Vec<double, 2>> vertices_;
+    std::vector<Treated> corners_;
+    std::vector<Disc> discs_; ///< of them: few are near a point
+    CornerErrors<2> errors_;
+    std::uint32_t coefficients_ = 0; ///< of all corners, of one function
+};
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

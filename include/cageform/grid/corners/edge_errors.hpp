@@ -1,0 +1,171 @@
+// Estimates of the error beside the edges of a mesh, and of faces inside it. In the plane across an
+// edge the solution is as about a corner in the plane (grid/corners/corner.hpp).
+#pragma once
+
+#include <cageform/cage/cell_complex.hpp>
+#include <cageform/cage/detail/gaps.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/corners/corner_errors.hpp>
+#include <cageform/grid/lattice/embed.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Two neighbouring faces about an edge and what lies between them. Lengths in cells.
+struct EdgeSector {
+    using Point = Vec<double, 3>;
+
+    /// A face beside the edge.
+    struct AdjacentFace {
+        Point across;    ///< unit vector in the face, away from the edge
+        double distance; ///< of the face's third vertex from the edge's line
+        double along;    ///< the foot of that, from the edge's first vertex
+
+        AdjacentFace(const Point& origin, const Point& direction, const Point& third) noexcept
+            : along(dot(third - origin, direction)) {
+            const auto d = third - origin - along * direction;
+            distance = std::sqrt(dot(d, d));
+            across = (1 / distance) * d;
+        }
+    };
+
+    std::array<std::size_t, 4> handles; ///< the edge, the third vertices of the faces
+    Point origin, direction;            ///< of the edge
+    double length;
+    AdjacentFace first, second;
+    grid::Corner corner; ///< across the edge, from the first face to the second
+
+    /// A vector, in the frame of `corner`.
+    Vec<double, 2> across(const Point& d) const noexcept {
+        return {dot(d, first.across), dot(d, cross(direction, first.across))};
+    }
+    /// Per length across the edge, the change of the data of each handle in a face.
+    std::array<double, 4> slopes(const AdjacentFace& face, std::size_t third) const noexcept {
+        std::array<double, 4> slope{};
+        slope[third] = 1 / face.distance;
+        slope[1] = -face.along / (length * face.distance);
+        slope[0] = -slope[third] - slope[1];
+        return slope;
+    }
+    /// The coefficient of w in the data of each handle, per cell.
+    std::array<double, 4> coefficients_of_w() const noexcept {
+        const auto here = slopes(first, 2);
+        auto coefficient = slopes(second, 3);
+        for (std::size_t k = 0; k < 4; ++k) coefficient[k] -= here[k] * corner.cosine();
+        return coefficient;
+    }
+    double slope_of_w() const noexcept {
+        double largest = 0;
+        for (const double coefficient : coefficients_of_w())
+            largest = (std::max)(largest, std::fabs(coefficient));
+        return largest;
+    }
+    /// The share of each handle in the data, continued to a place.
+    std::array<double, 4> shares(const Point& p) const noexcept {
+        const auto d = p - origin;
+        const auto xy = across(d);
+        const double z = dot(d, direction) / length, x = corner.along(xy), w = corner.functions(xy)[0];
+        const auto slope = slopes(first, 2), of_w = coefficients_of_w();
+        std::array<double, 4> share{1 - z, z, 0, 0};
+        for (std::size_t k = 0; k < 4; ++k) share[k] += slope[k] * x + of_w[k] * w;
+        return share;
+    }
+
+    /// f(place) for places along the edge, three cells apart; 16 at most.
+    template <class F>
+    void for_each_place_along(F&& f) const {
+        const double step = (std::max)(3.0, length / 16);
+        for (double z = 0.5 * (std::min)(step, length); z < length; z += step) f(origin + z * direction);
+    }
+    /// Whether a place lies between the faces, a cell and a half from the edge at most, and beside
+    /// one of the places along it.
+    bool holds(const Point& p, const Point& place_along) const noexcept {
+        const auto d = p - origin;
+        const double z = dot(d, direction);
+        if (z < 0 || z > length || std::fabs(z - dot(place_along - origin, direction)) > 0.5) return false;
+        const auto xy = across(d);
+        return corner.distance(xy) <= 1.5 && corner.holds(xy);
+    }
+};
+
+/// f(sector) for all pairs of neighbouring faces about the edges of triangles.
+template <class F>
+void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
+                          std::span<const std::array<std::uint32_t, 3>> faces, F&& f) {
+    struct Face {
+        std::size_t third;
+        EdgeSector::AdjacentFace face;
+        double angle; // about the edge, from the first one
+    };
+    const auto half_edges = half_edges_of(faces);
+    for_each_edge(half_edges, [&](std::span<const HalfEdge> about) {
+        const auto [i, j] = about[0].edge();
+        const auto d = vertices[j] - vertices[i];
+        const double length = std::sqrt(dot(d, d));
+        const auto direction = (1 / length) * d;
+        std::vector<Face> fan;
+        for (const HalfEdge& half : about) {
+            const auto& [a, b, c] = faces[half.face];
+            const std::size_t third = std::size_t(a) + b + c - i - j;
+            const EdgeSector::AdjacentFace face(vertices[i], direction, vertices[third]);
+            const auto& x = fan.empty() ? face.across : fan[0].face.across;
+            const double angle = std::atan2(dot(face.across, cross(direction, x)), dot(face.across, x));
+            fan.push_back({third, face, angle < 0 ? angle + 2 * std::numbers::pi : angle});
+        }
+        std::sort(fan.begin(), fan.end(), [](const Face& a, const Face& b) { return a.angle < b.angle; });
+        for (std::size_t n = 0; n < fan.size(); ++n) {
+            const Face &a = fan[n], &b = fan[(n + 1) % fan.size()];
+            const Vec<double, 2> after{1, 0};
+            const Vec<double, 2> before{dot(b.face.across, a.face.across),
+                                        dot(b.face.across, cross(direction, a.face.across))};
+            f(EdgeSector{{i, j, a.third, b.third},
+                         vertices[i],
+                         direction,
+                         length,
+                         a.face,
+                         b.face,
+                         grid::Corner({0, 0}, fan.size() == 1 ? after : before, after, 1)});
+        }
+    });
+}
+
+} // namespace detail
+namespace grid {
+
+/// The estimates of all edges of a TriangleMesh or a CellComplex that have an inside between their
+/// faces; none is treated. Handles are the cage's. O(#edges · 16 places · 64 nodes) at most.
+template <class Cage>
+CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
+                            const EmbeddedProblem<3>& problem) {
+    using Index = NodeRuns<3>::Index;
+    const auto vertices = lattice.in_cells(cage.vertices());
+    const auto outer = boundary_of(cage).faces();
+    const auto& inner = interior_cells(cage).facets;
+    std::vector<std::array<std::uint32_t, 3>> faces(outer.begin(), outer.end());
+    faces.insert(faces.end(), inner.begin(), inner.end());
+
+    CornerErrors<3> errors;
+    Buffer<CornerErrors<3>::Node> nodes;
+    detail::for_each_edge_sector(vertices, faces, [&](const detail::EdgeSector& sector) {
+        nodes.clear();
+        sector.for_each_place_along([&](const Vec<double, 3>& place) {
+            Index low;
+            for (std::size_t k = 0; k < 3; ++k) low[k] = std::int32_t(std::floor(place[k])) - 1;
+            for (std::int32_t n = 0; n < 64; ++n) {
+                const Index index{low[0] + n % 4, low[1] + n / 4 % 4, low[2] + n / 16};
+                const auto p = node_position<3>(index);
+                if (!sector.holds(p, place)) continue;
+                const auto node = problem.nodes.find(index);
+                if (node != NodeRuns<3>::none) nodes.push_back({node, sector.shares(p)});
+            }
+        });
+        if (nodes.empty()) return; // no inside between these faces
+        errors.add(CornerErrors<3>::untreated(sector.handles, sector.corner, sector.slope_of_w()), nodes);
+    });
+    return errors;
+}
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

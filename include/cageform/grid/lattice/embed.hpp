@@ -1,0 +1,244 @@
+// A boundary laid into a lattice where it is: its crossings with the lattice lines decide which
+// nodes are inside, and give every link that ends on the boundary its length and its data. Knows no
+// cage and no solver.
+#pragma once
+
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/lattice/cut_link.hpp>
+#include <cageform/grid/lattice/grid_boundary.hpp>
+#include <cageform/grid/lattice/node_runs.hpp>
+
+#include <limits>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
+
+/// The unknown nodes of a boundary value problem and their links to the data.
+template <std::size_t D>
+struct EmbeddedProblem {
+    NodeRuns<D> nodes;
+    Buffer<CutLink> cuts;            ///< sorted by node
+    Buffer<BoundaryValue<D>> values; ///< parallel to `cuts`
+};
+
+} // namespace grid
+
+namespace detail {
+
+/// f(before, after) for neighbouring crossings of a line with the inside between them.
+template <std::size_t D, class F>
+void for_each_inner_interval(const Buffer<grid::Crossing<D>>& crossings, F&& f) {
+    bool inside = false;
+    for (std::size_t i = 0; i < crossings.size(); ++i) {
+        if (i > 0 && crossings[i].line == crossings[i - 1].line) {
+            if (inside) f(crossings[i - 1], crossings[i]);
+        } else {
+            inside = false;
+        }
+        inside = inside != crossings[i].turns;
+    }
+}
+/// The nodes strictly between two crossings: [first, second).
+template <std::size_t D>
+std::pair<std::int32_t, std::int32_t> nodes_between(const grid::Crossing<D>& a,
+                                                    const grid::Crossing<D>& b) noexcept {
+    return {std::int32_t(std::floor(a.position + grid::on_boundary_distance)) + 1,
+            std::int32_t(std::ceil(b.position - grid::on_boundary_distance))};
+}
+
+/// A crossing among the nodes of its line: on a node, or between two.
+struct NodesAbout {
+    std::int32_t below, above; ///< the next nodes off the crossing
+    bool on_node;              ///< then `below` + 1 is the node
+
+    explicit NodesAbout(double position) noexcept {
+        const double nearest = std::round(position);
+        on_node = std::fabs(position - nearest) <= grid::on_boundary_distance;
+        below = std::int32_t(on_node ? nearest - 1 : std::floor(position));
+        above = on_node ? below + 2 : below + 1;
+    }
+};
+
+/// Makes the equations of `embed`, step by step.
+template <grid::EmbeddableBoundary B>
+class Embedding {
+public:
+    static constexpr std::size_t D = B::dimension;
+    using Index = typename grid::NodeRuns<D>::Index;
+
+    Embedding(const B& boundary, const grid::Crossings<D>& crossings)
+        : boundary_(boundary)
+        , crossings_(crossings)
+        , nodes_(boundary.lattice().counts()) {
+        const auto fixed = boundary.fixed_nodes();
+        fixed_.append(fixed.data(), fixed.data() + fixed.size());
+        std::sort(fixed_.begin(), fixed_.end(), before_node);
+    }
+
+    grid::EmbeddedProblem<D> make() {
+        find_nodes();
+        cut_links_at_crossings();
+        cut_links_to_other_nodes();
+        grid::EmbeddedProblem<D> problem;
+        for (const Cut& cut : cuts_) {
+            problem.cuts.push_back(cut.link);
+            problem.values.push_back(cut.value);
+        }
+        problem.nodes = std::move(nodes_);
+        return problem;
+    }
+
+private:
+    struct Place { ///< of a node
+        std::uint32_t row;
+        std::int32_t x;
+
+        bool operator<(const Place& other) const noexcept {
+            return row != other.row ? row < other.row : x < other.x;
+        }
+    };
+    struct Cut {
+        grid::CutLink link;
+        BoundaryValue<D> value;
+    };
+
+    static bool before_node(const grid::FixedNode<D>& a, const grid::FixedNode<D>& b) noexcept {
+        return a.index < b.index;
+    }
+    /// By link; of one link the shortest first.
+    static bool before(const Cut& a, const Cut& b) noexcept {
+        if (a.link.node != b.link.node) return a.link.node < b.link.node;
+        if (a.link.direction != b.link.direction) return a.link.direction < b.link.direction;
+        return a.link.weight > b.link.weight;
+    }
+    static bool same_link(const Cut& a, const Cut& b) noexcept {
+        return a.link.node == b.link.node && a.link.direction == b.link.direction;
+    }
+    Place place(const Index& index) const noexcept { return {std::uint32_t(nodes_.row(index)), index[0]}; }
+
+    /// Fixed nodes, and those on the boundary as the lines of the other axes see it. Sorted.
+    Buffer<Place> no_unknowns() const {
+        Buffer<Place> all;
+        all.reserve(fixed_.size());
+        for (const auto& fixed : fixed_) all.push_back(place(fixed.index));
+        for (std::size_t axis = 1; axis < D; ++axis) {
+            for (const auto& crossing : crossings_[axis]) {
+                const NodesAbout about(crossing.position);
+                if (about.on_node)
+                    all.push_back(place(boundary_.lattice().on_line(axis, crossing.line, about.below + 1)));
+            }
+        }
+        std::sort(all.begin(), all.end());
+        return all;
+    }
+
+    /// The nodes inside by the even-odd rule along the rows, which are the lines of axis 0.
+    void find_nodes() {
+        const auto left_out = no_unknowns();
+        std::uint32_t row = 0;
+        auto next = left_out.begin();
+        for_each_inner_interval<D>(crossings_[0],
+                                   [&](const grid::Crossing<D>& a, const grid::Crossing<D>& b) {
+                                       for (; row < a.line; ++row) nodes_.end_row();
+                                       auto [x, end] = nodes_between(a, b);
+                                       x = (std::max)(x, 0);
+                                       end = (std::min)(end, nodes_.size()[0]);
+                                       next = std::lower_bound(next, left_out.end(), Place{a.line, x});
+                                       for (; next != left_out.end() && *next < Place{a.line, end}; ++next) {
+                                           nodes_.add_run(x, next->x);
+                                           x = next->x + 1;
+                                       }
+                                       nodes_.add_run(x, end);
+                                   });
+        for (; row < nodes_.rows(); ++row) nodes_.end_row();
+    }
+
+    /// The links that the boundary crosses get the weights of Shortley and Weller (J. Appl. Phys. 9
+    /// (1938), p. 334): 1/θ, θ the part of the link up to the boundary. Of several crossings of a
+    /// link the nearest counts.
+    void cut_links_at_crossings() {
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            for (const auto& crossing : crossings_[axis]) {
+                const auto cut = [&](std::int32_t x, bool up, double theta) {
+                    const auto node = nodes_.find(boundary_.lattice().on_line(axis, crossing.line, x));
+                    const auto direction = std::uint8_t(2 * axis + (up ? 1 : 0));
+                    if (node != grid::NodeRuns<D>::none)
+                        cuts_.push_back({{node, direction, 1 / theta}, crossing.value});
+                };
+                const NodesAbout about(crossing.position);
+                if (crossing.from_below)
+                    cut(about.below, true, about.on_node ? 1.0 : crossing.position - double(about.below));
+                if (crossing.from_above)
+                    cut(about.above, false, about.on_node ? 1.0 : double(about.above) - crossing.position);
+            }
+        }
+        std::sort(cuts_.begin(), cuts_.end(), before);
+        cuts_.erase_from(std::unique(cuts_.begin(), cuts_.end(), same_link));
+    }
+
+    /// Links without a crossing to nodes that are no unknowns: fixed ones, or those where the lines
+    /// of different axes disagree by rounding.
+    void cut_links_to_other_nodes() {
+        Buffer<Cut> more;
+        nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
+            Cut cut{{node, std::uint8_t(direction), (std::numeric_limits<double>::max)()}, {}};
+            const auto known = std::lower_bound(cuts_.begin(), cuts_.end(), cut, before);
+            if (known != cuts_.end() && same_link(*known, cut)) return;
+            Index there = index;
+            there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
+            cut.link.weight = 1;
+            cut.value = value_at(there);
+            more.push_back(cut);
+        });
+        cuts_.append(more.begin(), more.end());
+        std::sort(cuts_.begin(), cuts_.end(), before);
+    }
+    BoundaryValue<D> value_at(const Index& node) const noexcept {
+        const grid::FixedNode<D> key{node, {}};
+        const auto at = std::lower_bound(fixed_.begin(), fixed_.end(), key, before_node);
+        return at != fixed_.end() && at->index == node ? at->value : boundary_.nearest(node);
+    }
+
+    const B& boundary_;
+    const grid::Crossings<D>& crossings_;
+    grid::NodeRuns<D> nodes_;
+    Buffer<grid::FixedNode<D>> fixed_; ///< sorted by index
+    Buffer<Cut> cuts_;                 ///< sorted, once a step is done
+};
+
+} // namespace detail
+namespace grid {
+
+/// Nodes inside by the even-odd rule along axis 0, links cut along all axes.
+///
+///   crossings  those of the boundary
+///   cost       O(#crossings log #crossings + #rows); nodes outside cost nothing
+template <EmbeddableBoundary B>
+EmbeddedProblem<B::dimension> embed(const B& boundary, const Crossings<B::dimension>& crossings) {
+    return detail::Embedding<B>(boundary, crossings).make();
+}
+
+/// Which handles the grid sees: those with data on a link of some inner node.
+///
+///   for_each_handle  for_each_handle(value, f) calls f(handle) for those whose data a place has
+template <std::size_t D, class ForEachHandle>
+std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handles,
+                               const ForEachHandle& for_each_handle) {
+    std::vector<bool> seen(handles);
+    const auto see = [&](const BoundaryValue<D>& value) {
+        for_each_handle(value, [&](std::uint32_t handle) { seen[handle] = true; });
+    };
+    for (const auto& along : crossings) {
+        detail::for_each_inner_interval<D>(along, [&](const Crossing<D>& a, const Crossing<D>& b) {
+            const auto [begin, end] = detail::nodes_between(a, b);
+            if (begin >= end) return;
+            see(a.value);
+            see(b.value);
+        });
+    }
+    return seen;
+}
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

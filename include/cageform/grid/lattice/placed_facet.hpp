@@ -1,0 +1,334 @@
+// Facets of a boundary, edges in the plane and triangles in space, laid into a lattice.
+//
+// Each dimension has its rule of which lattice lines cross a facet, such that every line crosses a
+// closed boundary an even number of times: half-open edges in the plane, whole numbers in space.
+#pragma once
+
+#include <cageform/cage/cell_complex.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/lattice/grid_boundary.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// All positions are in units of the lattice.
+template <std::size_t D>
+struct PlacedFacet : Facet<D> {
+    using Weights = std::array<double, D>; ///< of the corners, which sum to 1
+
+    PlacedFacet(const std::array<std::uint32_t, D>& of, std::span<const Vec<double, D>> vertices,
+                bool turning, std::uint32_t added_behind = 0)
+        : Facet<D>(of, vertices)
+        , turns(turning)
+        , behind(added_behind) {}
+
+    bool turns;           ///< inside and outside change at it
+    std::uint32_t behind; ///< added to its handles as seen against its normal; 0: both sides are one
+
+    Vec<double, D> place(const Weights& weights) const noexcept {
+        Vec<double, D> p;
+        for (std::size_t k = 0; k < D; ++k) p[k] = coordinate(weights, k);
+        return p;
+    }
+    double coordinate(const Weights& weights, std::size_t axis) const noexcept {
+        if constexpr (D == 2) { // exact where the edge lies across the axis
+            return this->corner[0][axis] + weights[1] * (this->corner[1][axis] - this->corner[0][axis]);
+        } else {
+            double sum = 0;
+            for (std::size_t k = 0; k < D; ++k) sum += weights[k] * this->corner[k][axis];
+            return sum;
+        }
+    }
+};
+
+/// Orthogonal to a facet.
+inline Vec<double, 2> normal_of(const PlacedFacet<2>& edge) noexcept {
+    const auto along = edge.corner[1] - edge.corner[0];
+    return {-along[1], along[0]};
+}
+inline Vec<double, 3> normal_of(const PlacedFacet<3>& face) noexcept {
+    return cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
+}
+
+/// The data at a place of a facet as seen along an axis, looking up or down: on the side the normal
+/// points to, or behind. In the plane a facet seen along itself shows the mean of both.
+template <std::size_t D>
+BoundaryValue<D> value_seen(const PlacedFacet<D>& facet, const std::array<double, D>& weights,
+                            std::size_t axis, bool up) noexcept {
+    auto value = value_on_facet(facet.vertex, weights);
+    if (facet.behind == 0) return value;
+    const double along = normal_of(facet)[axis];
+    if (D == 2 && along == 0) { // at an end, where one vertex has all the weight
+        const std::uint32_t end = facet.vertex[weights[0] > 0 ? 0 : 1];
+        value.handle[0] = end;
+        value.handle[1] = end + facet.behind;
+        value.weight[0] = value.weight[1] = 0.5;
+    } else if (up == (along > 0)) {
+        for (std::uint32_t& handle : value.handle) handle += facet.behind;
+    }
+    return value;
+}
+
+/// Where a ray may meet an edge, its length left aside: on an edge along the ray, the end that it
+/// meets first.
+inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>& edge,
+                                                            const grid::AxisRay<2>& ray) noexcept {
+    const auto &a = edge.corner[0], &b = edge.corner[1];
+    const std::size_t across = 1 - ray.axis;
+    const double from = a[across], to = b[across], at = ray.from[across];
+    if (at < (std::min)(from, to) || at > (std::max)(from, to)) return std::nullopt;
+    double s = 0;
+    if (from != to) {
+        s = (at - from) / (to - from);
+    } else {
+        const double to_a = ray.distance(a[ray.axis]), to_b = ray.distance(b[ray.axis]);
+        s = to_b >= 0 && (to_a < 0 || to_b <= to_a) ? 1 : 0;
+    }
+    return std::array<double, 2>{1 - s, s};
+}
+
+/// Where the line along `axis` through the place (x, y) of the plane across it meets a face's
+/// plane: the weights of the corners, negative beyond an edge. None where the face is seen edge-on.
+inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& face, std::size_t axis, double x,
+                                                       double y) noexcept {
+    const auto [u, v] = other_axes[axis];
+    std::array<Vec<double, 2>, 3> c;
+    for (std::size_t k = 0; k < 3; ++k) c[k] = {face.corner[k][u] - x, face.corner[k][v] - y};
+    const double area = cross(c[1] - c[0], c[2] - c[0]);
+    if (area == 0) return std::nullopt;
+    std::array<double, 3> w;
+    for (std::size_t k = 0; k < 3; ++k) w[k] = cross(c[(k + 1) % 3], c[(k + 2) % 3]) / area;
+    return w;
+}
+/// The weights of a place that rounding put beyond the rim of a facet, moved onto the rim.
+template <std::size_t D>
+std::array<double, D> onto_facet(std::array<double, D> w) noexcept {
+    double sum = 0;
+    for (double& x : w) sum += (x = std::clamp(x, 0.0, 1.0));
+    for (double& x : w) x /= sum;
+    return w;
+}
+
+/// Where a ray may meet a face, its length left aside.
+inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>& face,
+                                                            const grid::AxisRay<3>& ray) noexcept {
+    constexpr double rim = 1e-9; // of rounding: no ray may slip between two faces
+    const auto [u, v] = other_axes[ray.axis];
+    const auto w = weights_at(face, ray.axis, ray.from[u], ray.from[v]);
+    if (!w || (*w)[0] < -rim || (*w)[1] < -rim || (*w)[2] < -rim) return std::nullopt;
+    return onto_facet(*w);
+}
+
+template <std::size_t D>
+std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay<D>& ray) noexcept {
+    const auto weights = meeting_weights(facet, ray);
+    if (!weights) return std::nullopt;
+    const double position = facet.coordinate(*weights, ray.axis);
+    const double distance = ray.distance(position);
+    if (distance < 0 || distance > ray.length) return std::nullopt;
+    return grid::Hit<D>{position, value_seen(facet, *weights, ray.axis, ray.up)};
+}
+
+/// The weights of the corners at a place of a facet's line or plane, negative beyond its rim.
+inline std::array<double, 2> weights_in_plane(const PlacedFacet<2>& edge, const Vec<double, 2>& p) noexcept {
+    const auto along = edge.corner[1] - edge.corner[0];
+    const double s = dot(p - edge.corner[0], along) / dot(along, along);
+    return {1 - s, s};
+}
+inline std::array<double, 3> weights_in_plane(const PlacedFacet<3>& face, const Vec<double, 3>& p) noexcept {
+    const auto& [a, b, c] = face.corner;
+    const auto n = normal_of(face);
+    const double u = dot(cross(c - b, p - b), n) / dot(n, n), v = dot(cross(a - c, p - c), n) / dot(n, n);
+    return {u, v, 1 - u - v};
+}
+
+/// Whether the segment between two places crosses a facet; none where rounding might decide: next to
+/// its rim, and where an end is next to its line or plane.
+template <std::size_t D>
+std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& from,
+                            const Vec<double, D>& to) noexcept {
+    constexpr double rounding = 1e-7; // of cells, and of the facet
+    const auto normal = normal_of(facet);
+    const double size = std::sqrt(dot(normal, normal));
+    const double at_from = dot(normal, from - facet.corner[0]), at_to = dot(normal, to - facet.corner[0]);
+    if (!(std::fabs(at_from) > rounding * size && std::fabs(at_to) > rounding * size)) return std::nullopt;
+    if ((at_from > 0) == (at_to > 0)) return false;
+    const auto weights = weights_in_plane(facet, from + (at_from / (at_from - at_to)) * (to - from));
+    const double least = *std::min_element(weights.begin(), weights.end());
+    if (!(std::fabs(least) > rounding)) return std::nullopt;
+    return least > 0;
+}
+
+/// Adds a crossing at a place of a facet; one for each side where they differ.
+template <std::size_t D>
+void add_crossing(const PlacedFacet<D>& facet, const std::array<double, D>& weights, std::size_t axis,
+                  grid::Crossing<D> crossing, Buffer<grid::Crossing<D>>& out) {
+    crossing.value = value_seen(facet, weights, axis, true);
+    if (facet.behind != 0) {
+        crossing.from_above = false;
+        out.push_back(crossing);
+        crossing.value = value_seen(facet, weights, axis, false);
+        std::swap(crossing.from_below, crossing.from_above);
+    }
+    out.push_back(crossing);
+}
+
+/// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its
+/// upper one, so that a line through a common end of two edges crosses both, one, or none, as it
+/// changes sides.
+inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
+                          Buffer<grid::Crossing<2>>& out) {
+    const std::size_t across = 1 - axis;
+    const double from = edge.corner[0][across], to = edge.corner[1][across];
+    const auto box = edge.bounds();
+    const double low = box.lower[across], high = box.upper[across];
+    const double last = (std::min)(high, double(lattice.cells[across]) - 1);
+    const auto add = [&](double line, bool turns, double s) {
+        const std::array<double, 2> weights{1 - s, s};
+        add_crossing(edge, weights, axis, {std::uint32_t(line), turns, edge.coordinate(weights, axis), {}},
+                     out);
+    };
+    for (double line = (std::max)(std::ceil(low), 0.0); line <= last; ++line) {
+        if (from != to) {
+            add(line, edge.turns && line < high, (line - from) / (to - from));
+            continue;
+        }
+        // Along the line: its ends, and every node on it.
+        const auto add_at = [&, first = edge.corner[0][axis], second = edge.corner[1][axis]](double x) {
+            const double s = (x - first) / (second - first);
+            const std::array<double, 2> weights{1 - s, s};
+            add_crossing(edge, weights, axis, {std::uint32_t(line), false, x, {}}, out);
+        };
+        const double end = box.upper[axis];
+        for (double x = box.lower[axis]; x < end; x = std::floor(x) + 1) add_at(x);
+        add_at(end);
+    }
+}
+
+/// A face seen along an axis, its corners rounded to 2⁻²⁰ of a cell: which lattice lines cross it
+/// is decided in whole numbers. A line through an edge or a vertex counts as if all lines lay a
+/// little aside, the same for all faces.
+class FaceAcross {
+public:
+    /// `fraction`: bits of a coordinate behind the point; with those before it at most 30, as
+    /// products then take 61.
+    FaceAcross(const PlacedFacet<3>& face, std::size_t axis, int fraction = 20) noexcept
+        : face_(face)
+        , fraction_(fraction) {
+        const auto [u, v] = other_axes[axis];
+        for (std::size_t k = 0; k < 3; ++k) {
+            corners_[k] = {std::llround(face.corner[k][u] * double(one())),
+                           std::llround(face.corner[k][v] * double(one()))};
+        }
+        area_ = side(corners_[0], corners_[1], corners_[2]);
+    }
+
+    bool is_edge_on() const noexcept { return area_ == 0; } ///< and crossed by no line
+    bool crosses_line(std::int64_t x, std::int64_t y) const noexcept {
+        return crosses({x * one(), y * one()});
+    }
+    /// The line at a place given in the rounding's units.
+    bool crosses(const std::array<std::int64_t, 2>& p) const noexcept {
+        const bool left = area_ > 0;
+        return is_left(0, 1, p) == left && is_left(1, 2, p) == left && is_left(2, 0, p) == left;
+    }
+    /// The lines [first, last] along one of the axes across, of `count`, between which all that
+    /// cross the face lie.
+    std::pair<std::int64_t, std::int64_t> lines(std::size_t k, std::size_t count) const noexcept {
+        const auto [low, high] = std::minmax({corners_[0][k], corners_[1][k], corners_[2][k]});
+        return {std::max<std::int64_t>((low + one() - 1) >> fraction_, 0),
+                std::min<std::int64_t>(high >> fraction_, std::int64_t(count) - 1)};
+    }
+
+private:
+    using Whole = std::array<std::int64_t, 2>;
+    std::int64_t one() const noexcept { return std::int64_t{1} << fraction_; }
+
+    /// Positive where `p` is to the left of the line from `a` to `b`.
+    static std::int64_t side(const Whole& a, const Whole& b, const Whole& p) noexcept {
+        return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    }
+    /// On which side of the edge from corner k to corner l a line lies; both faces of the edge ask
+    /// in the same way.
+    bool is_left(std::size_t k, std::size_t l, const Whole& p) const noexcept {
+        const bool turned = face_.vertex[k] > face_.vertex[l];
+        const auto &a = corners_[turned ? l : k], &b = corners_[turned ? k : l];
+        std::int64_t s = side(a, b, p);
+        // A facet inside has its rim, on all sides.
+        if (s == 0 && !face_.turns) return area_ > 0;
+        // On the edge: as for a line aside, along u far more than along v.
+        if (s == 0) s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0];
+        return (s > 0) != turned;
+    }
+
+    const PlacedFacet<3>& face_;
+    int fraction_;
+    std::array<Whole, 3> corners_;
+    std::int64_t area_; ///< twice
+};
+
+/// Adds where the lattice lines along an axis cross a face.
+inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const Lattice<double, 3>& lattice,
+                          Buffer<grid::Crossing<3>>& out) {
+    const auto [u, v] = other_axes[axis];
+    const FaceAcross across(face, axis);
+    if (across.is_edge_on()) return;
+    const auto [begin_x, end_x] = across.lines(0, lattice.cells[u]);
+    const auto [begin_y, end_y] = across.lines(1, lattice.cells[v]);
+    const auto box = face.bounds();
+    for (auto y = begin_y; y <= end_y; ++y) {
+        for (auto x = begin_x; x <= end_x; ++x) {
+            if (!across.crosses_line(x, y)) continue;
+            const auto w = weights_at(face, axis, double(x), double(y));
+            if (!w) continue;
+            const double position = std::clamp(face.coordinate(*w, axis), box.lower[axis], box.upper[axis]);
+            const auto line = std::uint32_t(x) + std::uint32_t(lattice.cells[u]) * std::uint32_t(y);
+            add_crossing(face, onto_facet(*w), axis, {line, face.turns, position, {}}, out);
+        }
+    }
+}
+
+/// f(lower corner) for the cells that an edge passes, or comes as near to as `slack`.
+template <class F>
+void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
+    const auto &a = edge.corner[0], &b = edge.corner[1];
+    const auto box = edge.bounds();
+    const double left = box.lower[0], right = box.upper[0];
+    const auto height = [&](double x) {
+        return b[0] == a[0] ? a[1] : a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
+    };
+    for (double x = std::floor(left - slack); x <= std::floor(right + slack); ++x) {
+        double low = box.lower[1], high = box.upper[1];
+        if (right - left > 2 * slack) {
+            const double y0 = height(std::clamp(x - slack, left, right));
+            const double y1 = height(std::clamp(x + 1 + slack, left, right));
+            low = (std::min)(y0, y1);
+            high = (std::max)(y0, y1);
+        }
+        for (double y = std::floor(low - slack); y <= std::floor(high + slack); ++y)
+            f(std::array<std::int32_t, 2>{std::int32_t(x), std::int32_t(y)});
+    }
+}
+
+/// f(lower corner) for the cells that a face passes, or comes as near to as `slack`.
+template <class F>
+void for_each_cell(const PlacedFacet<3>& face, double slack, F&& f) {
+    const auto& [a, b, c] = face.corner;
+    const auto box = face.bounds();
+    const auto normal = cross(b - a, c - a);
+    const double reach = (0.5 + slack) * (std::fabs(normal[0]) + std::fabs(normal[1]) + std::fabs(normal[2]));
+    std::array<std::int32_t, 3> begin{}, end{}, low{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        begin[k] = std::int32_t(std::floor(box.lower[k] - slack));
+        end[k] = std::int32_t(std::floor(box.upper[k] + slack));
+    }
+    for (low[2] = begin[2]; low[2] <= end[2]; ++low[2]) {
+        for (low[1] = begin[1]; low[1] <= end[1]; ++low[1]) {
+            for (low[0] = begin[0]; low[0] <= end[0]; ++low[0]) {
+                const auto middle = node_position<3>(low) + Vec<double, 3>{0.5, 0.5, 0.5};
+                if (std::fabs(dot(normal, middle - a)) <= reach) f(low);
+            }
+        }
+    }
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

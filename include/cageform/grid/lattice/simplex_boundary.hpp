@@ -1,0 +1,304 @@
+// A polygon or a closed mesh, and the cells inside it, as the boundary of a problem on a lattice:
+// crossings with the lattice lines, and values between the nodes that are right up to it.
+#pragma once
+
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/lattice/bones.hpp>
+#include <cageform/grid/lattice/placed_facet.hpp>
+#include <cageform/grid/lattice/grid_boundary.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Which parts of a boundary pass which cells of a lattice of fewer than 2²⁰ cells a side.
+template <std::size_t D>
+class PartsByCell {
+public:
+    using Index = typename grid::NodeRuns<D>::Index;
+    struct Pass {
+        std::uint64_t cell;
+        std::uint32_t part;
+        auto operator<=>(const Pass&) const = default;
+    };
+
+    void add(const Index& low, std::uint32_t part) { passes_.push_back({key(low), part}); }
+    void sort() { std::sort(passes_.begin(), passes_.end()); }
+    void clear() noexcept { passes_.clear(); }
+
+    /// Those of the cell with this lower corner. O(log #passes).
+    std::span<const Pass> find(const Index& low) const noexcept {
+        const auto cell = key(low);
+        const auto first = std::lower_bound(passes_.begin(), passes_.end(), Pass{cell, 0});
+        auto last = first;
+        while (last != passes_.end() && last->cell == cell) ++last;
+        return {first, last};
+    }
+
+private:
+    static std::uint64_t key(const Index& low) noexcept {
+        constexpr unsigned bits = 64 / D;
+        std::uint64_t key = 0;
+        for (std::size_t k = D; k-- > 0;)
+            key = (key << bits) | (std::uint64_t(std::uint32_t(low[k])) & ((std::uint64_t{1} << bits) - 1));
+        return key;
+    }
+
+    Buffer<Pass> passes_; ///< sorted
+};
+
+} // namespace detail
+namespace grid {
+
+/// The edges of a polygon or the triangles of a mesh, and the cells inside, on a lattice of at most
+/// 1024 cells a side (in the plane 16384). A part of it is a facet or, numbered after the facets, a
+/// bone.
+template <std::size_t D>
+class SimplexBoundary {
+public:
+    static constexpr std::size_t dimension = D;
+    using Index = typename NodeRuns<D>::Index;
+
+    /// Of a Polygon, a TriangleMesh or a CellComplex; or of cells in the open (fields/strokes.hpp), the
+    /// facets of which may have other handles behind: `behind` is added to theirs.
+    template <class Cage>
+    SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice, std::uint32_t behind = 0)
+        : lattice_(lattice)
+        , bones_(interior_cells(whole).bones, lattice.in_cells(whole.vertices()), lattice) {
+        const auto vertices = lattice.in_cells(whole.vertices());
+        for_each_facet(boundary_of(whole), [&](const auto& facet) {
+            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), true});
+        });
+        const auto& cells = interior_cells(whole);
+        for (const auto& facet : cells.facets)
+            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), false, behind});
+    }
+
+    const Lattice<double, D>& lattice() const noexcept { return lattice_; }
+
+    /// O(facets + lines they meet, and the logarithm of that).
+    Crossings<D> crossings() const {
+        Crossings<D> all;
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            for (const Facet& facet : facets_) detail::add_crossings(facet, axis, lattice_, all[axis]);
+        }
+        bones_.add_crossings(all);
+        for (auto& along : all) sort_along_lines<D>(along);
+        return all;
+    }
+    Buffer<FixedNode<D>> fixed_nodes() const { return bones_.nodes(); }
+    std::optional<std::uint32_t> too_thin_bone() const noexcept { return bones_.too_thin(); }
+
+    /// O(parts).
+    BoundaryValue<D> nearest(const Index& node) const noexcept {
+        const auto p = node_position<D>(node);
+        double least = (std::numeric_limits<double>::max)();
+        BoundaryValue<D> value;
+        for (const Facet& facet : facets_) {
+            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const auto d = facet.place(weights) - p;
+            if (dot(d, d) >= least) continue;
+            least = dot(d, d);
+            value = value_on_facet(facet.vertex, weights);
+        }
+        const auto bone = bones_.nearest(p, std::sqrt(least));
+        return bone ? bone->value : value;
+    }
+
+    /// O(cells on the way · parts that pass them).
+    double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+        AxisRay<D> ray{p, axis, up, limit};
+        Index low;
+        for (std::size_t k = 0; k < D; ++k) low[k] = std::int32_t(std::floor(p[k]));
+        const std::int32_t last = lattice_.counts()[axis];
+        for (; low[axis] >= -1 && low[axis] <= last; low[axis] += up ? 1 : -1) {
+            if (ray.distance(up ? low[axis] : low[axis] + 1) > ray.length) break;
+            for (const auto& pass : parts_.find(low)) shorten_to(pass.part, ray);
+        }
+        return ray.length;
+    }
+
+    void index_cells(double slack) {
+        parts_.clear();
+        std::uint32_t part = 0;
+        const auto add = [&](const Index& low) { parts_.add(low, part); };
+        for (const Facet& facet : facets_) {
+            detail::for_each_cell(facet, slack, add);
+            ++part;
+        }
+        for (std::size_t n = 0; n < bones_.size(); ++n, ++part) bones_.for_each_cell(n, add);
+        parts_.sort();
+    }
+    /// O(parts in the cell). Where some pass it: none beside bones, or where rounding might decide.
+    std::optional<Located<D>> locate(const Vec<double, D>& p, double tolerance,
+                                     const NodeRuns<D>& nodes) const noexcept {
+        Index low;
+        for (std::size_t k = 0; k < D; ++k) low[k] = std::int32_t(std::floor(p[k]));
+        const auto parts = parts_.find(low);
+        const bool at_node = nodes.find(low) != NodeRuns<D>::none;
+        if (parts.empty()) return Located<D>{at_node ? PointState::inside : PointState::outside, {}};
+        double least = 2 * tolerance; // places in units of the lattice are rounded by less than half
+        std::optional<Located<D>> result;
+        for (const Pass& pass : parts) {
+            if (pass.part >= facets_.size()) return std::nullopt;
+            const Facet& facet = facets_[pass.part];
+            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const double distance = detail::length(facet.place(weights) - p);
+            if (distance > least || (result && distance == least)) continue; // of equals the first
+            least = distance;
+            result = {PointState::on_boundary, value_on_facet(facet.vertex, weights)};
+        }
+        if (result) return least <= 0.5 * tolerance ? result : std::nullopt;
+        for (std::size_t corner = 0; corner < CutStencil<D>::corners; ++corner) {
+            Index index = low;
+            for (std::size_t k = 0; k < D; ++k) index[k] += std::int32_t((corner >> k) & 1u);
+            if (nodes.find(index) == NodeRuns<D>::none) continue;
+            const auto turns = turns_between(parts, p, node_position<D>(index));
+            if (turns) return Located<D>{*turns ? PointState::outside : PointState::inside, {}};
+        }
+        return std::nullopt;
+    }
+
+    /// Multilinear; where the boundary passes the cell, the mean over D orders of the axes. A mean,
+    /// so never beyond the values it is made of. Beyond the last nodes, where no boundary is, the
+    /// mirror image.
+    CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
+        CutStencil<D> stencil;
+        Cell cell{nodes, {}, {}, {}, stencil};
+        for (std::size_t k = 0; k < D; ++k) cell.low[k] = std::int32_t(std::floor(p[k]));
+        cell.parts = parts_.find(cell.low);
+        bool between_nodes = true;
+        for (std::size_t k = 0; k < D; ++k)
+            between_nodes = between_nodes && cell.low[k] >= 0 && cell.low[k] + 1 < nodes.size()[k];
+        if (cell.parts.empty() && between_nodes) {
+            add_corners(cell.low, p, nodes, stencil);
+            return stencil;
+        }
+        for (std::size_t first = 0; first < D; ++first) {
+            for (std::size_t k = 0; k < D; ++k) cell.axes[k] = (first + k) % D;
+            gather(cell, p, 1.0 / double(D));
+        }
+        return stencil;
+    }
+
+private:
+    using Facet = detail::PlacedFacet<D>;
+    using Pass = typename detail::PartsByCell<D>::Pass;
+    struct Cell {
+        const NodeRuns<D>& nodes;
+        Index low;
+        std::span<const Pass> parts;     ///< that pass it
+        std::array<std::size_t, D> axes; ///< in the order they are taken
+        CutStencil<D>& stencil;
+    };
+
+    /// Where a ray meets a part, at which it then ends.
+    std::optional<Hit<D>> shorten_to(std::uint32_t part, AxisRay<D>& ray) const noexcept {
+        const auto hit =
+            part < facets_.size() ? detail::hit(facets_[part], ray) : bones_.hit(part - facets_.size(), ray);
+        if (hit) ray.length = ray.distance(hit->position);
+        return hit;
+    }
+    std::optional<Hit<D>> first_hit(const Cell& cell, AxisRay<D> ray) const noexcept {
+        std::optional<Hit<D>> first;
+        for (const auto& pass : cell.parts) {
+            if (const auto hit = shorten_to(pass.part, ray)) first = hit;
+        }
+        return first;
+    }
+
+    /// Whether one of two places of a cell is inside and the other is not, by the parts that pass
+    /// it; none where rounding might decide.
+    std::optional<bool> turns_between(std::span<const Pass> parts, const Vec<double, D>& from,
+                                      const Vec<double, D>& to) const noexcept {
+        bool turns = false;
+        for (const Pass& pass : parts) {
+            if (!facets_[pass.part].turns) continue;
+            const auto crosses = detail::crosses(facets_[pass.part], from, to);
+            if (!crosses) return std::nullopt;
+            turns = turns != *crosses;
+        }
+        return turns;
+    }
+
+    /// Of a cell that nothing passes, whose corners are all unknowns: multilinear. Those along axis 0
+    /// are neighbours in a run.
+    static void add_corners(const Index& low, const Vec<double, D>& p, const NodeRuns<D>& nodes,
+                            CutStencil<D>& stencil) noexcept {
+        for (std::size_t row = 0; row < CutStencil<D>::corners / 2; ++row) {
+            Index index = low;
+            double share = 1;
+            for (std::size_t k = 1; k < D; ++k) {
+                const auto up = std::int32_t((row >> (k - 1)) & 1u);
+                const double at = p[k] - low[k];
+                index[k] += up;
+                share *= up != 0 ? at : 1 - at;
+            }
+            if (share == 0) continue;
+            const std::uint32_t node = nodes.find(index);
+            const double at = p[0] - low[0];
+            if (at < 1) stencil.nodes[stencil.node_count++] = {node, share * (1 - at)};
+            if (at > 0) stencil.nodes[stencil.node_count++] = {node + 1, share * at};
+        }
+    }
+
+    /// Adds a share of the value at `p` to the cell's stencil: linear along one axis after the
+    /// other, of which `done` are done. Where the boundary lies before an end of the cell, its
+    /// value there takes the place of what lies beyond.
+    void gather(Cell& cell, const Vec<double, D>& p, double share, std::size_t done = 0) const noexcept {
+        if (done == D) {
+            Index index;
+            for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(p[k]);
+            const auto node = cell.nodes.find(index);
+            if (node != NodeRuns<D>::none) {
+                cell.stencil.add(node, share);
+            } else { // on the boundary, up to rounding
+                cell.stencil.add(nearest(index), share);
+            }
+            return;
+        }
+        const std::size_t axis = cell.axes[done];
+        const double low = cell.low[axis], high = low + 1;
+        const auto below = first_hit(cell, {p, axis, low > p[axis], std::fabs(low - p[axis])});
+        const auto above = first_hit(cell, {p, axis, high > p[axis], std::fabs(high - p[axis])});
+        const double begin = below ? below->position : low, end = above ? above->position : high;
+        const double length = end - begin;
+        double at = length > 0 ? (p[axis] - begin) / length : 0.0;
+        if (!below && low < 0) at = 1;
+        if (!above && high >= cell.nodes.size()[axis]) at = 0;
+        const auto take = [&](const std::optional<Hit<D>>& hit, double position, double part) {
+            if (!(part > 0)) return;
+            if (hit) {
+                cell.stencil.add(hit->value, part);
+                return;
+            }
+            auto q = p;
+            q[axis] = position;
+            gather(cell, q, part, done + 1);
+        };
+        take(below, begin, share * (1 - at));
+        take(above, end, share * at);
+    }
+
+    Lattice<double, D> lattice_;
+    GridBones<D> bones_;
+    Buffer<Facet> facets_;
+    detail::PartsByCell<D> parts_;
+};
+
+template <Scalar T>
+struct GridBoundaryOf<Polygon<T>> {
+    using type = SimplexBoundary<2>;
+};
+template <Scalar T>
+struct GridBoundaryOf<TriangleMesh<T>> {
+    using type = SimplexBoundary<3>;
+};
+template <Scalar T, std::size_t D>
+struct GridBoundaryOf<CellComplex<T, D>> {
+    using type = SimplexBoundary<D>;
+};
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

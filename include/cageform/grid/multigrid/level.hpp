@@ -1,0 +1,217 @@
+// One level of the hierarchy as the cycles walk it: regular nodes in runs, irregular ones in a
+// list, both row by row.
+#pragma once
+
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/multigrid/coarsen.hpp>
+
+#include <optional>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Nodes of a row that follow each other, with the regular stencil and multilinear interpolation.
+/// The nodes of the neighbouring rows, fine and coarse, lie at constant distances in memory.
+template <std::size_t D>
+struct RegularRun {
+    std::uint32_t first = 0;                             ///< its first node
+    std::uint32_t count = 0;                             ///< of nodes
+    std::int32_t x = 0;                                  ///< index of the first node along axis 0
+    std::uint32_t first_colour = 0;                      ///< parity of its indices' sum
+    std::array<std::int32_t, power(3, D - 1)> row{};     ///< to the same x of neighbouring rows
+    std::array<std::uint32_t, power(2, D - 1)> coarse{}; ///< number of coarse node X = coarse + X
+    std::uint32_t coarse_rows = 0;
+
+    /// The first node of a colour, counted from `first`.
+    std::uint32_t first_of(std::uint32_t colour) const noexcept { return first_colour ^ colour; }
+    /// From a node to its 2·D nearest neighbours.
+    std::array<std::ptrdiff_t, 2 * D> nearest() const noexcept {
+        std::array<std::ptrdiff_t, 2 * D> to{-1, 1};
+        for (std::size_t k = 1, r = 1; k < D; ++k, r *= 3) {
+            to[2 * k] = row[row.size() / 2 - r];
+            to[2 * k + 1] = row[row.size() / 2 + r];
+        }
+        return to;
+    }
+};
+
+template <std::size_t D>
+struct Level {
+    struct Entry {
+        std::uint32_t node;
+        float weight;
+    };
+    /// A node with an irregular stencil or interpolation.
+    struct Irregular {
+        std::uint32_t node;
+        std::uint32_t entries_end; ///< in `entries`; they begin where those before end
+        std::uint32_t coarse_end;  ///< in `from_coarse`, likewise
+        double diagonal;
+        float inverse; ///< 1/diagonal
+        float row_sum; ///< of A: zero but beside data
+    };
+    struct Range {
+        std::size_t begin, end;
+    };
+    /// Where the nodes of a row of the lattice begin.
+    struct Row {
+        std::uint32_t runs, irregular;
+    };
+
+    std::uint32_t count = 0;                ///< of nodes
+    float diagonal = 1;                     ///< of the regular stencil
+    std::array<float, D + 1> by_distance{}; ///< minus its other entries, by `Places::distance`
+    std::size_t slab_rows = 1;              ///< of the nodes of one index along the last axis
+    Buffer<Row> rows;                       ///< and their end
+    Buffer<RegularRun<D>> runs;
+    Buffer<Irregular> irregular;
+    Buffer<Entry> entries;     ///< minus the off-diagonal entries of A, of irregular nodes
+    Buffer<Entry> from_coarse; ///< their interpolation
+
+    std::size_t slabs() const noexcept { return (rows.size() - 1) / slab_rows; }
+    /// Of some rows that follow each other.
+    std::span<const RegularRun<D>> runs_of(Range r) const noexcept {
+        return {runs.data() + rows[r.begin].runs, runs.data() + rows[r.end].runs};
+    }
+    Range irregular_of(Range r) const noexcept { return {rows[r.begin].irregular, rows[r.end].irregular}; }
+    std::span<const Entry> entries_of(std::size_t j) const noexcept {
+        const std::size_t begin = j == 0 ? 0 : irregular[j - 1].entries_end;
+        return {entries.data() + begin, entries.data() + irregular[j].entries_end};
+    }
+    std::span<const Entry> interpolation_of(std::size_t j) const noexcept {
+        const std::size_t begin = j == 0 ? 0 : irregular[j - 1].coarse_end;
+        return {from_coarse.data() + begin, from_coarse.data() + irregular[j].coarse_end};
+    }
+
+    std::size_t bytes() const noexcept {
+        return rows.capacity() * sizeof(Row) + runs.capacity() * sizeof(RegularRun<D>) +
+               irregular.capacity() * sizeof(Irregular) +
+               (entries.capacity() + from_coarse.capacity()) * sizeof(Entry);
+    }
+};
+
+/// Makes a `Level` of its equations. The coarsest level has no `coarsening`.
+template <std::size_t D>
+class LevelMaker {
+public:
+    LevelMaker(const Equations<D>& equations, const Coarsening<D>* coarsening, bool finest)
+        : e_(equations)
+        , coarsening_(coarsening)
+        , finest_(finest)
+        , around_(equations.nodes) {
+        if (coarsening != nullptr) coarse_around_.emplace(coarsening->coarse.nodes);
+        level_.count = e_.nodes.count();
+        level_.diagonal = float(e_.regular[P::centre]);
+        for (std::size_t p = 0; p < P::count; ++p) level_.by_distance[P::distance(p)] = -float(e_.regular[p]);
+        const std::size_t rows = e_.nodes.rows();
+        level_.slab_rows = rows / std::size_t(e_.nodes.size()[D - 1]);
+        level_.rows.reserve(rows + 1);
+        level_.rows.push_back();
+        for (std::size_t row = 0; row < rows; ++row) {
+            add_row(row);
+            level_.rows.push_back(
+                {std::uint32_t(level_.runs.size()), std::uint32_t(level_.irregular.size())});
+        }
+        level_.runs.shrink_to_fit();
+        level_.irregular.shrink_to_fit();
+        level_.entries.shrink_to_fit();
+        level_.from_coarse.shrink_to_fit();
+    }
+    Level<D> take() { return std::move(level_); }
+
+private:
+    using P = Places<D>;
+    using Index = typename grid::NodeRuns<D>::Index;
+    static constexpr auto none = grid::NodeRuns<D>::none;
+
+    void add_row(std::size_t row) {
+        Index index = e_.nodes.row_index(row);
+        for (const auto* run = e_.nodes.row_runs(row); run != e_.nodes.row_runs_end(row); ++run) {
+            bool open = false; // whether the node before was regular
+            for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
+                const std::uint32_t node = run->first + std::uint32_t(index[0] - run->begin);
+                const bool regular =
+                    !e_.is_irregular(node) && (coarsening_ == nullptr || !coarsening_->is_irregular(node));
+                if (!regular) {
+                    add_irregular(index, node);
+                } else {
+                    if (!open) begin_run(index, node);
+                    ++level_.runs.back().count;
+                }
+                open = regular;
+            }
+        }
+    }
+
+    void begin_run(const Index& index, std::uint32_t node) {
+        around_.move_to(index);
+        RegularRun<D> run;
+        run.first = node;
+        run.x = index[0];
+        for (const auto x : index) run.first_colour ^= std::uint32_t(x & 1);
+        for (std::size_t r = 0; r < run.row.size(); ++r) {
+            const auto n = around_.at(3 * r + 1);
+            run.row[r] = n == none ? 0 : std::int32_t(n - node);
+        }
+        if (coarsening_ != nullptr) find_coarse_rows(index, run);
+        level_.runs.push_back(run);
+    }
+    /// The coarse rows on both sides of an odd index, the one at an even index.
+    void find_coarse_rows(Index index, RegularRun<D>& run) const {
+        std::size_t odd = 0;
+        for (std::size_t k = 1; k < D; ++k) odd |= std::size_t(index[k] & 1) << k;
+        ++index[0]; // rounds up: a coarse node that all of these rows have
+        for (std::size_t corner = 0; corner < power(2, D); corner += 2) {
+            if ((corner & ~odd) != 0) continue;
+            const Index at = coarsening_->corner_index(index, corner);
+            const auto n = coarsening_->coarse.nodes.find(at);
+            CAGEFORM_ASSERT(n != none, "regular interpolation takes from all coarse nodes around");
+            run.coarse[run.coarse_rows++] = n - std::uint32_t(at[0]);
+        }
+    }
+
+    void add_irregular(const Index& index, std::uint32_t node) {
+        const double row_sum = add_entries(index, node);
+        if (coarsening_ != nullptr) add_interpolation(index, node);
+        const double diagonal = e_.stencil(node)[P::centre];
+        level_.irregular.push_back({node, std::uint32_t(level_.entries.size()),
+                                    std::uint32_t(level_.from_coarse.size()), diagonal, float(1 / diagonal),
+                                    float(row_sum)});
+    }
+    /// Filled up with entries of no weight: to 2·D on the finest level, to an even number on
+    /// others.
+    double add_entries(const Index& index, std::uint32_t node) {
+        auto& entries = level_.entries;
+        const std::size_t begin = entries.size();
+        around_.move_to(index);
+        const auto& a = e_.stencil(node);
+        double row_sum = 0;
+        for (std::size_t p = 0; p < P::count; ++p) {
+            row_sum += a[p];
+            const auto n = p != P::centre && a[p] != 0 ? around_.at(p) : none;
+            if (n != none) entries.push_back({n, -float(a[p])});
+        }
+        while (finest_ ? entries.size() < begin + 2 * D : (entries.size() - begin) % 2 != 0)
+            entries.push_back({node, 0.0f});
+        return row_sum;
+    }
+    void add_interpolation(const Index& index, std::uint32_t node) {
+        auto& from_coarse = level_.from_coarse;
+        const auto& weights = coarsening_->of(node, index);
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): there is one with every coarsening
+        coarse_around_->move_to(coarsening_->corner_index(index, 0));
+        for (std::size_t corner = 0; corner < weights.size(); ++corner) {
+            if (weights[corner] == 0) continue;
+            const auto n = coarse_around_->at(P::place(corner_offset<D>(corner)));
+            from_coarse.push_back({n, float(weights[corner])});
+        }
+    }
+
+    const Equations<D>& e_;
+    const Coarsening<D>* coarsening_;
+    bool finest_;
+    Neighbours<D> around_;
+    std::optional<Neighbours<D>> coarse_around_;
+    Level<D> level_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,35 @@
+// What one node holds: the values of sixteen functions, which are solved together.
+#pragma once
+
+#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/grid/multigrid/helping_threads.hpp>
+
+#include <array>
+#include <cstring>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+using NodeRow = Lanes<float>; ///< as the cycles work on them: a cache line
+inline constexpr std::size_t functions_together = lane_count<float>;
+using NodeValues = std::array<double, functions_together>; ///< as the caller gives and reads them
+
+/// Of one level: A u = b.
+struct Fields {
+    Buffer<NodeRow> u, b;
+};
+
+inline void set_zero(Buffer<NodeRow>& rows, std::size_t begin, std::size_t end) noexcept {
+    if (begin == end) return; // memset is not to be given a null pointer
+    std::memset(static_cast<void*>(rows.data() + begin), 0, (end - begin) * sizeof(NodeRow));
+}
+inline void set_zero(Buffer<NodeRow>& rows) noexcept {
+    set_zero(rows, 0, rows.size());
+}
+inline void set_zero(Buffer<NodeRow>& rows, const WorkShare& share) noexcept {
+    constexpr std::size_t worth_sharing = 16384; // a megabyte
+    share.for_ranges(rows.size(), worth_sharing,
+                     [&](std::size_t begin, std::size_t end) { set_zero(rows, begin, end); });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,318 @@
+// The work on some rows of a level: relaxation, and the residual restricted to the next level.
+//
+// The finest level is relaxed by Gauss–Seidel in red-black order. Its regular stencil couples a
+// node with those of the other colour only. Coarser levels have all 3^D neighbours and are relaxed
+// by Gauss–Seidel along the rows. Irregular nodes come before the regular ones of the same rows.
+#pragma once
+
+#include <cageform/grid/multigrid/error_estimate.hpp>
+#include <cageform/grid/multigrid/transfer.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The finest level. Without `HasSource`, b is zero at all regular nodes.
+template <std::size_t D, bool HasSource>
+struct FinestLevel {
+    using Vector = Simd<float>;
+    using Rows = typename Level<D>::Range;
+    static constexpr std::size_t colours = 2;
+    static constexpr float diagonal = 2.0f * float(D); ///< of the regular stencil
+
+    LevelFields<D> fields;
+
+    void relax(Rows rows, std::uint32_t colour) const noexcept {
+        if (colour == 0) relax_irregular(*this, rows);
+        for (const auto& run : fields.level.runs_of(rows)) {
+            for_each_second(run, run.first_of(colour),
+                            [](NodeRow& u, const Vector& sum) { (sum * Vector(1 / diagonal)).store(u); });
+        }
+    }
+    /// Just relaxed nodes of the second colour have no residual.
+    void restrict_residual(Rows rows, Residual& largest) const noexcept {
+        for (const auto& run : fields.level.runs_of(rows)) {
+            const std::uint32_t begin = run.first_of(0);
+            RunRestriction<D> restriction(run, run.x + std::int32_t(begin), fields.coarser->b.data());
+            for_each_second(run, begin, [&](const NodeRow& u, const Vector& sum) {
+                const Vector residual = sum - Vector(diagonal) * Vector::load(u);
+                largest.add(residual);
+                restriction.add_second(residual);
+            });
+            restriction.finish();
+        }
+        restrict_irregular(*this, rows, largest);
+    }
+    /// Of all nodes.
+    Residual residual() const noexcept {
+        Residual largest;
+        for (std::size_t j = 0; j < fields.level.irregular.size(); ++j)
+            largest.add(irregular_residual(*this, j), fields.level.irregular[j].row_sum);
+        for (const auto& run : fields.level.runs) {
+            for (const std::uint32_t begin : {0u, 1u}) {
+                for_each_second(run, begin, [&](const NodeRow& u, const Vector& sum) {
+                    largest.add(sum - Vector(diagonal) * Vector::load(u));
+                });
+            }
+        }
+        return largest;
+    }
+
+    /// b minus the off-diagonal part of A u.
+    Vector irregular_sum(std::size_t j) const noexcept {
+        const auto* const entry = fields.level.entries.data() + j * 2 * D;
+        Vector sum = Vector::load(fields.irregular_b[j]);
+        for (std::size_t n = 0; n < 2 * D; ++n)
+            sum = sum + Vector(entry[n].weight) * Vector::load(fields.u[entry[n].node]);
+        return sum;
+    }
+
+private:
+    /// body(u, b minus the off-diagonal part of A u) for every second node of a run.
+    template <class Body>
+    void for_each_second(const RegularRun<D>& run, std::uint32_t begin, Body body) const noexcept {
+        const auto to = run.nearest();
+        NodeRow* const first = fields.u + run.first;
+        const NodeRow* const b = fields.b + run.first;
+        const NodeRow* const end = first + run.count;
+        Vector before = Vector::load(first[std::ptrdiff_t(begin) - 1]);
+        for (NodeRow* here = first + begin; here < end; here += 2) {
+            const Vector after = Vector::load(here[1]);
+            Vector sum = before + after;
+            before = after; // of the other colour, which stays
+            if constexpr (HasSource) sum = sum + Vector::load(b[here - first]);
+            for (std::size_t k = 1; k < D; ++k)
+                sum = sum + (Vector::load(here[to[2 * k]]) + Vector::load(here[to[2 * k + 1]]));
+            body(*here, sum);
+        }
+    }
+};
+
+/// Any other level.
+template <std::size_t D>
+struct CoarseLevel {
+    using Vector = Simd<float>;
+    using Rows = typename Level<D>::Range;
+    static constexpr std::size_t colours = 1;
+
+    LevelFields<D> fields;
+
+    void relax(Rows rows, std::uint32_t) const noexcept {
+        relax_irregular(*this, rows);
+        const float inverse = 1 / fields.level.diagonal;
+        for (const auto& run : fields.level.runs_of(rows)) {
+            for_each_node(run, inverse, [](NodeRow& u, const Vector& sum, const Vector&) {
+                sum.store(u);
+                return sum;
+            });
+        }
+    }
+    void restrict_residual(Rows rows, Residual& largest) const noexcept {
+        const Vector diagonal(fields.level.diagonal);
+        for (const auto& run : fields.level.runs_of(rows)) {
+            RunRestriction<D> restriction(run, run.x, fields.coarser->b.data());
+            for_each_node(run, 1.0f, [&](const NodeRow&, const Vector& sum, const Vector& before) {
+                const Vector residual = sum - diagonal * before;
+                largest.add(residual);
+                restriction.add(residual);
+                return before;
+            });
+            restriction.finish();
+        }
+        restrict_irregular(*this, rows, largest);
+    }
+
+    /// b minus the off-diagonal part of A u.
+    Vector irregular_sum(std::size_t j) const noexcept {
+        const NodeRow* const u = fields.u;
+        const auto entries = fields.level.entries_of(j);
+        Vector sum = Vector::load(fields.b[fields.level.irregular[j].node]), other(0.0f);
+        for (std::size_t n = 0; n < entries.size(); n += 2) { // two sums: see DenseSolver
+            sum = sum + Vector(entries[n].weight) * Vector::load(u[entries[n].node]);
+            other = other + Vector(entries[n + 1].weight) * Vector::load(u[entries[n + 1].node]);
+        }
+        return sum + other;
+    }
+
+private:
+    static constexpr std::size_t row_count = power(3, D - 1);
+    static constexpr std::array<std::size_t, row_count> row_distance = [] {
+        std::array<std::size_t, row_count> distance{};
+        for (std::size_t r = 0; r < row_count; ++r) distance[r] = Places<D>::distance(3 * r + 1);
+        return distance;
+    }();
+
+    /// Sums of u over the neighbouring rows at one x, by the distance of a row less one.
+    using Column = std::array<Vector, D - 1>;
+    static Column column(const NodeRow* at, const std::array<std::ptrdiff_t, row_count>& to) noexcept {
+        Column sum;
+        for (auto& s : sum) s = Vector(0.0f);
+        for (std::size_t r = 0; r < row_count; ++r) {
+            const std::size_t d = row_distance[r];
+            if (d != 0) sum[d - 1] = sum[d - 1] + Vector::load(at[to[r]]);
+        }
+        return sum;
+    }
+    /// body(u, sum, before) for every node of a run. sum is factor · (b minus the off-diagonal part
+    /// of A u), before the node's value. It returns the value that the next node's sum is to take.
+    template <class Body>
+    void for_each_node(const RegularRun<D>& run, float factor, Body body) const noexcept {
+        std::array<std::ptrdiff_t, row_count> to{};
+        for (std::size_t r = 0; r < row_count; ++r) to[r] = run.row[r];
+        std::array<Vector, D + 1> weight;
+        for (std::size_t d = 1; d <= D; ++d) weight[d] = Vector(factor * fields.level.by_distance[d]);
+        const Vector one(factor);
+        NodeRow* at = fields.u + run.first;
+        const NodeRow* const b = fields.b + run.first;
+        // Columns are carried along: what is ahead now is beside the next node.
+        Column before = column(at - 1, to), here = column(at, to);
+        Vector left = Vector::load(at[-1]), middle = Vector::load(at[0]);
+        const std::uint32_t count = run.count;
+        for (std::uint32_t n = 0; n < count; ++n, ++at) {
+            const Column ahead = column(at + 1, to);
+            const Vector right = Vector::load(at[1]);
+            Vector sum = one * Vector::load(b[n]);
+            for (std::size_t d = 1; d < D; ++d)
+                sum = sum + (weight[d] * here[d - 1] + weight[d + 1] * (before[d - 1] + ahead[d - 1]));
+            sum = (sum + weight[1] * right) + weight[1] * left; // the newest value last
+            left = body(*at, sum, middle);
+            middle = right;
+            before = here;
+            here = ahead;
+        }
+    }
+};
+
+template <class AnyLevel>
+void relax_irregular(const AnyLevel& level, typename AnyLevel::Rows rows) noexcept {
+    const auto [begin, end] = level.fields.level.irregular_of(rows);
+    for (std::size_t j = begin; j < end; ++j) {
+        const auto& node = level.fields.level.irregular[j];
+        (level.irregular_sum(j) * Simd<float>(node.inverse)).store(level.fields.u[node.node]);
+    }
+}
+template <class AnyLevel>
+Simd<float> irregular_residual(const AnyLevel& level, std::size_t j) noexcept {
+    const auto& node = level.fields.level.irregular[j];
+    return level.irregular_sum(j) -
+           Simd<float>(float(node.diagonal)) * Simd<float>::load(level.fields.u[node.node]);
+}
+template <class AnyLevel>
+void restrict_irregular(const AnyLevel& level, typename AnyLevel::Rows rows, Residual& largest) noexcept {
+    const auto [begin, end] = level.fields.level.irregular_of(rows);
+    for (std::size_t j = begin; j < end; ++j) {
+        const auto r = irregular_residual(level, j);
+        largest.add(r, level.fields.level.irregular[j].row_sum);
+        level.fields.restrict_irregular(j, r);
+    }
+}
+
+/// What one pass over a level does, in this order.
+struct Pass {
+    enum class Prolong : std::uint8_t { none, add, set };
+    Prolong prolong = Prolong::none; ///< the correction of the next level
+    std::size_t sweeps = 0;          ///< of relaxation
+    bool restrict_residual = false;  ///< to the next level, whose right-hand side it becomes
+};
+
+/// How far each part of a pass has come, for the part after it.
+class PartProgress {
+public:
+    static constexpr std::size_t most_parts = 8;
+
+    void tell(std::size_t part, std::size_t steps) noexcept {
+        steps_[part].done.store(steps, std::memory_order_release);
+    }
+    void wait_for(std::size_t part, std::size_t steps) const noexcept {
+        for (Waiting waiting; steps_[part].done.load(std::memory_order_acquire) < steps;) waiting.wait();
+    }
+
+private:
+    struct alignas(64) Steps { // a cache line each
+        std::atomic<std::size_t> done{0};
+    };
+    std::array<Steps, most_parts> steps_;
+};
+
+/// The stages of a pass in their order: prolongation, half sweeps, restriction.
+template <class AnyLevel>
+struct Stages {
+    const AnyLevel& level;
+    const Pass& pass;
+    std::size_t prolongs = pass.prolong == Pass::Prolong::none ? 0 : 1;
+    std::size_t relaxations = AnyLevel::colours * pass.sweeps;
+    std::size_t count = prolongs + relaxations + (pass.restrict_residual ? 1 : 0);
+
+    void work(std::size_t stage, typename AnyLevel::Rows rows, Residual& largest) const noexcept {
+        if (stage < prolongs && pass.prolong == Pass::Prolong::add) return prolong<false>(level.fields, rows);
+        if (stage < prolongs) return prolong<true>(level.fields, rows);
+        stage -= prolongs;
+        if (stage < relaxations) return level.relax(rows, std::uint32_t(stage % AnyLevel::colours));
+        level.restrict_residual(rows, largest);
+    }
+    /// The first stage of a part: a transfer takes about as long as two half sweeps.
+    std::size_t first_of(std::size_t part, std::size_t parts) const noexcept {
+        if (part == 0) return 0;
+        if (part == parts) return count;
+        const std::size_t transfers = count - relaxations, before = (relaxations + 2 * transfers) * part;
+        return std::clamp((before + parts / 2) / parts - prolongs, part, count - (parts - part));
+    }
+};
+
+/// Every slab cut into tiles, so that what a pass has in flight, a slab's tile for each stage, stays in the cache.
+/// The tiles of each stage lie a row below those of the stage before: that is as far as stencils reach
+/// (time skewing: Wonnacott, Int. J. Parallel Program. 30 (2002)).
+template <std::size_t D>
+struct Tiles {
+    using Rows = typename Level<D>::Range;
+
+    Tiles(const Level<D>& level, std::size_t stages) noexcept
+        : slab_rows(level.slab_rows) {
+        constexpr std::size_t in_flight = std::size_t{1} << 19, least_height = 8; // bytes, rows
+        const std::size_t row_bytes = level.count * sizeof(NodeRow) / (level.rows.size() - 1) + 1;
+        height =
+            std::clamp(in_flight / (stages * row_bytes + 1), (std::min)(least_height, slab_rows), slab_rows);
+        count = slab_rows / height;
+    }
+    Rows rows(std::size_t tile, std::size_t stage, std::size_t slab) const noexcept {
+        const auto row = [&](std::size_t edge) {
+            const std::size_t y = edge * height;
+            return slab * slab_rows + (edge == count ? slab_rows : y > stage ? y - stage : 0);
+        };
+        return {row(tile), row(tile + 1)};
+    }
+
+    std::size_t slab_rows, height = 1, count = 1;
+};
+
+/// All stages in a single pass over memory: each works on the slab that the one before has just
+/// left, tile by tile. Shared out, each thread does some of the stages and follows the one before
+/// through the slabs; the order of all that depends on each other stays, and with it every bit.
+/// Returns the residual where it is restricted.
+template <class AnyLevel>
+Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) noexcept {
+    constexpr std::size_t worth_sharing = 4096; // nodes: tens of microseconds
+    const std::size_t slabs = level.fields.level.slabs();
+    const Stages<AnyLevel> stages{level, pass};
+    const Tiles tiles(level.fields.level, stages.count);
+    Residual largest;
+    if (pass.restrict_residual) set_zero(level.fields.coarser->b, share);
+    const std::size_t most =
+        level.fields.level.count < worth_sharing ? 1 : (std::min)(stages.count, PartProgress::most_parts);
+    PartProgress progress;
+    share.split(most, [&](std::size_t part, std::size_t parts) {
+        const std::size_t first = stages.first_of(part, parts), end = stages.first_of(part + 1, parts);
+        for (std::size_t tile = 0; tile < tiles.count; ++tile) {
+            const std::size_t done = tile * (slabs + stages.count); // steps of the tiles before
+            for (std::size_t step = first; step + 1 < slabs + end; ++step) {
+                if (part > 0) progress.wait_for(part - 1, done + (std::min)(step + 1, slabs + first - 1));
+                for (std::size_t stage = first; stage < end; ++stage) {
+                    const std::size_t slab = step - stage; // wraps round before the first slab
+                    if (slab < slabs) stages.work(stage, tiles.rows(tile, stage, slab), largest);
+                }
+                progress.tell(part, done + step + 1);
+            }
+        }
+    });
+    return largest;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

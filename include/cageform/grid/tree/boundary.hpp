@@ -1,0 +1,413 @@
+// The facets and bones of a cage in the units of a tree of cells: which axis lines cross them, where
+// rays meet them, which cells they pass.
+#pragma once
+
+#include <cageform/grid/lattice/bones.hpp>
+#include <cageform/grid/lattice/placed_facet.hpp>
+#include <cageform/grid/tree/cell_tree.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace detail {
+
+/// Boxes about facets, halved until few are left: what a ray may meet.
+template <std::size_t D>
+class FacetBoxes {
+public:
+    ///   slack  how far the facets asked for may be from these: those not rounded
+    FacetBoxes(const Buffer<PlacedFacet<D>>& facets, double slack)
+        : slack_(slack) {
+        for (std::uint32_t n = 0; n < facets.size(); ++n) order_.push_back(n);
+        if (!order_.empty()) divide(facets, 0, std::uint32_t(order_.size()));
+    }
+
+    /// visit(facet) for all whose boxes the segment from `from` to from + length · direction meets;
+    /// visit returns the length to go on with.
+    template <class Visit>
+    void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
+                         const Visit& visit) const {
+        Vec<double, D> inverse{};
+        for (std::size_t k = 0; k < D; ++k) inverse[k] = direction[k] == 0 ? 0 : 1 / direction[k];
+        std::array<std::uint32_t, 64> stack; // as deep as 2^32 facets halved
+        stack[0] = 0;
+        std::size_t count = order_.empty() ? 0 : 1;
+        while (count > 0) {
+            const Node& node = nodes_[stack[--count]];
+            if (!meets(node.box, from, inverse, length)) continue;
+            if (node.second == 0) {
+                for (std::uint32_t n = node.begin; n < node.end; ++n) length = visit(order_[n]);
+                continue;
+            }
+            stack[count++] = node.second;
+            stack[count++] = std::uint32_t(&node - nodes_.data()) + 1;
+        }
+    }
+
+private:
+    struct Node {
+        Bounds<double, D> box;
+        std::uint32_t begin, end;
+        std::uint32_t second; ///< node of the second half, the first follows; 0: not halved
+    };
+    ///   inverse  1 / the direction; 0 where it is 0
+    bool meets(const Bounds<double, D>& box, const Vec<double, D>& from, const Vec<double, D>& inverse,
+               double length) const noexcept {
+        double begin = 0, end = length;
+        for (std::size_t k = 0; k < D; ++k) {
+            const double low = box.lower[k] - slack_ - from[k], high = box.upper[k] + slack_ - from[k];
+            if (inverse[k] == 0) {
+                if (low > 0 || high < 0) return false;
+                continue;
+            }
+            const double a = low * inverse[k], b = high * inverse[k];
+            begin = (std::max)(begin, (std::min)(a, b));
+            end = (std::min)(end, (std::max)(a, b));
+        }
+        return begin <= end;
+    }
+    std::uint32_t divide(const Buffer<PlacedFacet<D>>& facets, std::uint32_t begin, std::uint32_t end) {
+        const auto number = std::uint32_t(nodes_.size());
+        Bounds<double, D> box = facets[order_[begin]].bounds();
+        for (std::uint32_t n = begin + 1; n < end; ++n) {
+            const auto b = facets[order_[n]].bounds();
+            for (std::size_t k = 0; k < D; ++k) {
+                box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
+                box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
+            }
+        }
+        nodes_.push_back({box, begin, end, 0});
+        if (end - begin <= 4) return number;
+        std::size_t axis = 0;
+        for (std::size_t k = 1; k < D; ++k) {
+            if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
+        }
+        const auto middle = begin + (end - begin) / 2;
+        const auto place = [&](std::uint32_t n) {
+            const auto b = facets[n].bounds();
+            return b.lower[axis] + b.upper[axis];
+        };
+        std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                         [&](std::uint32_t a, std::uint32_t b) {
+                             return std::pair(place(a), a) < std::pair(place(b), b);
+                         });
+        (void)divide(facets, begin, middle);
+        const std::uint32_t second = divide(facets, middle, end);
+        nodes_[number].second = second;
+        return number;
+    }
+
+    double slack_;
+    Buffer<std::uint32_t> order_;
+    Buffer<Node> nodes_;
+};
+
+/// Whether a facet passes a box or comes as near to it as `slack`: no axis parts the two (Gottschalk,
+/// Lin, Manocha 1996; of triangles Akenine-Möller 2001).
+inline bool passes(const PlacedFacet<2>& edge, const Vec<double, 2>& middle, double half) noexcept {
+    const auto a = edge.corner[0] - middle, b = edge.corner[1] - middle, along = b - a;
+    for (std::size_t k = 0; k < 2; ++k) {
+        if ((std::min)(a[k], b[k]) > half || (std::max)(a[k], b[k]) < -half) return false;
+    }
+    return std::fabs(cross(a, along)) <= half * (std::fabs(along[0]) + std::fabs(along[1]));
+}
+inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, double half) noexcept {
+    std::array<Vec<double, 3>, 3> c;
+    for (std::size_t n = 0; n < 3; ++n) c[n] = face.corner[n] - middle;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if ((std::min)({c[0][k], c[1][k], c[2][k]}) > half || (std::max)({c[0][k], c[1][k], c[2][k]}) < -half)
+            return false;
+    }
+    const auto n = cross(c[1] - c[0], c[2] - c[0]);
+    if (std::fabs(dot(n, c[0])) > half * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]))) return false;
+    for (std::size_t e = 0; e < 3; ++e) {
+        const auto along = c[(e + 1) % 3] - c[e];
+        for (const auto& [u, v] : other_axes) { // across the edge and an axis
+            const double side = along[u] * c[e][v] - along[v] * c[e][u];
+            const auto& opposite = c[(e + 2) % 3];
+            const double other = along[u] * opposite[v] - along[v] * opposite[u];
+            const double reach = half * (std::fabs(along[u]) + std::fabs(along[v]));
+            if ((std::min)(side, other) > reach || (std::max)(side, other) < -reach) return false;
+        }
+    }
+    return true;
+}
+
+/// Where an axis line, given by its place across in parts of 2^-fraction units, crosses a facet.
+/// Decided in whole numbers: every line crosses a closed boundary an even number of times.
+inline std::optional<double> crossing(const PlacedFacet<2>& edge, std::size_t axis,
+                                      const std::array<std::int64_t, 2>& line, int fraction) noexcept {
+    const std::size_t across = 1 - axis;
+    const double at = std::ldexp(double(line[across]), -fraction);
+    const double from = edge.corner[0][across], to = edge.corner[1][across];
+    if (!(at >= (std::min)(from, to) && at < (std::max)(from, to))) return std::nullopt;
+    const double s = (at - from) / (to - from);
+    return edge.coordinate({1 - s, s}, axis);
+}
+inline std::optional<double> crossing(const PlacedFacet<3>& face, std::size_t axis,
+                                      const std::array<std::int64_t, 3>& line, int fraction) noexcept {
+    const auto [u, v] = other_axes[axis];
+    const FaceAcross across(face, axis, fraction);
+    if (across.is_edge_on() || !across.crosses({line[u], line[v]})) return std::nullopt;
+    const auto w = weights_at(face, axis, std::ldexp(double(line[u]), -fraction),
+                              std::ldexp(double(line[v]), -fraction));
+    if (!w) return std::nullopt;
+    return face.coordinate(onto_facet(*w), axis);
+}
+
+} // namespace detail
+namespace grid {
+
+/// The parts of a cage's boundary: its facets and those of the cells inside, their vertices rounded to
+/// 2⁻³⁰ of the cube that a tree divides, so that what is inside can be decided in whole numbers; and,
+/// numbered after the facets, its bones, whose inside is no domain. In units of the tree.
+template <std::size_t D>
+class TreeBoundary {
+public:
+    using Facet = detail::PlacedFacet<D>;
+    using Index = std::array<std::int32_t, D>;
+
+    /// Of a cage that `check` finds sound.
+    ///
+    ///   tolerance  what is as near to a cell counts as passing it; in the units of the cage
+    ///   scale      the side of the cube, of the cage's longest side; at least 1
+    template <class Cage>
+    TreeBoundary(const Cage& cage, unsigned depth, double tolerance = 0, double scale = 1)
+        : depth_(depth)
+        , fraction_(30 - int(depth))
+        , scale_(scale) {
+        const auto bounds = bounds_of(cage.vertices());
+        const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
+        double longest = 0;
+        for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, scale * extent[k]);
+        unit_ = std::ldexp(longest, -int(depth));
+        slack_ = rounding + std::ldexp(1.0, -fraction_) + tolerance / unit_;
+        for (std::size_t k = 0; k < D; ++k) origin_[k] = lower[k] - 0.5 * (longest - extent[k]);
+        std::vector<Vec<double, D>> placed, rounded;
+        for (const auto& vertex : cage.vertices()) {
+            auto p = in_units(vec_cast<double>(vertex));
+            placed.push_back(p);
+            for (std::size_t k = 0; k < D; ++k)
+                p[k] = std::ldexp(std::round(std::ldexp(p[k], fraction_)), -fraction_);
+            rounded.push_back(p);
+        }
+        const auto add = [&](const auto& facet, bool turns) {
+            facets_.push_back({facet, std::span<const Vec<double, D>>(rounded), turns});
+            exact_.push_back({facet, std::span<const Vec<double, D>>(placed), turns});
+        };
+        for_each_facet(boundary_of(cage), [&](const auto& facet) { add(facet, true); });
+        for (const auto& facet : interior_cells(cage).facets) add(facet, false);
+        boxes_.emplace(facets_, rounding + std::ldexp(1.0, -fraction_));
+        bones_ = GridBones<D>(interior_cells(cage).bones, std::span<const Vec<double, D>>(placed),
+                              Lattice<double, D>{{}, origin_, unit_});
+        for (const Facet& facet : facets_) {
+            const auto normal = normal_of(facet);
+            const double size = detail::length(normal);
+            normals_.push_back(size > 0 ? (1 / size) * normal : Vec<double, D>{});
+        }
+        turn_normals_outward();
+    }
+
+    unsigned depth() const noexcept { return depth_; }
+    double unit() const noexcept { return unit_; }   ///< in the units of the cage
+    double scale() const noexcept { return scale_; } ///< the side of the cube, of the cage's longest side
+    int fraction() const noexcept { return fraction_; }
+    Vec<double, D> in_units(const Vec<double, D>& p) const noexcept { return (1 / unit_) * (p - origin_); }
+    Vec<double, D> in_cage(const Vec<double, D>& p) const noexcept { return origin_ + unit_ * p; }
+
+    std::size_t parts() const noexcept { return facets_.size() + bones_.size(); }
+    bool turns(std::size_t part) const noexcept { return part < size() && facets_[part].turns; }
+    const GridBones<D>& bones() const noexcept { return bones_; }
+    std::size_t size() const noexcept { return facets_.size(); } ///< facets
+    const Facet& operator[](std::size_t facet) const noexcept { return facets_[facet]; }
+    const Facet& exact(std::size_t facet) const noexcept { return exact_[facet]; } ///< not rounded
+    /// Of length 1, away from the inside; of a wall either. Zero where the facet has no area.
+    const Vec<double, D>& normal(std::size_t facet) const noexcept { return normals_[facet]; }
+    const detail::FacetBoxes<D>& boxes() const noexcept { return *boxes_; } // NOLINT: always made
+
+    /// Whether a part passes a cell or comes as near to it as the tolerance; a bone also where it only
+    /// may.
+    bool passes(std::size_t part, const typename CellTree<D>::Cell& cell) const noexcept {
+        const double half = 0.5 * cell.size;
+        auto middle = node_position<D>(cell.low);
+        for (std::size_t k = 0; k < D; ++k) middle[k] += half;
+        if (part < size()) return detail::passes(facets_[part], middle, half + slack_);
+        return bones_[part - size()].distance(middle) <= half * std::sqrt(double(D)) + slack_;
+    }
+    /// Where a ray from inside meets a part; a facet: one that it would leave the inside by, or a wall.
+    ///
+    ///   rounded  of the facets rounded, or as they are
+    std::optional<Hit<D>> hit(std::size_t part, const AxisRay<D>& ray, bool rounded = true) const noexcept {
+        if (part >= size()) return bones_.hit(part - size(), ray);
+        const auto& facet = rounded ? facets_[part] : exact_[part];
+        const double along = ray.up ? normals_[part][ray.axis] : -normals_[part][ray.axis];
+        if (facet.turns && !(along > 0)) return std::nullopt;
+        return detail::hit(facet, ray);
+    }
+    /// The same of any of some parts: the nearest.
+    std::optional<Hit<D>> first_hit(std::span<const std::uint32_t> parts, AxisRay<D> ray) const noexcept {
+        std::optional<Hit<D>> first;
+        for (const std::uint32_t part : parts) {
+            const auto found = hit(part, ray);
+            if (!found || (first && !(ray.distance(found->position) < ray.length))) continue;
+            first = found;
+            ray.length = ray.distance(found->position);
+        }
+        return first;
+    }
+
+    /// From inside along a ray to the boundary as it is, at most the ray's length.
+    double free_distance(AxisRay<D> ray) const noexcept {
+        Vec<double, D> direction{};
+        direction[ray.axis] = ray.up ? 1 : -1;
+        boxes_->for_each_on_ray(ray.from, direction, ray.length, [&](std::uint32_t facet) {
+            if (const auto found = hit(facet, ray, false))
+                ray.length = std::fmin(ray.length, ray.distance(found->position));
+            return ray.length;
+        });
+        for (std::size_t part = size(); part < parts(); ++part) {
+            if (const auto found = hit(part, ray))
+                ray.length = std::fmin(ray.length, ray.distance(found->position));
+        }
+        return std::fmax(ray.length, 0.0);
+    }
+
+    struct Meeting {
+        double part; ///< of the segment before it, in [0, 1]
+        BoundaryValue<D> value;
+    };
+    /// Where the segment from a place inside to `from + along` first leaves the inside, or meets a wall, among
+    /// some facets as they are rounded.
+    std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along,
+                                     std::span<const std::uint32_t> facets) const noexcept {
+        Met met;
+        for (const std::uint32_t n : facets) meet(facets_[n], normals_[n], from, along, met);
+        return meeting_of(met, from, along);
+    }
+    /// Finds the first among all facets, not rounded.
+    std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
+        Met met;
+        boxes().for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
+            const auto normal = normal_of(exact_[n]);
+            meet(exact_[n], dot(normal, normals_[n]) < 0 ? -1.0 * normal : normal, from, along, met);
+            return met.part;
+        });
+        return meeting_of(met, from, along);
+    }
+
+    struct Nearest {
+        double distance; ///< negative within a bone
+        BoundaryValue<D> value;
+        Vec<double, D> place; ///< of a facet
+    };
+    /// The nearest place of some parts, of facets as they are or rounded.
+    Nearest nearest(std::span<const std::uint32_t> parts, const Vec<double, D>& p,
+                    bool rounded = true) const noexcept {
+        Nearest best{std::numeric_limits<double>::infinity(), {}, {}};
+        for (const std::uint32_t n : parts) {
+            if (n >= size()) {
+                const auto bone = bones_.nearest(p, best.distance); // of all: at joints they overlap
+                if (bone) best = {bone->distance, bone->value, {}};
+                continue;
+            }
+            const Facet& facet = rounded ? facets_[n] : exact_[n];
+            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const auto place = facet.place(weights);
+            const double distance = detail::length(place - p);
+            if (distance < best.distance) best = {distance, value_on_facet(facet.vertex, weights), place};
+        }
+        return best;
+    }
+
+private:
+    struct Met {
+        double part = 1;
+        const Facet* facet = nullptr; ///< none yet
+    };
+    /// Replaces what has been met by a facet that is met before it.
+    static void meet(const Facet& facet, const Vec<double, D>& outward, const Vec<double, D>& from,
+                     const Vec<double, D>& along, Met& met) noexcept {
+        constexpr double rim = 1e-9; // of rounding, in weights of the corners
+        const double leaves = dot(along, outward);
+        if (facet.turns ? !(leaves > 0) : leaves == 0) return;
+        const double part = dot(facet.corner[0] - from, outward) / leaves;
+        if (part < 0 || !(part < met.part || (met.facet == nullptr && part <= met.part))) return;
+        const auto w = detail::weights_in_plane(facet, from + part * along);
+        if (*std::min_element(w.begin(), w.end()) < -rim) return;
+        met = {part, &facet};
+    }
+    static std::optional<Meeting> meeting_of(const Met& met, const Vec<double, D>& from,
+                                             const Vec<double, D>& along) noexcept {
+        if (met.facet == nullptr) return std::nullopt;
+        const auto w = detail::weights_in_plane(*met.facet, from + met.part * along);
+        return Meeting{met.part, value_on_facet(met.facet->vertex, detail::onto_facet(w))};
+    }
+
+    /// Facets of a shell turn the same way: all of them tell which, by their area.
+    void turn_normals_outward() {
+        std::vector<std::uint32_t> shell; // of a vertex: another of it, down to the first
+        const auto find = [&](std::uint32_t v) {
+            while (shell[v] != v) v = shell[v] = shell[shell[v]];
+            return v;
+        };
+        for (const Facet& facet : facets_) {
+            for (const std::uint32_t v : facet.vertex) {
+                while (shell.size() <= v) shell.push_back(std::uint32_t(shell.size()));
+            }
+            if (!facet.turns) continue;
+            for (const std::uint32_t v : facet.vertex) {
+                const auto a = find(facet.vertex[0]), b = find(v);
+                shell[(std::max)(a, b)] = (std::min)(a, b);
+            }
+        }
+        std::vector<double> votes(shell.size()); // NOLINT(misc-const-correctness): votes are added
+        for (std::size_t n = 0; n < facets_.size(); ++n)
+            votes[find(facets_[n].vertex[0])] += vote(facets_[n], normals_[n]);
+        for (std::size_t n = 0; n < facets_.size(); ++n) {
+            if (facets_[n].turns && votes[find(facets_[n].vertex[0])] < 0) normals_[n] = -1.0 * normals_[n];
+        }
+    }
+    /// The area of a facet; negative where its normal points inside. By the axis line through its
+    /// middle that sees most of it: after an even number of crossings farther up the upper side is
+    /// outside. 0 where other facets lie at the same place.
+    double vote(const Facet& facet, const Vec<double, D>& normal) const {
+        std::size_t axis = 0;
+        for (std::size_t k = 1; k < D; ++k) {
+            if (std::fabs(normal[k]) > std::fabs(normal[axis])) axis = k;
+        }
+        if (normal[axis] == 0 || !facet.turns) return 0;
+        Vec<double, D> middle{}, up{};
+        for (const auto& corner : facet.corner) middle = middle + (1 / double(D)) * corner;
+        std::array<std::int64_t, D> line{};
+        for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(middle[k], fraction_));
+        const auto from = detail::crossing(facet, axis, line, fraction_);
+        if (!from) return 0; // a sliver between the lines
+        middle[axis] = *from;
+        up[axis] = 1;
+        bool inside_above = false, apart = true;
+        const double all = std::ldexp(2.0, int(depth_));
+        boxes_->for_each_on_ray(middle, up, all, [&](std::uint32_t n) {
+            if (&facets_[n] == &facet || !facets_[n].turns) return all;
+            const auto at = detail::crossing(facets_[n], axis, line, fraction_);
+            if (at && std::fabs(*at - *from) <= rounding) apart = false;
+            if (at && *at > *from) inside_above = !inside_above;
+            return all;
+        });
+        if (!apart) return 0;
+        return detail::length(normal_of(facet)) * (inside_above == (normal[axis] > 0) ? -1.0 : 1.0);
+    }
+
+    static constexpr double rounding = 1e-6; ///< of places, and more
+
+    unsigned depth_;
+    int fraction_; ///< bits of a coordinate behind the point
+    double scale_;
+    double unit_ = 1, slack_ = rounding;
+    Vec<double, D> origin_{};
+    Buffer<Facet> facets_, exact_;
+    Buffer<Vec<double, D>> normals_;
+    GridBones<D> bones_{{}, {}, {}};
+    std::optional<detail::FacetBoxes<D>> boxes_;
+};
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,155 @@
+// The levels of a multigrid on a tree: on each, every family whose cells are all leaves becomes one
+// leaf. The nodes that remain are corners of the leaves that are left, the others interpolate in the
+// smallest leaf that holds them, and coarse equations are Galerkin's.
+#pragma once
+
+#include <cageform/grid/tree/links.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace detail {
+
+/// A level, and how its nodes take their values from the next.
+struct TreeLevel {
+    LevelRows neighbours;            ///< the equations, see TreeEquations
+    Buffer<float> inverse_diagonal;  ///< by node
+    LevelRows interpolation;         ///< by node; empty on the coarsest level
+    Buffer<std::uint32_t> numbers{}; ///< on the coarsest level empty: of each node on the next, or ~0
+
+    std::uint32_t nodes() const noexcept { return std::uint32_t(inverse_diagonal.size()); }
+    std::size_t bytes() const noexcept {
+        return neighbours.bytes() + interpolation.bytes() + inverse_diagonal.capacity() * sizeof(float) +
+               numbers.capacity() * sizeof(std::uint32_t);
+    }
+};
+
+template <std::size_t D>
+class TreeCoarsener {
+public:
+    using Nodes = grid::TreeNodes<D>;
+    using Index = typename Nodes::Index;
+    using Cell = typename grid::CellTree<D>::Cell;
+    static constexpr std::uint32_t none = Nodes::none;
+
+    TreeCoarsener(const grid::CutTree<D>& tree, const Nodes& nodes)
+        : tree_(tree)
+        , nodes_(nodes)
+        , merges_at_(tree.cells().cells(), 0)
+        , number_(nodes.count()) {
+        const auto& cells = tree.cells();
+        for (std::size_t family = cells.families(); family-- > 0;) {
+            const Cell& parent = cells.parent(family);
+            std::uint8_t level = 0;
+            for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n)
+                level = (std::max)(level, merges_at_[cells.first_child(parent.number) + n]);
+            merges_at_[parent.number] = std::uint8_t(level + 1);
+        }
+        for (std::uint32_t node = 0; node < nodes.count(); ++node) {
+            number_[node] = node;
+            left_.push_back(node);
+        }
+    }
+
+    std::vector<TreeLevel> make(TreeEquations finest) {
+        constexpr std::uint32_t few = 60; // solved by relaxation alone
+        std::vector<TreeLevel> levels;
+        TreeEquations equations = std::move(finest);
+        for (;;) {
+            TreeLevel& level = levels.emplace_back();
+            for (const double d : equations.diagonal) level.inverse_diagonal.push_back(float(1 / d));
+            const std::uint32_t count = level.nodes();
+            ++level_;
+            if (count > few && level_ <= merges_at_[0]) level.interpolation = interpolation(level);
+            const auto coarse = std::uint32_t(left_.size());
+            const bool ends = level.interpolation.rows() == 0 || coarse == 0 || coarse == count;
+            TreeEquations next;
+            if (!ends) next = galerkin(equations, level.interpolation, coarse);
+            level.neighbours = std::move(equations.neighbours);
+            level.neighbours.shrink_to_fit();
+            level.inverse_diagonal.shrink_to_fit();
+            if (ends) {
+                level.interpolation = {};
+                level.numbers = {};
+                return levels;
+            }
+            equations = std::move(next);
+        }
+    }
+
+private:
+    struct Sink {
+        const TreeCoarsener& coarsener;
+        LevelRows& rows;
+        std::size_t begin = 0;
+
+        void at_node(const Index& index, double share) {
+            const std::uint32_t node = coarsener.number_[coarsener.nodes_.find(index)];
+            for (std::size_t k = begin; k < rows.entries.size(); ++k) {
+                if (rows.entries[k].column != node) continue;
+                rows.entries[k].weight += float(share);
+                return;
+            }
+            rows.entries.push_back({node, float(share)});
+        }
+        // Errors vanish on the boundary.
+        void at_place(const BoundaryValue<D>&, const Vec<double, D>&, double) noexcept {}
+    };
+
+    LeavesAbout<D> about(std::uint32_t node) const {
+        return {tree_.cells(), nodes_.index(node),
+                [&](std::uint32_t cell) { return merges_at_[cell] <= level_; },
+                [&](std::uint32_t cell) { return tree_.state(cell) != grid::CellState::out; }};
+    }
+    static bool is_corner(const Index& index, const LeavesAbout<D>& about) noexcept {
+        for (std::size_t n = 0; n < about.leaf.size(); ++n) {
+            const Cell& leaf = about.leaf[n];
+            bool corner = about.counts[n];
+            for (std::size_t k = 0; k < D; ++k)
+                corner = corner && (index[k] == leaf.low[k] || index[k] == leaf.low[k] + leaf.size);
+            if (corner) return true;
+        }
+        return false;
+    }
+
+    /// From the nodes that are corners of the leaves of level_ to those of the level before.
+    LevelRows interpolation(TreeLevel& level) {
+        Buffer<std::uint32_t> fine; // their numbers on the finest level
+        std::swap(fine, left_);
+        left_.clear();
+        Buffer<std::uint8_t> stays(fine.size(), 0);
+        level.numbers.reserve(fine.size());
+        for (std::uint32_t n = 0; n < fine.size(); ++n) {
+            stays[n] = is_corner(nodes_.index(fine[n]), about(fine[n])) ? 1 : 0;
+            number_[fine[n]] = stays[n] != 0 ? std::uint32_t(left_.size()) : none;
+            level.numbers.push_back(number_[fine[n]]);
+            if (stays[n] != 0) left_.push_back(fine[n]);
+        }
+        LevelRows rows;
+        Sink sink{*this, rows};
+        LeafGather<D, Sink> gather(tree_.boundary(), nodes_, sink);
+        for (std::uint32_t n = 0; n < fine.size(); ++n) {
+            sink.begin = rows.entries.size();
+            if (stays[n] != 0) {
+                rows.entries.push_back({number_[fine[n]], 1});
+            } else {
+                const auto leaves = about(fine[n]);
+                const Cell* leaf = leaves.smallest();
+                if (leaf != nullptr)
+                    gather.gather(*leaf, tree_.facets(leaf->number), node_position<D>(nodes_.index(fine[n])));
+            }
+            rows.end_row();
+        }
+        rows.shrink_to_fit();
+        return rows;
+    }
+
+    const grid::CutTree<D>& tree_;
+    const Nodes& nodes_;
+    Buffer<std::uint8_t> merges_at_; ///< by cell: the first level on which it is a leaf
+    Buffer<std::uint32_t> number_;   ///< by node: on the level at hand, or none
+    Buffer<std::uint32_t> left_;     ///< the nodes of the level at hand
+    unsigned level_ = 0;
+};
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

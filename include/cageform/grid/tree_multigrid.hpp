@@ -1,0 +1,384 @@
+// Multigrid on a tree of cells for sixteen functions at a time.
+#pragma once
+
+#include <cageform/core/detail/flush_denormals.hpp>
+#include <cageform/core/detail/simd.hpp>
+#include <cageform/grid/multigrid/node_values.hpp>
+#include <cageform/grid/tree/hierarchy.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
+
+/// The equations of a tree's nodes and their levels. The cycles work in float; `refine` takes what
+/// they have found into double, so that any tolerance can be met. Denormals are taken as zero.
+template <std::size_t D>
+class TreeMultigrid {
+public:
+    static constexpr std::size_t width = detail::functions_together;
+    using Values = detail::NodeValues;
+    using Row = detail::NodeRow;
+
+    /// The memory of one group of functions.
+    class Block {
+    public:
+        Values value(std::uint32_t node) const noexcept {
+            Values values{};
+            if (!refined_.empty()) values = refined_[node];
+            for (std::size_t k = 0; k < width; ++k) values[k] += double(levels_[0].u[node][k]);
+            return values;
+        }
+        /// The number of nodes that are solved for.
+        std::size_t active() const noexcept { return levels_[0].list.size(); }
+        /// Those whose values may be other than zero, in no order.
+        std::span<const std::uint32_t> valued() const noexcept {
+            return {levels_[0].touched.data(), levels_[0].touched.size()};
+        }
+
+    private:
+        friend TreeMultigrid;
+        static constexpr std::uint8_t once = 2; ///< a flag that stays
+        struct Level : detail::Fields {
+            Buffer<std::uint8_t> flags;      ///< by node
+            Buffer<std::uint32_t> touched{}; ///< with any flag, now or before: all that is not zero
+            std::size_t with_data = 0;       ///< so many first of them have data
+            Buffer<std::uint32_t> list{};    ///< the active nodes, ascending
+            Buffer<std::uint32_t> rim{};     ///< those of them that others may lie beside
+
+            void mark(std::uint32_t n, std::uint8_t flag) {
+                if (flags[n] == 0) touched.push_back(n);
+                flags[n] |= flag | once;
+            }
+        };
+        std::vector<Level> levels_;
+        Buffer<Values> refined_; ///< empty until it is needed
+        std::span<const TreeData> data_;
+        std::size_t first_ = 0;
+        double cutoff_ = 0;
+    };
+
+    TreeMultigrid(const CutTree<D>& tree, const TreeNodes<D>& nodes)
+        : TreeMultigrid(tree, nodes, links_of(tree, nodes)) {}
+    TreeMultigrid(const CutTree<D>& tree, const TreeNodes<D>& nodes, TreeLinks links)
+        : data_(std::move(links.data))
+        , diagonal_(links.equations.diagonal)
+        , levels_(detail::TreeCoarsener<D>(tree, nodes).make(std::move(links.equations))) {}
+
+    std::uint32_t unknowns() const noexcept { return levels_[0].nodes(); }
+    std::span<const detail::TreeLevel> levels() const noexcept { return levels_; }
+    std::span<const TreeData> data() const noexcept { return {data_.data(), data_.size()}; }
+    std::size_t bytes() const noexcept {
+        std::size_t sum = data_.capacity() * sizeof(TreeData) + diagonal_.capacity() * sizeof(double);
+        for (const auto& level : levels_) sum += level.bytes();
+        return sum;
+    }
+    /// Of a block, refined or not.
+    std::size_t block_bytes(bool refined) const noexcept {
+        std::size_t rows = 0;
+        for (const auto& level : levels_) rows += level.nodes();
+        return rows * (2 * sizeof(Row) + 3 * sizeof(std::uint32_t) + 1) +
+               (refined ? unknowns() * sizeof(Values) : 0);
+    }
+    Block make_block() const {
+        Block block;
+        for (const auto& level : levels_) {
+            auto& fields = block.levels_.emplace_back();
+            fields.u.resize(level.nodes());
+            fields.b.resize(level.nodes());
+            fields.flags = Buffer<std::uint8_t>(level.nodes(), 0);
+            detail::set_zero(fields.u);
+            detail::set_zero(fields.b);
+        }
+        return block;
+    }
+
+    /// Begins with functions first … first + width − 1: from the coarsest level up a cycle on each
+    /// but the finest, for which `cycle` is to be called.
+    ///
+    ///   cutoff  the functions are solved for where any is larger. Elsewhere they are as the next
+    ///           level has left them, on which they are solved for where they are larger than a
+    ///           quarter of that, and so on; below a thousandth of it zero. What is left unsolved
+    ///           has errors of its own size times those of the next level: a quarter of the cutoff
+    ///           at most was measured. 0: everywhere
+    void start(Block& block, std::size_t first, double cutoff = 0) const {
+        const detail::FlushDenormals flush;
+        block.first_ = first;
+        block.cutoff_ = cutoff;
+        block.refined_.clear();
+        for (auto& level : block.levels_) clear(level);
+        set_data(block);
+        const std::size_t coarsest = levels_.size() - 1;
+        for (std::uint32_t n = 0; n < levels_[coarsest].nodes(); ++n) block.levels_[coarsest].mark(n, active);
+        list_active(block, coarsest);
+        for (std::size_t l = coarsest; l > 0; --l) {
+            (void)descend(block, l);
+            if (cutoff > 0) grow(block, l);
+            take_over(block, l - 1);
+            relax_data(block, l - 1);
+        }
+    }
+
+    /// One V(2,1) cycle; returns the largest change it made to any of the first `functions`. With a
+    /// cutoff the nodes that are solved for may become more.
+    double cycle(Block& block, std::size_t functions) const {
+        const detail::FlushDenormals flush;
+        const Simd largest = descend(block, 0);
+        if (block.cutoff_ > 0) grow(block, 0);
+        detail::NodeRow row;
+        largest.store(row);
+        double change = 0;
+        for (std::size_t k = 0; k < functions; ++k) change = (std::max)(change, double(row[k]));
+        return change;
+    }
+
+    /// Takes the functions into double; what remains of the equations becomes their right-hand side.
+    void refine(Block& block) const {
+        const detail::FlushDenormals flush;
+        auto& u = block.levels_[0].u;
+        auto& b = block.levels_[0].b;
+        if (block.refined_.empty()) block.refined_ = Buffer<Values>(unknowns(), Values{});
+        for (std::uint32_t n = 0; n < unknowns(); ++n) {
+            for (std::size_t k = 0; k < width; ++k) block.refined_[n][k] += double(u[n][k]);
+        }
+        detail::set_zero(u);
+        const auto data = [&](std::uint32_t n, Values& sum) {
+            for (std::size_t k = 0; k < width; ++k) sum[k] -= diagonal_[n] * block.refined_[n][k];
+            for (const auto& [column, weight] : levels_[0].neighbours.of(n)) {
+                for (std::size_t k = 0; k < width; ++k) sum[k] += double(weight) * block.refined_[column][k];
+            }
+        };
+        // Data is sorted by handle: first all that is sparse, in double.
+        Buffer<Values> rows;
+        Buffer<std::uint32_t> places;
+        for (const TreeData& part : block.data_) places.push_back(part.node);
+        std::sort(places.begin(), places.end());
+        places.erase_from(std::unique(places.begin(), places.end()));
+        rows = Buffer<Values>(places.size(), Values{});
+        for (const auto& [handle, node, weight] : block.data_) {
+            const auto at = std::lower_bound(places.begin(), places.end(), node);
+            rows[std::size_t(at - places.begin())][handle - block.first_] += double(weight);
+        }
+        std::size_t next = 0;
+        for (std::uint32_t n = 0; n < unknowns(); ++n) {
+            Values sum{};
+            if (next < places.size() && places[next] == n) sum = rows[next++];
+            data(n, sum);
+            for (std::size_t k = 0; k < width; ++k) b[n][k] = float(sum[k]);
+        }
+    }
+
+private:
+    using Simd = detail::Simd<float>;
+    static constexpr std::uint8_t active = 1; ///< a flag
+    static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
+
+    // ---- which nodes are solved for -------------------------------------------------------------------
+
+    static void clear(typename Block::Level& level) noexcept {
+        for (const std::uint32_t n : level.touched) {
+            Simd(0.0f).store(level.u[n]);
+            Simd(0.0f).store(level.b[n]);
+            level.flags[n] = 0;
+        }
+        level.touched.clear();
+        level.list.clear();
+        level.rim.clear();
+    }
+    /// The right-hand sides of all levels.
+    void set_data(Block& block) const {
+        const auto by_handle = [](const TreeData& a, std::size_t handle) { return a.handle < handle; };
+        const auto from = std::lower_bound(data_.begin(), data_.end(), block.first_, by_handle);
+        const auto to = std::lower_bound(from, data_.end(), block.first_ + width, by_handle);
+        block.data_ = {from, to};
+        for (const auto& [handle, node, weight] : block.data_) {
+            block.levels_[0].b[node][handle - block.first_] += weight;
+            block.levels_[0].mark(node, 0);
+        }
+        for (std::size_t l = 0; l < levels_.size(); ++l) {
+            auto& level = block.levels_[l];
+            level.with_data = level.touched.size();
+            std::sort(level.touched.begin(), level.touched.end());
+            if (l + 1 == levels_.size()) return;
+            auto& coarse = block.levels_[l + 1];
+            for (const std::uint32_t n : level.touched) {
+                for (const auto& [column, weight] : levels_[l].interpolation.of(n)) {
+                    coarse.mark(column, 0);
+                    multiply_add(Simd(weight), Simd::load(level.b[n]), Simd::load(coarse.b[column]))
+                        .store(coarse.b[column]);
+                }
+            }
+        }
+    }
+    static bool any_larger(const Row& row, float limit) noexcept {
+        bool any = false;
+        for (std::size_t k = 0; k < width; ++k) any |= std::fabs(row[k]) > limit;
+        return any;
+    }
+    /// Of a level: a coarser one's functions are less exact by four.
+    static float cutoff_of(const Block& block, std::size_t l) noexcept {
+        return float(std::ldexp(block.cutoff_, -2 * int(l)));
+    }
+    /// Lists the active nodes of a level, and of the coarser ones those of them that stay.
+    void list_active(Block& block, std::size_t l) const {
+        auto& level = block.levels_[l];
+        level.list.clear();
+        for (std::uint32_t n = 0; n < level.flags.size(); ++n) {
+            if ((level.flags[n] & active) != 0) level.list.push_back(n);
+        }
+        for (; l + 1 < levels_.size(); ++l) {
+            auto& coarse = block.levels_[l + 1];
+            for (const std::uint32_t n : coarse.list) coarse.flags[n] &= std::uint8_t(~active);
+            coarse.list.clear();
+            for (const std::uint32_t n : block.levels_[l].list) {
+                const std::uint32_t number = levels_[l].numbers[n];
+                if (number == TreeNodes<D>::none) continue;
+                coarse.mark(number, active);
+                coarse.list.push_back(number);
+            }
+        }
+    }
+    /// Takes the functions of the next level over and leaves zero there, where corrections will be.
+    /// Those that are larger than the cutoff are active, and those with data.
+    void take_over(Block& block, std::size_t l) const {
+        auto& level = block.levels_[l];
+        auto& coarse = block.levels_[l + 1];
+        const float cutoff = cutoff_of(block, l), least = float(1e-3 * block.cutoff_);
+        const bool everywhere = block.cutoff_ == 0;
+        for (std::size_t k = 0; k < level.with_data; ++k) level.mark(level.touched[k], active);
+        for (std::uint32_t n = 0; n < levels_[l].nodes(); ++n) {
+            bool any = false;
+            for (const auto& [column, weight] : levels_[l].interpolation.of(n))
+                any = any || coarse.flags[column] != 0;
+            if (any) {
+                Simd sum(0.0f);
+                for (const auto& [column, weight] : levels_[l].interpolation.of(n))
+                    sum = multiply_add(Simd(weight), Simd::load(coarse.u[column]), sum);
+                Row row;
+                sum.store(row);
+                any = any_larger(row, least);
+                if (any) level.mark(n, any_larger(row, cutoff) ? active : std::uint8_t{0});
+                // What is left unsolved is not negative, as functions are.
+                if ((level.flags[n] & active) == 0) sum = (detail::max)(sum, Simd(0.0f));
+                if (level.flags[n] != 0) sum.store(level.u[n]);
+            }
+            if (everywhere) level.mark(n, active);
+        }
+        for (const std::uint32_t n : coarse.touched) Simd(0.0f).store(coarse.u[n]);
+        level.rim.clear();
+        for (std::uint32_t n = 0; n < levels_[l].nodes() && !everywhere; ++n) {
+            if ((level.flags[n] & active) != 0) level.rim.push_back(n);
+        }
+        add_ring(block, l);
+        list_active(block, l);
+    }
+    /// Makes the neighbours of the rim active: the new rim.
+    void add_ring(Block& block, std::size_t l) const {
+        auto& level = block.levels_[l];
+        Buffer<std::uint32_t> rim;
+        for (const std::uint32_t n : level.rim) {
+            for (const auto& [column, weight] : levels_[l].neighbours.of(n)) {
+                if ((level.flags[column] & active) != 0) continue;
+                level.mark(column, active);
+                rim.push_back(column);
+            }
+        }
+        level.rim = std::move(rim);
+    }
+    /// Goes on where functions larger than the cutoff end at nodes that are not active.
+    void grow(Block& block, std::size_t l) const {
+        auto& level = block.levels_[l];
+        Buffer<std::uint32_t> large, rest;
+        const float cutoff = cutoff_of(block, l);
+        for (const std::uint32_t n : level.rim) (any_larger(level.u[n], cutoff) ? large : rest).push_back(n);
+        level.rim = std::move(large);
+        add_ring(block, l);
+        const bool grown = !level.rim.empty();
+        for (const std::uint32_t n : rest) level.rim.push_back(n);
+        if (grown) list_active(block, l);
+    }
+
+    // ---- cycles, on the active nodes ------------------------------------------------------------------
+
+    /// b + (neighbours) u at a node.
+    CAGEFORM_DETAIL_INLINE Simd sum_about(const typename Block::Level& at, std::size_t l,
+                                          std::uint32_t n) const noexcept {
+        const auto row = levels_[l].neighbours.of(n);
+        Simd even = Simd::load(at.b[n]), odd(0.0f); // two sums, so that neither waits for the other
+        std::size_t k = 0;
+        for (; k + 2 <= row.size(); k += 2) {
+            even = multiply_add(Simd(row[k].weight), Simd::load(at.u[row[k].column]), even);
+            odd = multiply_add(Simd(row[k + 1].weight), Simd::load(at.u[row[k + 1].column]), odd);
+        }
+        if (k < row.size()) even = multiply_add(Simd(row[k].weight), Simd::load(at.u[row[k].column]), even);
+        return even + odd;
+    }
+    /// Gauss and Seidel along the Morton curve.
+    ///
+    ///   largest  the largest change, if asked for
+    template <bool keeps_largest = false>
+    void relax(Block& block, std::size_t l, [[maybe_unused]] Simd* largest = nullptr) const noexcept {
+        auto& at = block.levels_[l];
+        for (const std::uint32_t n : at.list) {
+            const Simd u = sum_about(at, l, n) * Simd(levels_[l].inverse_diagonal[n]);
+            if constexpr (keeps_largest) *largest = (detail::max)(*largest, abs(u - Simd::load(at.u[n])));
+            u.store(at.u[n]);
+        }
+    }
+    /// The same of the nodes with data, next to the boundary, whose values the next level knows least.
+    void relax_data(Block& block, std::size_t l) const noexcept {
+        auto& at = block.levels_[l];
+        for (std::size_t sweep = 0; sweep < data_sweeps; ++sweep) {
+            for (std::size_t k = 0; k < at.with_data; ++k) {
+                const std::uint32_t n = at.touched[k];
+                (sum_about(at, l, n) * Simd(levels_[l].inverse_diagonal[n])).store(at.u[n]);
+            }
+        }
+    }
+    void restrict_residual(Block& block, std::size_t l) const noexcept {
+        const auto& at = block.levels_[l];
+        auto& coarse = block.levels_[l + 1];
+        for (const std::uint32_t n : coarse.list) Simd(0.0f).store(coarse.b[n]);
+        for (const std::uint32_t n : at.list) {
+            const Simd r =
+                sum_about(at, l, n) - Simd::load(at.u[n]) * Simd(1 / levels_[l].inverse_diagonal[n]);
+            for (const auto& [column, weight] : levels_[l].interpolation.of(n)) {
+                if ((coarse.flags[column] & active) != 0)
+                    multiply_add(Simd(weight), r, Simd::load(coarse.b[column])).store(coarse.b[column]);
+            }
+        }
+    }
+    /// Adds the next level's functions; keeps the largest change.
+    void interpolate(Block& block, std::size_t l, Simd& largest) const noexcept {
+        auto& at = block.levels_[l];
+        const auto& coarse = block.levels_[l + 1].u;
+        for (const std::uint32_t n : at.list) {
+            Simd sum(0.0f);
+            for (const auto& [column, weight] : levels_[l].interpolation.of(n))
+                sum = multiply_add(Simd(weight), Simd::load(coarse[column]), sum);
+            largest = (detail::max)(largest, abs(sum));
+            (Simd::load(at.u[n]) + sum).store(at.u[n]);
+        }
+    }
+    Simd descend(Block& block, std::size_t l) const noexcept {
+        Simd largest(0.0f);
+        relax<true>(block, l, &largest);
+        if (l + 1 == levels_.size()) {
+            for (std::size_t sweep = 1; sweep < coarsest_sweeps; ++sweep) relax(block, l);
+            return largest;
+        }
+        relax(block, l);
+        restrict_residual(block, l);
+        for (const std::uint32_t n : block.levels_[l + 1].list) Simd(0.0f).store(block.levels_[l + 1].u[n]);
+        (void)descend(block, l + 1);
+        interpolate(block, l, largest);
+        relax(block, l);
+        return largest;
+    }
+
+    Buffer<TreeData> data_;
+    Buffer<double> diagonal_;
+    std::vector<detail::TreeLevel> levels_; ///< the finest first
+};
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,67 @@
+// Values between the cells of a grid.
+#pragma once
+
+#include <cageform/coordinates/harmonic/options.hpp>
+#include <cageform/papers/detail/papers_lattice.hpp>
+
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI {
+namespace grid {
+
+/// The cells a value is read from and their shares, for one point; serves any number of fields.
+template <Scalar T, std::size_t D>
+struct SampleStencil {
+    std::array<std::size_t, (std::size_t{1} << D)> cells{};
+    std::array<T, (std::size_t{1} << D)> shares{};
+    std::size_t count = 0; ///< used; zero where no cell around the point has a value
+
+    T sample(std::span<const T> field) const noexcept {
+        T sum = 0;
+        for (std::size_t i = 0; i < count; ++i) sum += shares[i] * field[cells[i]];
+        return sum;
+    }
+};
+
+/// The stencil at a finite point. Where exterior cells are left out the other shares are scaled to
+/// sum to 1.
+template <Scalar T, std::size_t D>
+SampleStencil<T, D> sample_stencil(const Lattice<T, D>& lattice, std::span<const CellTag> tags,
+                                   const Vec<T, D>& p, Interpolation interpolation) noexcept {
+    SampleStencil<T, D> stencil;
+    const auto x = lattice.in_cells(p);
+    typename CellBox<D>::Index low{};
+    Vec<T, D> fraction{};
+    for (std::size_t k = 0; k < D; ++k) {
+        const T reach = static_cast<T>(lattice.cells[k]);
+        if (!(x[k] >= T(0) && x[k] <= reach)) return stencil;
+        const T shifted = interpolation == Interpolation::nearest_cell ? x[k] : x[k] - T(0.5);
+        const T cell = std::fmin(std::fmax(std::floor(shifted), T(0)), reach - T(1));
+        low[k] = static_cast<std::size_t>(cell);
+        fraction[k] = std::fmin(std::fmax(shifted - cell, T(0)), T(1));
+        if (interpolation == Interpolation::nearest_cell || low[k] + 1 == lattice.cells[k])
+            fraction[k] = T(0);
+    }
+    T total = 0;
+    for (std::size_t corner = 0; corner < (std::size_t{1} << D); ++corner) {
+        auto index = low;
+        T share = 1;
+        for (std::size_t k = 0; k < D; ++k) {
+            const bool high = (corner >> k) & 1u;
+            share *= high ? fraction[k] : T(1) - fraction[k];
+            if (high && share > T(0)) ++index[k];
+        }
+        if (!(share > T(0))) continue;
+        const std::size_t cell = lattice.number(index);
+        if (tags[cell] != CellTag::boundary && tags[cell] != CellTag::interior) continue;
+        stencil.cells[stencil.count] = cell;
+        stencil.shares[stencil.count++] = share;
+        total += share;
+    }
+    for (std::size_t i = 0; i < stencil.count; ++i) stencil.shares[i] /= total;
+    return stencil;
+}
+
+} // namespace grid
+
+} // namespace cageform::inline CAGEFORM_ABI
