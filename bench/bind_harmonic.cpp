@@ -10,8 +10,8 @@
 #include <cageform/binding/bind_packed.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 
 #include <ctime>
 #include <map>

@@ -8,9 +8,9 @@
 #include "counted.hpp"
 
 #include <cageform/core/threads.hpp>
+#include <cageform/fields/strokes.hpp>
 #include <cageform/grid/multigrid_groups.hpp>
 #include <cageform/papers/averaging_pyramid.hpp>
-#include <cageform/fields/strokes.hpp>
 
 #include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>

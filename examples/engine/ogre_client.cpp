@@ -8,7 +8,7 @@
 // for handles too, and `clone` writes vertices and normals where the graphics card reads them: into the locked vertex
 // buffer. With --frames it measures that and watches the memory of the process.
 
-#include "figure_parts.hpp"
+#include "files/figure_parts.hpp"
 
 #include <cageform/runtime.hpp>
 

@@ -1,6 +1,6 @@
 #include "bound_hand.hpp"
 
-#include "surface_nets.hpp"
+#include "pictures/surface_nets.hpp"
 
 #include <cageform/binding/pack.hpp>
 #include <cageform/cage/triangle_mesh.hpp>

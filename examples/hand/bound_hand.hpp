@@ -2,7 +2,7 @@
 
 // A hand bound to its control points, and how the programs move it.
 
-#include "coordinates.hpp"
+#include "cli/coordinates.hpp"
 #include "hand_model.hpp"
 
 #include <cageform/binding/detail/packed_binding.hpp>

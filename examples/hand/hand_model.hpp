@@ -6,8 +6,8 @@
 // Lengths are in hand lengths. The wrist is at the origin, the fingers point along y, the thumb to -x, the back of the
 // hand faces z.
 
-#include "obj_file.hpp"
-#include "surface_nets.hpp"
+#include "files/obj_file.hpp"
+#include "pictures/surface_nets.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "hand_pictures.hpp"
 
-#include "coordinates.hpp"
+#include "cli/coordinates.hpp"
 #include "model_sheet.hpp"
 
 #include <cstdio>

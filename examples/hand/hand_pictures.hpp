@@ -2,8 +2,8 @@
 
 // Pictures of the hand: its layers, its control points, its poses and builds, and how its skin follows.
 
-#include "atomic_file.hpp"
 #include "bound_hand.hpp"
+#include "files/atomic_file.hpp"
 #include "hand_builds.hpp"
 
 #include <filesystem>

@@ -4,10 +4,10 @@
 //
 // writes the pictures that hand_pictures.hpp names, and prints one line a property (hand_acceptance.hpp).
 
-#include "atomic_file.hpp"
 #include "bound_hand.hpp"
-#include "command_line.hpp"
-#include "guard.hpp"
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "files/atomic_file.hpp"
 #include "hand_acceptance.hpp"
 #include "hand_pictures.hpp"
 

@@ -6,11 +6,11 @@
 // angles a line, as pose_hand takes them) and out/hand.glb: it opens, closes to a fist, points and grasps a ball, in
 // 4 s. A clip is morph targets a quarter of a second apart: a rational clone is not linear in the pose.
 
-#include "atomic_file.hpp"
 #include "bound_hand.hpp"
-#include "command_line.hpp"
-#include "gltf_file.hpp"
-#include "guard.hpp"
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "files/atomic_file.hpp"
+#include "files/gltf_file.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
 

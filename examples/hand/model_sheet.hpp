@@ -2,8 +2,8 @@
 
 // Sheets of meshes in space, drawn side by side with captions.
 
-#include "mesh_picture.hpp"
-#include "surface_nets.hpp"
+#include "pictures/mesh_picture.hpp"
+#include "pictures/surface_nets.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,12 +4,12 @@
 //     pose_hand --pose point -o point.obj
 //     pose_hand --pose fist --kappa 0 --picture fist.png
 
-#include "atomic_file.hpp"
 #include "bound_hand.hpp"
-#include "command_line.hpp"
-#include "csv.hpp"
-#include "guard.hpp"
-#include "mesh_picture.hpp"
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "files/atomic_file.hpp"
+#include "files/csv.hpp"
+#include "pictures/mesh_picture.hpp"
 
 namespace {
 

@@ -1,8 +1,8 @@
 #include "catch.hpp"
 #include "support/cages.hpp"
 
-#include <cageform/cage/sites/hull_facets.hpp>
 #include <cageform/cage/point_set.hpp>
+#include <cageform/cage/sites/hull_facets.hpp>
 
 #include <algorithm>
 #include <set>

@@ -5,8 +5,8 @@
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 
 namespace harmonic_box_tests {
 

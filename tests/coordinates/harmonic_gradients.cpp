@@ -6,8 +6,8 @@
 #include "../support/oracle.hpp"
 #include "../support/weights.hpp"
 
-#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/core/threads.hpp>
+#include <cageform/papers/pyramid_solver.hpp>
 
 namespace harmonic_gradients_tests {
 

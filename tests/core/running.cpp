@@ -10,9 +10,9 @@
 #include <cageform/enclose/make_cage_3d.hpp>
 #include <cageform/fields/dirichlet.hpp>
 #include <cageform/fields/graph.hpp>
+#include <cageform/fields/skin.hpp>
 #include <cageform/fields/strokes.hpp>
 #include <cageform/fields/surface.hpp>
-#include <cageform/fields/skin.hpp>
 
 namespace running_tests {
 

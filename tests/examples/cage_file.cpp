@@ -1,6 +1,6 @@
-#include "cage_file.hpp"
-#include "bind_report.hpp"
-#include "clip_file.hpp"
+#include "files/cage_file.hpp"
+#include "cli/bind_report.hpp"
+#include "files/clip_file.hpp"
 
 #include "catch.hpp"
 

@@ -1,5 +1,5 @@
 // Surfaces over a domain in the plane: what is drawn is the domain, no more and no less, from the side asked for.
-#include "field_plot.hpp"
+#include "pictures/field_plot.hpp"
 
 #include "catch.hpp"
 #include "support/cages.hpp"

@@ -1,4 +1,4 @@
-#include "guard.hpp"
+#include "cli/guard.hpp"
 
 #include "catch.hpp"
 

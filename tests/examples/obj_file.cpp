@@ -1,4 +1,4 @@
-#include "obj_file.hpp"
+#include "files/obj_file.hpp"
 
 #include "catch.hpp"
 

@@ -1,5 +1,5 @@
 // Numbers on pictures say what is drawn beside them: axes of plots, colour bars.
-#include "picture.hpp"
+#include "pictures/picture.hpp"
 #include "catch.hpp"
 #include "support/cages.hpp"
 #include "support/larger.hpp"

@@ -1,6 +1,6 @@
-#include "pose_operations.hpp"
-#include "cage_file.hpp"
-#include "svg_document.hpp"
+#include "cli/pose_operations.hpp"
+#include "files/cage_file.hpp"
+#include "svg/document.hpp"
 
 #include "catch.hpp"
 #include "support/larger.hpp"

@@ -2,8 +2,8 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include "level_lines.hpp"
-#include "stroke_file.hpp"
+#include "files/stroke_file.hpp"
+#include "pictures/level_lines.hpp"
 
 #include <cstdio>
 #include <fstream>

@@ -1,11 +1,11 @@
 // Drawings in several frames: every frame is the still of its pose. Letters on paths go where their paths go.
 
-#include "drawn_figure.hpp"
-#include "svg_document.hpp"
-#include "svg_shapes.hpp"
-#include "svg_style.hpp"
-#include "svg_walk.hpp"
-#include "svg_xml.hpp"
+#include "pictures/drawn_figure.hpp"
+#include "svg/document.hpp"
+#include "svg/shapes.hpp"
+#include "svg/style.hpp"
+#include "svg/walk.hpp"
+#include "svg/xml.hpp"
 
 #include "catch.hpp"
 

@@ -1,5 +1,5 @@
-#include "svg_document.hpp"
-#include "atomic_file.hpp"
+#include "files/atomic_file.hpp"
+#include "svg/document.hpp"
 
 #include "catch.hpp"
 #include "support/larger.hpp"

@@ -1,9 +1,9 @@
 // What a shape takes from elsewhere follows it: gradients, patterns, regions; and what is seen stays in view.
 
-#include "svg_motion.hpp"
-#include "svg_style.hpp"
-#include "svg_walk.hpp"
-#include "svg_xml.hpp"
+#include "svg/motion.hpp"
+#include "svg/style.hpp"
+#include "svg/walk.hpp"
+#include "svg/xml.hpp"
 
 #include "catch.hpp"
 

@@ -1,4 +1,4 @@
-#include "svg_path.hpp"
+#include "svg/path.hpp"
 
 #include "catch.hpp"
 #include "support/larger.hpp"

@@ -2,16 +2,16 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
-//             examples/support/{atomic_file,bind_report,cage_file,clip_file,csv,guard,input_file,mesh_cage,obj_file,render,svg_*}.cpp
+//             examples/support/{cli/{bind_report,guard,mesh_cage},files/{atomic_file,cage_file,clip_file,csv,input_file,obj_file},pictures/render,svg/*}.cpp
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
 // Readers: cage (CSV), clip, css, lottie, poses, obj. SVG has a driver of its own.
-#include "cage_file.hpp"
-#include "clip_file.hpp"
-#include "gltf_file.hpp"
-#include "lottie_file.hpp"
-#include "mesh_cage.hpp"
+#include "cli/mesh_cage.hpp"
+#include "files/cage_file.hpp"
+#include "files/clip_file.hpp"
+#include "files/gltf_file.hpp"
+#include "files/lottie_file.hpp"
 
 #include <cageform/exchange/css.hpp>
 

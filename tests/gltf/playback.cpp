@@ -7,8 +7,8 @@
 // Files are bound by mean value coordinates; those with a skin of floats have as many influences as their sets take.
 
 #include "../support/larger.hpp"
-#include "clip_file.hpp"
-#include "mesh_cage.hpp"
+#include "cli/mesh_cage.hpp"
+#include "files/clip_file.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/smooth_skin_weights.hpp>

@@ -5,9 +5,9 @@
 #include "../support/oracle.hpp"
 
 #include <cageform/cage/cell_complex.hpp>
+#include <cageform/grid/tree/nodes.hpp>
 #include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
-#include <cageform/grid/tree/nodes.hpp>
 
 #include <map>
 

@@ -6,7 +6,7 @@
 // coordinates at their default accuracy take it and all ends of segments are inside. Of area over the tightest, least
 // angles in degrees and milliseconds: median, 95th percentile and worst.
 
-#include "drawn_figure.hpp"
+#include "pictures/drawn_figure.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic.hpp>

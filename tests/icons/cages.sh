@@ -12,8 +12,8 @@ themes='Tango Adwaita breeze Papirus Faenza elementary-xfce'
 sh cmake/install_packages.sh libpugixml-dev zlib1g-dev libeigen3-dev g++
 mkdir -p out/icons
 sources=
-for name in csv drawn_figure input_file svg_document svg_motion svg_paint svg_path svg_references svg_shapes svg_style svg_walk svg_xml svg_animation \
-  svg_deform css_colour; do
+for name in files/csv files/input_file pictures/drawn_figure svg/animation svg/css_colour svg/deform svg/document svg/motion svg/paint \
+  svg/path svg/references svg/shapes svg/style svg/walk svg/xml; do
   sources="$sources examples/support/$name.cpp"
 done
 # shellcheck disable=SC2086

@@ -11,7 +11,7 @@
 // and edges of an icon without a fault differ by some.
 
 #include "../support/larger.hpp"
-#include "svg_document.hpp"
+#include "svg/document.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>

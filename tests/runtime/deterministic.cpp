@@ -2,8 +2,8 @@
 // prints the same hashes of clones and clips.
 #include "made_up.hpp"
 
-#include <cageform/animate/pack_clip.hpp>
 #include <cageform/animate/detail/quantised_cubic.hpp>
+#include <cageform/animate/pack_clip.hpp>
 #include <cageform/clone/clone.hpp>
 
 #include <cinttypes>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
+#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/simd.hpp>
 
 #include <array>

@@ -119,7 +119,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(handles_not_bones, "the handles are not the origins and axes of bones")
 // clang-format on
 
-enum class [[nodiscard]] Status : std::uint8_t {
+enum class [[nodiscard]] Status : std::uint8_t{
 #define CAGEFORM_DETAIL_NAME(name, text) name,
     CAGEFORM_DETAIL_STATUSES(CAGEFORM_DETAIL_NAME)
 #undef CAGEFORM_DETAIL_NAME

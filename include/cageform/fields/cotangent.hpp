@@ -2,8 +2,8 @@
 // vertices harmonic. Not part of cageform.hpp.
 #pragma once
 
-#include <cageform/fields/graph.hpp>
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
+#include <cageform/fields/graph.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

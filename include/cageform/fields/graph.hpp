@@ -3,8 +3,8 @@
 // fields/dirichlet.hpp. Not part of cageform.hpp.
 #pragma once
 
-#include <cageform/fields/detail/graph_factors.hpp>
 #include <cageform/core/solver_report.hpp>
+#include <cageform/fields/detail/graph_factors.hpp>
 #include <cageform/grid/lattice.hpp>
 
 #include <cmath>

@@ -2,8 +2,8 @@
 // a report.
 #pragma once
 
-#include <cageform/grid/multigrid/helping_threads.hpp>
 #include <cageform/core/solver_report.hpp>
+#include <cageform/grid/multigrid/helping_threads.hpp>
 
 #include <atomic>
 #include <concepts>

@@ -9,10 +9,10 @@
 
 #include <cageform/animate/fit/bezier_fit.hpp>
 #include <cageform/animate/fit/fit_errors.hpp>
+#include <cageform/animate/fit/fit_options.hpp>
 #include <cageform/animate/fit/least_maximum.hpp>
 #include <cageform/animate/fit/normal_equations.hpp>
 #include <cageform/animate/fit/tied_pieces.hpp>
-#include <cageform/animate/fit/fit_options.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

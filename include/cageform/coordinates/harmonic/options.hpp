@@ -43,8 +43,9 @@ struct MultigridOptions {
     /// Of the discrete solution, SolverReport::error_estimate, on the uniform grid; on the adaptive one
     /// the accuracy says how far to solve.
     double tolerance = 1e-6;
-    std::size_t max_cycles = 60;  ///< not_converged when they do not suffice
-    bool corner_functions = true; ///< on the uniform grid: treat corners apart (grid/corners/corner_functions.hpp)
+    std::size_t max_cycles = 60; ///< not_converged when they do not suffice
+    bool corner_functions =
+        true; ///< on the uniform grid: treat corners apart (grid/corners/corner_functions.hpp)
 };
 
 struct HarmonicOptions {

@@ -5,8 +5,8 @@
 #include <cageform/coordinates/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/grid_errors.hpp>
-#include <cageform/coordinates/harmonic/tree_cage.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
+#include <cageform/coordinates/harmonic/tree_cage.hpp>
 #include <cageform/grid/tree_multigrid.hpp>
 
 #include <bit>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/coordinates/detail/face_coordinates.hpp>
-#include <cageform/coordinates/mean_value/space.hpp>
 #include <cageform/coordinates/mean_value/evaluation.hpp>
+#include <cageform/coordinates/mean_value/space.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

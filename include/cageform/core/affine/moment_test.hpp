@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/core/affine/compensated_sum.hpp>
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
+#include <cageform/core/detail/buffer.hpp>
 
 #include <vector>
 

@@ -10,8 +10,8 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/grid/corners/corner.hpp>
 #include <cageform/core/solver_report.hpp>
+#include <cageform/grid/corners/corner.hpp>
 
 #include <cstdint>
 #include <span>

@@ -8,8 +8,8 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
+#include <cageform/core/detail/buffer.hpp>
 #include <cageform/grid/corners/corner_errors.hpp>
 #include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/multigrid.hpp>

@@ -4,8 +4,8 @@
 
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/grid/lattice/bones.hpp>
-#include <cageform/grid/lattice/placed_facet.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
+#include <cageform/grid/lattice/placed_facet.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -1,0 +1,478 @@
+// How harmonic coordinates converge, drawn. Of cages in the plane: the error after each cycle of the multigrid, and the
+// error of the weights against the cells of the uniform grid, with corners treated and not, and by the papers' sweeps. Of
+// oracles, weights known to many digits: the error against unknowns and seconds, on the uniform grid and the adaptive one.
+//
+//     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
+//     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
+
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "files/atomic_file.hpp"
+#include "files/cage_file.hpp"
+#include "files/input_file.hpp"
+#include "pictures/plot.hpp"
+#include "pictures/render.hpp"
+#include "svg/xml.hpp"
+
+#include <cageform/grid/lattice/embed.hpp>
+#include <cageform/grid/lattice/simplex_boundary.hpp>
+#include <cageform/grid/multigrid.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <ctime>
+#include <iostream>
+#include <sstream>
+
+extern template class cageform::grid::Multigrid<2>; // compiled in coordinates_2d.cpp
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Curve {
+    std::string name, colour, dashes;
+    std::vector<std::array<double, 2>> points; // y by its logarithm to the base 10
+};
+
+constexpr std::array<const char*, 6> colours{"#1b6ca8", "#c8553d", "#2e8b57",
+                                             "#8d5fa8", "#b8860b", "#4a4a4a"};
+
+/// The largest error estimate of all functions after each cycle, at `resolution` cells.
+Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resolution) {
+    using cageform::grid::Multigrid;
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const auto extent = bounds.upper - bounds.lower;
+    cageform::Lattice<double, 2> lattice;
+    lattice.spacing = std::max(extent[0], extent[1]) / double(resolution);
+    lattice.origin = bounds.lower;
+    for (std::size_t k = 0; k < 2; ++k)
+        lattice.cells[k] = std::size_t(std::ceil(extent[k] / lattice.spacing)) + 1;
+
+    const cageform::grid::SimplexBoundary<2> boundary(cage, lattice);
+    const auto problem = cageform::grid::embed(boundary, boundary.crossings());
+    const Multigrid<2> multigrid(problem.nodes, problem.cuts, {});
+    const auto slot = multigrid.source_slots();
+
+    Curve curve;
+    auto block = multigrid.make_block();
+    for (std::size_t first = 0; first < cage.size(); first += Multigrid<2>::width) {
+        for (auto& row : block.source) row.fill(0.0);
+        for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
+            const auto& value = problem.values[c];
+            for (std::size_t n = 0; n < value.handle.size(); ++n) {
+                if (value.handle[n] - first < Multigrid<2>::width)
+                    block.source[slot[problem.cuts[c].node]][value.handle[n] - first] +=
+                        problem.cuts[c].weight * value.weight[n];
+            }
+        }
+        auto error = multigrid.start(block);
+        for (std::size_t cycle = 0; cycle <= 9; ++cycle) {
+            if (curve.points.size() == cycle) curve.points.push_back({double(cycle), -300});
+            for (const double e : error.estimate)
+                curve.points[cycle][1] = std::max(curve.points[cycle][1], std::log10(e));
+            error = multigrid.cycle(block);
+        }
+    }
+    return curve;
+}
+
+/// Points spread over a cage (a Halton sequence), the same for every grid.
+std::vector<Point2> points_in(const cageform::Polygon<double>& cage, std::size_t count) {
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const auto radical_inverse = [](std::size_t n, std::size_t base) {
+        double x = 0, digit = 1;
+        for (; n > 0; n /= base) x += (digit /= double(base)) * double(n % base);
+        return x;
+    };
+    std::vector<Point2> points;
+    for (std::size_t n = 1; points.size() < count; ++n) {
+        const cageform::Vec<double, 2> p{
+            bounds.lower[0] + radical_inverse(n, 2) * (bounds.upper[0] - bounds.lower[0]),
+            bounds.lower[1] + radical_inverse(n, 3) * (bounds.upper[1] - bounds.lower[1])};
+        if (cageform::locate(cage, p, 0.0) == cageform::PointState::inside) points.push_back({p[0], p[1]});
+    }
+    return points;
+}
+
+constexpr std::size_t finest = 512; // cells shown
+
+cageform::BindResult<double, 2> weights_of(const CageFile& cage, const cageform::HarmonicOptions& options,
+                                           std::size_t resolution) {
+    return make_coordinates<double>({.name = "harmonic", .resolution = resolution, .harmonic = options}, cage)
+        ->bind(points_in(cage.polygon<double>(), 1000));
+}
+
+/// The largest difference of weights to those that are `exact` beside.
+Curve error_by_cells(const CageFile& cage, const cageform::HarmonicOptions& options,
+                     const cageform::Binding<double, 2>& exact) {
+    Curve curve;
+    for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
+        const auto coarse = weights_of(cage, options, resolution);
+        if (coarse.report.status != cageform::Status::ok) continue; // too coarse for a part of the cage
+        double error = 1e-16;
+        for (std::size_t i = 0; i < exact.point_count(); ++i) {
+            for (std::size_t k = 0; k < exact.handle_count(); ++k)
+                error = std::max(error, std::fabs(coarse.binding.weight(i, k) - exact.weight(i, k)));
+        }
+        curve.points.push_back({std::log2(double(resolution)), std::log10(error)});
+    }
+    return curve;
+}
+
+enum class Steps { ones, doublings, tenfolds }; // of the x axis
+
+/// A diagram as a group of SVG elements.
+std::string diagram(double left, double top, const std::string& title, const std::string& x_title,
+                    const std::vector<Curve>& curves, Steps steps) {
+    constexpr double width = 430, height = 330;
+    double x0 = 1e9, x1 = -1e9, y0 = 0, y1 = -1e9;
+    for (const Curve& curve : curves) {
+        for (const auto& [x, y] : curve.points) {
+            x0 = std::min(x0, x);
+            x1 = std::max(x1, x);
+            y0 = std::min(y0, std::floor(y));
+            y1 = std::max(y1, std::ceil(y));
+        }
+    }
+    const Axis x_axis{x0, x1, left, left + width}, y_axis{y0, y1, top + height, top};
+    const auto place = [](double x) { return text_of("%.1f", x); };
+    const auto text = [&](double x, double y, const char* anchor, const std::string& words, int size) {
+        return "<text x=\"" + place(x) + "\" y=\"" + place(y) + "\" text-anchor=\"" + anchor +
+               "\" font-size=\"" + std::to_string(size) + "\">" + words + "</text>\n";
+    };
+    std::string svg = text(left + width / 2, top - 22, "middle", title, 17);
+    const auto grid_line = [&](double xa, double ya, double xb, double yb) {
+        svg += "<path d=\"M" + place(xa) + "," + place(ya) + " L" + place(xb) + "," + place(yb) +
+               "\" stroke=\"#d8d8d8\"/>\n";
+    };
+    for (double y = y0; y <= y1; y += 1) grid_line(left, y_axis.at(y), left + width, y_axis.at(y));
+    for (const auto& [y, number] : marks_of(y_axis, 9, 1))
+        svg += text(left - 8, y_axis.at(y) + 4, "end", "1e" + number, 13);
+    for (const auto& [x, number] : marks_of(x_axis, 10, 1)) {
+        grid_line(x_axis.at(x), top, x_axis.at(x), top + height);
+        svg += text(x_axis.at(x), top + height + 18, "middle",
+                    steps == Steps::ones        ? number
+                    : steps == Steps::doublings ? number_on_axis(std::exp2(x), 1)
+                                                : "1e" + number,
+                    13);
+    }
+    svg += text(left + width / 2, top + height + 40, "middle", x_title, 14);
+    double row = top + height + 64;
+    for (const Curve& curve : curves) {
+        std::string line;
+        for (const auto& [x, y] : curve.points) {
+            line += (line.empty() ? "M" : " L") + place(x_axis.at(x)) + "," + place(y_axis.at(y));
+            svg += "<circle cx=\"" + place(x_axis.at(x)) + "\" cy=\"" + place(y_axis.at(y)) +
+                   "\" r=\"3\" fill=\"" + curve.colour + "\"/>\n";
+        }
+        const std::string style = "fill=\"none\" stroke=\"" + curve.colour +
+                                  "\" stroke-width=\"2\" stroke-dasharray=\"" + curve.dashes + "\"/>\n";
+        svg += "<path d=\"" + line + "\" " + style;
+        svg += "<path d=\"M" + place(left) + "," + place(row - 4) + " h34\" " + style;
+        svg += text(left + 42, row, "start", detail::escaped(curve.name), 13);
+        row += 19;
+    }
+    return svg;
+}
+
+/// Weights known to many digits.
+template <std::size_t D>
+struct Oracle {
+    std::string name;
+    std::conditional_t<D == 2, CageFile, ObjFile> cage;
+    std::vector<std::conditional_t<D == 2, Point2, Point3>> points;
+    std::vector<std::vector<double>> weights; // [point][handle]
+};
+
+/// For --help.
+constexpr const char* oracle_format =
+    "An oracle is a JSON file: \"cage\" with \"vertices\" and, in the plane, \"loops\" of\n"
+    "their numbers, in space \"faces\"; \"points\", and \"coordinates\": of each point the\n"
+    "weights of all vertices. Or a text file (.txt) beside its cage.obj, each line\n"
+    "x,y,z;vertex:weight;vertex:weight;... with the weights that are not 0.\n";
+
+/// Throws what nlohmann's functions throw.
+template <std::size_t D>
+Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
+    Oracle<D> oracle;
+    oracle.name = name;
+    const auto places = [](const nlohmann::json& list) {
+        std::vector<typename decltype(Oracle<D>::points)::value_type> result;
+        for (const auto& p : list) {
+            if constexpr (D == 2)
+                result.push_back({p.at(0).get<double>(), p.at(1).get<double>()});
+            else
+                result.push_back({p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>()});
+        }
+        return result;
+    };
+    const auto& cage = json.at("cage");
+    const auto vertices = places(cage.at("vertices"));
+    if constexpr (D == 2) {
+        std::vector<CageBlock> blocks;
+        for (const auto& loop : cage.at("loops")) {
+            CageBlock& block = blocks.emplace_back();
+            for (const auto& i : loop) block.points.push_back(vertices.at(i.get<std::size_t>()));
+        }
+        oracle.cage = make_cage(name, std::move(blocks));
+    } else {
+        oracle.cage.name = name;
+        oracle.cage.vertices = vertices;
+        oracle.cage.triangles = cage.at("faces").get<std::vector<std::array<std::uint32_t, 3>>>();
+    }
+    oracle.points = places(json.at("points"));
+    oracle.weights = json.at("coordinates").get<std::vector<std::vector<double>>>();
+    if (oracle.weights.size() != oracle.points.size())
+        throw std::runtime_error("points and rows of weights differ in number");
+    for (const auto& row : oracle.weights) {
+        if (row.size() != vertices.size()) throw std::runtime_error("a weight of each vertex is missing");
+    }
+    return oracle;
+}
+
+/// Of a text file.
+SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
+    auto cage = load_obj(path.parent_path() / "cage.obj");
+    if (!cage) return cage.error();
+    Oracle<3> oracle{printable(path.parent_path().filename().string()), std::move(*cage), {}, {}};
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c == ',' || c == ';' || c == ':'; }, ' ');
+    std::istringstream lines(std::move(text));
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        Point3& p = oracle.points.emplace_back();
+        auto& row = oracle.weights.emplace_back(oracle.cage.vertices.size());
+        std::size_t vertex = 0;
+        double weight = 0;
+        words >> p[0] >> p[1] >> p[2];
+        while (words >> vertex >> weight && vertex < row.size()) row[vertex] = weight;
+        if (!words.eof())
+            return SvgError{path.string() + ":" + std::to_string(oracle.points.size()) +
+                            ": no line of an oracle"};
+    }
+    return oracle;
+}
+
+struct Measured {
+    cageform::Status status = cageform::Status::ok;
+    double unknowns = 0, seconds = 0, error = 0;
+};
+
+/// A whole bind; the least processor time of some.
+template <std::size_t D>
+Measured measure(const Oracle<D>& oracle, const CoordinatesChoice& choice) {
+    Measured measured;
+    double spent = 0;
+    do {
+        const std::clock_t begin = std::clock();
+        const auto [binding, report] = make_coordinates<double>(choice, oracle.cage)->bind(oracle.points);
+        const double seconds = double(std::clock() - begin) / CLOCKS_PER_SEC;
+        measured.seconds = spent == 0 ? seconds : std::min(measured.seconds, seconds);
+        spent += std::max(seconds, 1e-3);
+        measured.status = report.status;
+        if (measured.status != cageform::Status::ok) return measured;
+        measured.unknowns = double(report.solver.cells);
+        measured.error = 1e-16;
+        for (std::size_t i = 0; i < oracle.points.size(); ++i) {
+            for (std::size_t k = 0; k < oracle.weights[i].size(); ++k)
+                measured.error =
+                    std::max(measured.error, std::fabs(binding.weight(i, k) - oracle.weights[i][k]));
+        }
+    } while (spent < 0.2);
+    return measured;
+}
+
+struct Diagrams {
+    std::vector<Curve> by_cycle, by_cells, by_unknowns, by_seconds;
+};
+
+/// Prints a table, and adds to the diagrams by unknowns and seconds.
+template <std::size_t D>
+void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams) {
+    std::vector<CoordinatesChoice> uniform, adaptive;
+    for (std::size_t resolution = D == 2 ? 32 : 16; resolution <= (D == 2 ? 1024u : 256u); resolution *= 2)
+        uniform.emplace_back().resolution = resolution;
+    for (const double accuracy : {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5}) {
+        if (accuracy >= (D == 2 ? 1e-5 : 5e-4)) adaptive.emplace_back().harmonic.accuracy = accuracy;
+    }
+    for (auto* ways : {&uniform, &adaptive}) {
+        Curve by_unknowns{oracle.name + (ways == &uniform ? ", uniform" : ", adaptive"),
+                          colour,
+                          ways == &uniform ? "6 4" : "none",
+                          {}};
+        Curve by_seconds = by_unknowns;
+        double seconds = 0;
+        for (CoordinatesChoice& choice : *ways) {
+            if (seconds > (ways == &uniform && D == 3 ? 0.5 : 2)) break; // the next takes eight times as long
+            choice.name = "harmonic";
+            const Measured measured = measure(oracle, choice);
+            const std::string asked = choice.resolution != 0
+                                          ? std::to_string(choice.resolution) + " cells"
+                                          : "accuracy " + text_of("%.0e", choice.harmonic.accuracy);
+            std::cout << oracle.name << ", " << asked << ": ";
+            if (measured.status != cageform::Status::ok) {
+                std::cout << cageform::to_string(measured.status) << '\n';
+                continue;
+            }
+            seconds = measured.seconds;
+            std::cout << text_of("%.0f", measured.unknowns) << " unknowns, "
+                      << text_of("%.4f", measured.seconds) << " s, error " << text_of("%.1e", measured.error)
+                      << '\n';
+            by_unknowns.points.push_back({std::log10(measured.unknowns), std::log10(measured.error)});
+            by_seconds.points.push_back({std::log10(measured.seconds), std::log10(measured.error)});
+        }
+        diagrams.by_unknowns.push_back(std::move(by_unknowns));
+        diagrams.by_seconds.push_back(std::move(by_seconds));
+    }
+}
+
+/// Of a file; returns what is wrong with it.
+std::string add_oracle(const std::string& path, const char* colour, Diagrams& diagrams) {
+    const auto text = read_file(path);
+    if (!text) return to_string(text.error());
+    if (path.ends_with(".txt")) {
+        const auto oracle = read_oracle(path, *text);
+        if (!oracle) return to_string(oracle.error());
+        add_oracle(*oracle, colour, diagrams);
+        return {};
+    }
+    const std::string name = printable(std::filesystem::path(path).stem().string());
+    try {
+        const auto json = nlohmann::json::parse(*text);
+        if (json.at("cage").contains("faces"))
+            add_oracle(oracle_of<3>(name, json), colour, diagrams);
+        else
+            add_oracle(oracle_of<2>(name, json), colour, diagrams);
+    } catch (const std::exception& error) {
+        return path + ": " + error.what();
+    }
+    return {};
+}
+
+/// Adds to the diagrams by cycles and cells; returns what is wrong.
+std::string add_cage(const std::string& path, const char* colour, std::size_t resolution,
+                     Diagrams& diagrams) {
+    const auto file = load_cage(path);
+    if (!file) return to_string(file.error());
+    if (file->has_cells()) return path + ": cages with cells inside are not drawn";
+    const auto cage = file->polygon<double>();
+    const auto report = cageform::check(cage);
+    if (report.status != cageform::Status::ok) return describe_faults(path, report);
+    const std::string name = printable(std::filesystem::path(path).stem().string());
+
+    auto cycles = error_by_cycle(cage, resolution);
+    cycles.name = name;
+    cycles.colour = colour;
+    cycles.dashes = "none";
+    std::cout << name << ": error falls by "
+              << text_of("%.3f", std::pow(10.0, (cycles.points[6][1] - cycles.points[1][1]) / 5))
+              << " a cycle\n";
+    diagrams.by_cycle.push_back(std::move(cycles));
+
+    struct Way {
+        const char* name;
+        const char* dashes;
+        cageform::HarmonicOptions options;
+    };
+    std::array<Way, 3> ways{Way{"", "none", {}}, Way{", corners untreated", "9 5", {}},
+                            Way{", the papers' sweeps", "2 4", {}}};
+    ways[1].options.multigrid.corner_functions = false;
+    ways[2].options.solver = cageform::HarmonicSolver::averaging_pyramid;
+    // A grid four times as fine as the finest shown.
+    const auto exact = weights_of(*file, {}, 4 * finest);
+    if (exact.report.status != cageform::Status::ok)
+        return path + ": " + cageform::to_string(exact.report.status);
+    for (const Way& way : ways) {
+        auto curve = error_by_cells(*file, way.options, exact.binding);
+        curve.name = name + way.name;
+        curve.colour = colour;
+        curve.dashes = way.dashes;
+        std::cout << curve.name << ":";
+        for (const auto& [cells, error] : curve.points)
+            std::cout << "  " << text_of("%.0f", std::exp2(cells)) << " cells "
+                      << text_of("%.1e", std::pow(10.0, error));
+        std::cout << '\n';
+        diagrams.by_cells.push_back(std::move(curve));
+    }
+    return {};
+}
+
+/// Two diagrams a row.
+std::string draw(const Diagrams& diagrams, std::size_t resolution) {
+    double top = 60;
+    std::string svg;
+    if (!diagrams.by_cells.empty()) {
+        svg += diagram(80, top,
+                       "largest error (estimated) after each cycle, " + std::to_string(resolution) + " cells",
+                       "cycles of the multigrid", diagrams.by_cycle, Steps::ones);
+        svg += diagram(620, top, "largest error of a weight", "cells along the cage", diagrams.by_cells,
+                       Steps::doublings);
+        top += 450 + 19 * double(diagrams.by_cells.size());
+    }
+    if (!diagrams.by_unknowns.empty()) {
+        svg += diagram(80, top, "largest error of a known weight", "unknowns of the grid",
+                       diagrams.by_unknowns, Steps::tenfolds);
+        svg += diagram(620, top, "largest error of a known weight", "seconds of a bind, one thread",
+                       diagrams.by_seconds, Steps::tenfolds);
+        top += 420 + 19 * double(diagrams.by_unknowns.size());
+    }
+    const std::string height = text_of("%.0f", top);
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1100 " + height +
+           "\" width=\"1100\" height=\"" + height +
+           "\" font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" "
+           "fill=\"white\"/>\n" +
+           svg + "</svg>\n";
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Draws how harmonic coordinates converge: of cages in the plane against cycles and cells, of oracles "
+        "against unknowns and seconds, on the uniform grid and the adaptive one.");
+    line.set_examples({"--cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png",
+                       "--oracle harmonic2d_cat.json -o errors.svg"});
+    std::vector<std::string> cage_paths, oracle_paths;
+    std::string out_path;
+    bool png = false;
+    std::size_t resolution = 512;
+    line.add("--cage", cage_paths, "SVG or CSV files, six at most").count(1, 6);
+    line.add("--oracle", oracle_paths, "files, six at most, of weights that are known").count(1, 6);
+    line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
+    line.add("--resolution", resolution, "cells of the grid the cycles are shown on")
+        .range(16, 4096)
+        .show_default();
+    line.add_flag("--png", png, "also render it, to the same name with .png");
+    line.set_footer(std::string(cage_formats) + "\n" + oracle_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (cage_paths.empty() && oracle_paths.empty()) return fail("--cage or --oracle is required");
+
+    for (const auto* paths : {&cage_paths, &oracle_paths}) {
+        for (const std::string& path : *paths) {
+            if (const InputFile file(path); !file.error().empty()) return fail(file.error());
+        }
+    }
+    if (const auto why = fault_of_outputs({out_path, png ? png_of(out_path) : ""})) return fail(*why);
+    Diagrams diagrams;
+    for (std::size_t n = 0; n < cage_paths.size(); ++n) {
+        const std::string why = add_cage(cage_paths[n], colours[n], resolution, diagrams);
+        if (!why.empty()) return fail(why);
+    }
+    for (std::size_t n = 0; n < oracle_paths.size(); ++n) {
+        const std::string why = add_oracle(oracle_paths[n], colours[n], diagrams);
+        if (!why.empty()) return fail(why);
+    }
+    OutputFiles outputs;
+    AtomicFile& file = outputs.add(out_path);
+    file.write(draw(diagrams, resolution));
+    if (png) add_png(outputs, file, 1100);
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return cageform_examples::guarded("convergence", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,238 @@
+#include "cli/auto_cage.hpp"
+
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/pose_operations.hpp"
+#include "files/csv.hpp"
+#include "pictures/drawn_figure.hpp"
+
+#include <cageform/enclose/make_cage.hpp>
+#include <cageform/enclose/make_cage_3d.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <span>
+#include <system_error>
+
+namespace cageform_examples {
+
+namespace {
+
+/// To as many decimals as tell a thousandth of `clearance`.
+double rounded(double x, double clearance) {
+    const double unit = std::pow(10.0, std::floor(std::log10(clearance / 1000)));
+    const double steps = std::round(x / unit);
+    // Of units below 1 the inverse is exact, so that 0.1 does not become 0.1000000001.
+    return std::fabs(steps) < 1e15 && std::isfinite(unit) && unit > 0
+               ? (unit < 1 ? steps / std::round(1 / unit) : steps * unit)
+               : x;
+}
+
+/// The fewest digits that give it back.
+std::string shortest(double x) {
+    std::array<char, 32> digits{};
+    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
+}
+
+std::string percent(double part) {
+    return detail::short_number(std::round(part * 1000) / 10) + " %";
+}
+
+double farthest_coordinate(std::span<const double> coordinates, double before) {
+    for (const double x : coordinates) before = std::max(before, std::fabs(x));
+    return before;
+}
+
+/// Why there is no cage, with what is known of the figure.
+///
+///   farthest   the figure's largest coordinate
+std::string no_cage(const cageform::MakeCageReport& report, const cageform::MakeCageOptions& options,
+                    double farthest) {
+    using Status = cageform::Status;
+    std::string why = cageform::to_string(report.status);
+    if (report.status == Status::cage_not_found && farthest > 1e14 * report.margin)
+        why += ": " + detail::short_number(report.margin) + " off it, at coordinates of " +
+               detail::short_number(farthest) + ", is too little for their 16 digits";
+    else if (report.status == Status::cage_not_found && report.clearance > 0)
+        why += ": the last one tried comes as near as " + detail::short_number(report.clearance) +
+               ", and the margin is " + detail::short_number(report.margin);
+    if (report.status == Status::margin_too_small && options.mirror && options.mirror->place)
+        why += ": it spans the figure and its image across the mirror at " +
+               detail::short_number(*options.mirror->place);
+    return why;
+}
+
+} // namespace
+
+CageWord CageWord::of(const std::string& word) {
+    using Shape = cageform::CageShape;
+    const std::string name = word.substr(0, word.find(':'));
+    CageWord found{name == "auto" || name == "hull" || word == "box", 0,
+                   name == "hull"  ? Shape::hull
+                   : name == "box" ? Shape::box
+                                   : Shape::figure};
+    if (!found.is_auto || word.size() == name.size()) return found;
+    double count = 0;
+    found.is_auto = detail::parse_number(std::string_view(word).substr(name.size() + 1), count).empty() &&
+                    count >= 3 && count <= 1e6 && count == std::floor(count);
+    found.vertices = found.is_auto ? std::size_t(count) : 0;
+    return found;
+}
+
+SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
+                                            const cageform::MakeCageOptions& options) {
+    const auto drawn = drawn_figure(figure);
+    if (!drawn) return drawn.error();
+    const auto made = cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn->segments),
+                                          options, drawn->areas);
+    if (!made) {
+        double farthest = 0;
+        for (const auto& segment : drawn->segments) farthest = farthest_coordinate(segment.a.v, farthest);
+        return SvgError{figure.name + ": " + no_cage(made.report, options, farthest)};
+    }
+    std::vector<CageBlock> blocks;
+    for (const auto& loop : made.cage.loops()) {
+        CageBlock block;
+        for (std::size_t i = loop.begin; i < loop.end; ++i)
+            block.points.push_back({rounded(made.cage[i][0], made.report.clearance),
+                                    rounded(made.cage[i][1], made.report.clearance)});
+        blocks.push_back(std::move(block));
+    }
+    return AutoCage<CageFile>{make_cage("the cage of " + figure.name, std::move(blocks)), made.report};
+}
+
+SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
+                                           const cageform::Running& running) {
+    cageform::MakeCageOptions wanted = options;
+    wanted.running = running;
+    const auto made = cageform::make_cage(figure.vertices, figure.triangles, wanted);
+    const auto& report = made.report;
+    if (!made) {
+        double farthest = 0;
+        for (const auto& p : figure.vertices) farthest = farthest_coordinate(p.v, farthest);
+        std::string why = figure.name + ": " + no_cage(report, options, farthest);
+        if (report.status == cageform::Status::figure_empty) why += " (it holds no faces)";
+        if (report.status == cageform::Status::figure_not_finite)
+            why += " (v " + std::to_string(report.culprit + 1) + ")";
+        return SvgError{why};
+    }
+    std::string text;
+    for (const auto& p : made.cage.vertices()) {
+        text += 'v';
+        for (const double x : p.v) text += ' ' + shortest(rounded(x, report.clearance));
+        text += '\n';
+    }
+    for (const auto& face : made.cage.faces()) {
+        text += 'f';
+        for (const auto v : face) text += ' ' + std::to_string(v + 1);
+        text += '\n';
+    }
+    auto cage = parse_obj(std::move(text), "the cage of " + figure.name);
+    if (!cage) return cage.error();
+    return AutoCage<ObjFile>{std::move(*cage), report};
+}
+
+namespace {
+
+/// Made with as many vertices as the word says; warnings go to stderr.
+template <class Figure>
+auto made_by_word(const CageWord& word, const Figure& figure) {
+    cageform::MakeCageOptions options;
+    options.vertices = word.vertices;
+    options.shape = word.shape;
+    auto made = make_cage_for(figure, options);
+    if (made) {
+        for (const std::string& warning : warnings_of(made->report, options))
+            warn(figure.name + ": " + warning);
+    }
+    return made;
+}
+
+/// Of a file that is not there: whether its name was meant to be a word.
+SvgError with_words(SvgError error, const std::string& word) {
+    std::error_code unknown;
+    if (std::filesystem::exists(word, unknown)) return error;
+    if (word.starts_with("box:"))
+        error.message = "--cage " + detail::quoted(word) +
+                        ": a box has 8 vertices, in the plane 4: --cage box, or with N "
+                        "vertices hull:N or auto:N";
+    else if (word.starts_with("auto") || word.starts_with("hull") || word.starts_with("box"))
+        error.message +=
+            "; of a cage to be made: auto, hull, box, or with 3 to 1000000 vertices auto:N, hull:N";
+    return error;
+}
+
+} // namespace
+
+SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure) {
+    const CageWord wanted = CageWord::of(word);
+    if (!wanted.is_auto) {
+        auto cage = load_cage(word);
+        if (!cage) return with_words(cage.error(), word);
+        return cage;
+    }
+    auto made = made_by_word(wanted, figure);
+    if (!made) return made.error();
+    return std::move(made->cage);
+}
+
+SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {
+    const CageWord wanted = CageWord::of(word);
+    if (!wanted.is_auto) {
+        auto cage = load_mesh_cage(word);
+        if (!cage) return with_words(cage.error(), word);
+        return cage;
+    }
+    auto made = made_by_word(wanted, figure);
+    if (!made) return made.error();
+    return std::move(made->cage);
+}
+
+std::string describe(const cageform::MakeCageReport& report, std::size_t dimension) {
+    const auto count = [](std::size_t n, const char* thing) {
+        return std::to_string(n) + ' ' + thing + (n == 1 ? "" : "s");
+    };
+    const bool in_plane = dimension == 2;
+    const double looser = report.area / report.tightest_area - 1;
+    return "cage: " + std::to_string(report.vertices) + " vertices, " +
+           (report.tunnels > 0 ? count(report.tunnels, "tunnel") + ", " : "") + percent(std::fabs(looser)) +
+           (looser < 0 ? " less " : " more ") + (in_plane ? "area" : "volume") +
+           " than the tightest, least angle " + detail::short_number(std::round(report.least_angle)) +
+           " degrees\nfigure: " +
+           (report.parts > 0 ? count(report.parts, "part") + ", " + count(report.bridges, "bridge") + "; "
+                             : "") +
+           detail::short_number(report.clearance) + " from the cage (" +
+           percent(report.clearance / report.margin) + " of the margin)\n";
+}
+
+std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
+                                     const cageform::MakeCageOptions& options) {
+    std::vector<std::string> warnings;
+    const std::size_t wanted = options.vertices;
+    if (wanted != 0 && report.vertices > wanted + (options.mirror ? wanted % 2 : 0))
+        warnings.push_back("the cage has " + std::to_string(report.vertices) +
+                           " vertices, as no fewer would do");
+    return warnings;
+}
+
+template <std::size_t D>
+std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec<double, D>>& rest) {
+    const auto box = cageform::bounds_of(std::span<const cageform::Vec<double, D>>(rest));
+    const auto size = box.upper - box.lower;
+    const auto axis = std::size_t(std::max_element(size.v, size.v + D) - size.v);
+    const std::array<char, 3> names{'x', 'y', 'z'};
+    std::array<char, 128> word{};
+    std::snprintf(word.data(), word.size(), "all:%c%c,%.17g,%.17g,30", names[axis], names[(axis + 1) % D],
+                  0.5 * (box.lower[axis] + box.upper[axis]), box.lower[axis]);
+    auto pose = rest;
+    const std::string why =
+        apply_operation<D>(PoseOperation::bend, word.data(), std::span(rest), std::span(pose));
+    return why.empty() ? pose : rest;
+}
+
+template std::vector<cageform::Vec<double, 2>> first_pose(const std::vector<cageform::Vec<double, 2>>&);
+template std::vector<cageform::Vec<double, 3>> first_pose(const std::vector<cageform::Vec<double, 3>>&);
+
+} // namespace cageform_examples

@@ -1,0 +1,66 @@
+#pragma once
+
+// Cages that the programs make themselves, around any figure.
+
+#include "files/cage_file.hpp"
+#include "files/obj_file.hpp"
+#include "svg/document.hpp"
+
+#include <cageform/enclose/detail/cage_making.hpp>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// For --help, behind what else --cage takes.
+inline constexpr const char* auto_cage_help =
+    "; or auto, hull or box, with vertices auto:N or hull:N: what make_cage makes";
+
+/// What --cage says: auto, hull, box, auto:N or hull:N, or else a file (one of that name is ./auto).
+struct CageWord {
+    bool is_auto = false;
+    std::size_t vertices = 0; // 0: as many as make_cage takes
+    cageform::CageShape shape = cageform::CageShape::figure;
+
+    static CageWord of(const std::string& word);
+};
+
+/// A cage made, and what there is to say of it.
+template <class Cage>
+struct AutoCage {
+    Cage cage;
+    cageform::MakeCageReport report;
+};
+
+/// About all that a document paints, in root user space; its coordinates are rounded, within a thousandth of what it keeps
+/// off the figure.
+///
+///   options   margins as shares; the mirror's place in root user space
+///   fails     with a sentence that names the document
+SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
+                                            const cageform::MakeCageOptions& options);
+
+/// About all faces of a mesh.
+SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
+                                           const cageform::Running& running = {});
+
+/// The cage that --cage names: made for the figure, or read from a file.
+SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure);
+SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure);
+
+/// "24 vertices, …": the report for people, two lines.
+///
+///   dimension   2 or 3
+std::string describe(const cageform::MakeCageReport& report, std::size_t dimension);
+
+/// What a user should know; empty where there is nothing.
+std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
+                                     const cageform::MakeCageOptions& options);
+
+/// A pose for a first look, where none is given: a half of the cage, along its longest side, bends by 30 degrees.
+template <std::size_t D>
+std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec<double, D>>& rest);
+
+} // namespace cageform_examples

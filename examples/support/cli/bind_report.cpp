@@ -1,0 +1,262 @@
+#include "cli/bind_report.hpp"
+
+#include "cli/guard.hpp"
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+#include <vector>
+
+namespace cageform_examples {
+
+int numbers_of(cageform::CageFaultKind kind) {
+    using Kind = cageform::CageFaultKind;
+    switch (kind) {
+    case Kind::degenerate_simplex:
+    case Kind::sites_in_a_plane:
+    case Kind::no_volume: // of a mesh; no program reads a box, which would have an axis
+        return 0;
+    case Kind::vertex_not_finite:
+    case Kind::no_area:
+    case Kind::face_without_vertex:
+    case Kind::face_without_area:
+    case Kind::vertex_not_manifold:
+    case Kind::radius_not_positive:
+    case Kind::interior_cell_outside:
+    case Kind::interior_cells_not_supported:
+    case Kind::vertex_not_convex:
+    case Kind::bone_axes_dependent:
+    case Kind::collinear_vertex:
+    case Kind::vertex_unused:
+    case Kind::loop_turns_otherwise:
+    case Kind::shell_turns_otherwise: return 1;
+    case Kind::too_few_vertices:
+    case Kind::not_a_simplex:
+    case Kind::loops_do_not_match:
+    case Kind::duplicate_vertices:
+    case Kind::edges_cross:
+    case Kind::face_not_planar:
+    case Kind::face_crosses_itself:
+    case Kind::open_edge:
+    case Kind::edge_not_manifold:
+    case Kind::face_flipped:
+    case Kind::faces_cross:
+    case Kind::interior_cells_touch:
+    case Kind::gap_closed: return 2;
+    }
+    return 0;
+}
+
+std::string describe_fault(const cageform::CageFault& fault) {
+    const int count = numbers_of(fault.kind);
+    std::string text = cageform::to_string(fault.kind);
+    if (count > 0) text += " (" + std::to_string(fault.a);
+    if (count > 1) text += ", " + std::to_string(fault.b);
+    return count > 0 ? text + ")" : text;
+}
+
+std::string describe_faults(const std::string& name, const cageform::BindReport& report) {
+    std::string text = name + ": " + cageform::to_string(report.status);
+    if (report.solver.unseen_handle != report.solver.none) {
+        text += " (vertex " + std::to_string(report.solver.unseen_handle) + ")";
+        if (report.solver.sufficient_resolution != 0)
+            text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " sees it";
+    }
+    if (report.status == cageform::Status::out_of_memory && report.solver.bytes != 0) {
+        std::ostringstream need;
+        need << std::setprecision(2) << std::fixed << ": the grid takes "
+             << double(report.solver.bytes) / (1 << 30) << " GiB, more than is available";
+        text += need.str();
+        if (report.solver.sufficient_resolution != 0)
+            text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " fits";
+        if (report.solver.sufficient_accuracy != 0) {
+            std::ostringstream fits;
+            fits << std::setprecision(2) << "; --accuracy " << report.solver.sufficient_accuracy << " fits";
+            text += fits.str();
+        }
+    }
+    std::size_t listed = 0;
+    for (const auto& fault : report.cage.faults) {
+        if (cageform::status_of(fault.kind) == cageform::Status::ok || listed == most_listed) continue;
+        ++listed;
+        text += "\n  " + describe_fault(fault);
+        if (fault.kind == cageform::CageFaultKind::interior_cells_not_supported)
+            text += ": --coordinates harmonic takes them";
+    }
+    if (report.cage.fault_count > listed)
+        text += "\n  and " + std::to_string(report.cage.fault_count - listed) + " more";
+    return text;
+}
+
+std::string describe_faults(const std::string& name, const cageform::CageReport& report) {
+    cageform::BindReport refused;
+    refused.cage = report;
+    refused.status = report.status;
+    return describe_faults(name, refused);
+}
+
+std::string describe_corners(const cageform::SolverReport& solver) {
+    const auto worst = solver.worst_corner();
+    if (worst.error <= worst.notable) return {};
+    const auto more = std::count_if(solver.corners.begin(), solver.corners.end(),
+                                    [](const auto& corner) { return corner.error > corner.notable; }) -
+                      1;
+    const auto& [i, j] = worst.handles;
+    std::ostringstream text;
+    text << std::setprecision(2) << "the grid is coarse for ";
+    if (i == j) {
+        text << "the corner at vertex " << i << " (counted from 0)";
+    } else { // of an OBJ file
+        text << "the edge between vertices " << i + 1 << " and " << j + 1
+             << " (counted from 1, as in the file)";
+    }
+    if (more > 0) text << " and " << more << " more";
+    text << ": weights there may be off by up to " << worst.error << " (an estimate)";
+    if (worst.resolution != 0)
+        text << "; less than " << worst.notable << " at --resolution " << worst.resolution;
+    return text.str();
+}
+
+std::string describe_grid(const cageform::SolverReport& solver) {
+    const auto& place = solver.finest_place;
+    std::ostringstream text;
+    text << std::setprecision(2) << "cells down to " << solver.finest_size << ", by "
+         << to_string(solver.finest_reason) << " at " << std::setprecision(4) << place[0] << ' ' << place[1];
+    if (place[2] != 0) text << ' ' << place[2];
+    if (solver.grid_errors.empty()) return text.str();
+    text << std::setprecision(2) << "; weights are off by up to " << solver.grid_error()
+         << ", in nine of ten cells by less than " << solver.grid_error(0.9) << " (estimates)";
+    return text.str();
+}
+
+void warn_of_coarse_grid(const std::string& cage, const cageform::SolverReport& solver) {
+    const std::string text = describe_corners(solver);
+    if (!text.empty()) warn(cage + ": " + text);
+}
+
+void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first) {
+    const auto append = [first](std::vector<std::size_t>& to, const std::vector<std::size_t>& from) {
+        for (const std::size_t i : from) to.push_back(first + i); // a word of memory each
+    };
+    append(total.on_boundary, part.on_boundary);
+    append(total.outside, part.outside);
+    append(total.not_finite, part.not_finite);
+    append(total.unreached, part.unreached);
+    append(total.not_restored, part.not_restored);
+    const auto shifted = [first](cageform::Extreme extreme) {
+        if (extreme.point != extreme.none) extreme.point += first;
+        return extreme;
+    };
+    total.partition_error.raise(shifted(part.partition_error));
+    total.reproduction_error.raise(shifted(part.reproduction_error));
+    total.weight_change.raise(shifted(part.weight_change));
+    total.residual_restored.raise(shifted(part.residual_restored));
+    total.least_weight.lower(shifted(part.least_weight));
+    total.amplification.raise(shifted(part.amplification));
+    total.points += part.points;
+    total.seconds += part.seconds;
+    total.cage = part.cage;
+}
+
+std::string describe(const cageform::BindReport& report) {
+    std::ostringstream text;
+    const auto list = [&](const char* what, const std::vector<std::size_t>& indices) {
+        text << "  " << what << ": " << indices.size();
+        for (std::size_t i = 0; i < std::min<std::size_t>(indices.size(), 8); ++i)
+            text << (i == 0 ? " (" : ", ") << indices[i];
+        if (!indices.empty()) text << (indices.size() > 8 ? ", …)" : ")");
+        text << '\n';
+    };
+    text << "status: " << cageform::to_string(report.status) << '\n';
+    const auto& faults = report.cage.faults;
+    const std::size_t listed = std::min(faults.size(), most_listed);
+    for (std::size_t i = 0; i < listed; ++i) text << "  cage: " << describe_fault(faults[i]) << '\n';
+    const std::size_t warnings =
+        faults.size() - std::min(report.cage.fault_count, cageform::CageReport::most_listed);
+    const std::size_t count = warnings + report.cage.fault_count;
+    if (count > listed) text << "  cage: and " << count - listed << " more\n";
+    text << "points: " << report.points << '\n';
+    list("on the boundary", report.on_boundary);
+    list("outside", report.outside);
+    list("not finite", report.not_finite);
+    list("not reached by the solver", report.unreached);
+    const auto extreme = [&](const char* what, const cageform::Extreme& value) {
+        text << what << ": ";
+        if (value.point == value.none)
+            text << "no point bound\n";
+        else
+            text << value.value << " at point " << value.point << '\n';
+    };
+    extreme("largest |sum w - 1|", report.partition_error);
+    extreme("largest |sum w c - p|", report.reproduction_error);
+    extreme("least weight", report.least_weight);
+    extreme("amplification (largest sum |w|)", report.amplification);
+    text << "linear precision restored from: " << report.residual_restored.value
+         << " (largest change of a weight " << report.weight_change.value << ")\n";
+    if (!report.not_restored.empty())
+        list("linear precision not fully restored, weights are too large (thin cage)", report.not_restored);
+    if (report.solver.cycles > 0) {
+        text << "solver: " << report.solver.cells << " unknowns, " << report.solver.solves << " functions, "
+             << report.solver.cycles << " cycles, error " << report.solver.error_estimate;
+        if (report.solver.error_bound > 0) text << " (never above " << report.solver.error_bound << ")";
+        text << ", convergence factor " << report.solver.convergence_factor << ", "
+             << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
+        if (report.solver.finest_size > 0) text << "grid: " << describe_grid(report.solver) << '\n';
+        const auto worst = report.solver.worst_corner();
+        const std::string coarse = describe_corners(report.solver);
+        if (!coarse.empty()) {
+            text << "corners and edges: " << coarse << '\n';
+        } else if (!report.solver.corners.empty()) {
+            text << "corners and edges: weights there are off by up to " << worst.error << " (an estimate)\n";
+        }
+    } else if (report.solver.solves > 0) {
+        text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "
+             << report.solver.sweeps << " sweeps of the finest grid, last mean change "
+             << report.solver.largest_mean_change << ", " << report.solver.crowded_cells << " crowded cells, "
+             << report.solver.seconds << " s\n";
+    }
+    text << "time: " << report.seconds << " s\n";
+    return text.str();
+}
+
+std::string describe(const StoredLoss& loss) {
+    std::ostringstream text;
+    text.precision(3);
+    text << "at most " << loss.largest << " (" << 100 * loss.share() << " % of " << loss.size_of << "), at v "
+         << loss.vertex + 1;
+    if (loss.time) text << " after " << *loss.time << " s";
+    text << ", " << loss.mean << " in the mean, in ";
+    if (loss.poses > 0) {
+        text << loss.poses << " poses of the motion";
+    } else {
+        text << "poses that bend by no more than " << loss.reach << ", a tenth of the cage"
+             << (loss.has_vectors ? ", vectors of its faces too" : "");
+    }
+    return text.str();
+}
+
+void print_warnings(std::span<const std::string> warnings) {
+    struct Kind {
+        std::string who, text; // the label of the first, empty where it has none; the rest
+        std::size_t count = 0;
+    };
+    std::vector<Kind> kinds;
+    for (const std::string& warning : warnings) {
+        const std::size_t end = warning.find("): "); // of a label: rect "wall" (line 12)
+        const bool has_label = end != std::string::npos;
+        std::string who = has_label ? warning.substr(0, end + 1) : "",
+                    text = has_label ? warning.substr(end + 3) : warning;
+        auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) { return k.text == text; });
+        if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {std::move(who), std::move(text), 0});
+        ++kind->count;
+    }
+    for (std::size_t i = 0; i < std::min(kinds.size(), most_listed); ++i) {
+        const auto& [who, text, count] = kinds[i];
+        const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
+        warn(who.empty() ? text : who + more + ": " + text);
+    }
+    if (kinds.size() > most_listed)
+        warn("and " + std::to_string(kinds.size() - most_listed) + " more kinds of these");
+}
+
+} // namespace cageform_examples

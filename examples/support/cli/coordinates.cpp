@@ -1,0 +1,208 @@
+#include "cli/coordinates.hpp"
+
+#include "cli/mesh_cage.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+
+namespace cageform_examples {
+
+const std::vector<std::string>& CoordinatesChoice::names() {
+    static const std::vector<std::string> all{"barycentric", "mean-value", "harmonic", "wachspress",
+                                              "discrete-harmonic"};
+    return all;
+}
+
+std::string CoordinatesChoice::name_fault(const std::string& given, const std::vector<std::string>& known) {
+    if (std::find(known.begin(), known.end(), given) != known.end()) return {};
+    std::string why = "\"" + given + "\" is not one of ";
+    for (const std::string& each : known) why += (each == known.front() ? "" : ", ") + each;
+    return why;
+}
+
+void SiteChoice::add_options(CommandLine& line) {
+    line.add("--weights", weights, "of sibson: how much each point draws the figure, a text file");
+    line.add("--surround", surround,
+             "of sibson and sibson-c1: add corners of a box around all that stand still, "
+             "so that nothing is outside; its margin, in diagonals of figure and points; 0: none")
+        .range(0.0, 1e6)
+        .show_default();
+}
+
+std::string SiteChoice::fault(const CoordinatesChoice& choice) const {
+    if (!choice.takes_sites() && (!weights.empty() || surround > 0))
+        return "--weights and --surround are of points without a cage: --coordinates sibson";
+    if (choice.name == "sibson-c1" && !weights.empty())
+        return "--weights: sibson-c1 has negative weights, --coordinates sibson has none";
+    return {};
+}
+
+void CoordinatesChoice::add_options(CommandLine& line) {
+    std::vector<std::string> known{"barycentric", "mean-value", "harmonic"};
+    std::string help = "barycentric (of a triangle or tetrahedron), mean-value, harmonic";
+    if (in_plane) {
+        known = names();
+        help += "; of a convex polygon wachspress or discrete-harmonic";
+    }
+    if (with_normals) {
+        known.emplace_back("green");
+        help += "; green, which keeps angles and leaves the cage's boundary";
+    }
+    if (with_sites) {
+        known.insert(known.end(), {"sibson", "sibson-c1"});
+        help += "; of points without a cage sibson, or sibson-c1, which is smooth at the points too";
+    }
+    line.add("--coordinates", name, help)
+        .check([known](const std::string& given) { return name_fault(given, known); })
+        .show_default();
+    if (in_space) {
+        line.add("--faces", faces,
+                 "mean-value and harmonic in space, faces of more than three corners: polygons, with the "
+                 "coordinates in the plane of each, where they are planar; or triangles")
+            .one_of({"polygons", "triangles"})
+            .show_default();
+    }
+    if (with_sites) {
+        line.add("--gradients", gradients,
+                 "sibson-c1: how gradients at the points are estimated: facets, gentle (less negative "
+                 "weights) or mirrored (for rings of points)")
+            .one_of({"facets", "gentle", "mirrored"})
+            .show_default()
+            .rarely_needed();
+    }
+    const CommandOption accuracy = line.add("--accuracy", harmonic.accuracy,
+                                            "harmonic: the largest error wanted of a weight, 1e-5 to 0.1, on "
+                                            "a grid as fine as the cage is narrow")
+                                       .range(1e-5, 0.1)
+                                       .show_default();
+    line.add("--resolution", resolution,
+             "harmonic: a uniform grid of so many cells along the cage's longest side")
+        .range(8, 16384)
+        .excludes(accuracy)
+        .show_default("none; with --tolerance or averaging-pyramid 128 in the plane, 64 in space")
+        .rarely_needed();
+    line.add_number(
+            "--tolerance",
+            [this](double t) {
+                harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t;
+                is_uniform = true;
+            },
+            "harmonic: where the solver of the uniform grid ends; the error (multigrid) or the mean change "
+            "of a "
+            "cell")
+        .excludes(accuracy)
+        .show_default("1e-06")
+        .rarely_needed();
+    line.add_text(
+            "--solver",
+            [this](const std::string& given) {
+                harmonic.solver = given == "multigrid" ? cageform::HarmonicSolver::multigrid
+                                                       : cageform::HarmonicSolver::averaging_pyramid;
+            },
+            "harmonic: multigrid, or the papers' averaging-pyramid")
+        .check([](const std::string& given) {
+            return given == "multigrid" || given == "averaging-pyramid"
+                       ? std::string()
+                       : "\"" + given + "\" is not one of multigrid, averaging-pyramid";
+        })
+        .excludes(accuracy)
+        .show_default("multigrid")
+        .rarely_needed();
+}
+
+/// In bytes, where the system tells (Linux).
+std::optional<std::size_t> available_memory() {
+    std::ifstream file("/proc/meminfo");
+    std::string line;
+    std::size_t kilobytes = 0;
+    while (std::getline(file, line)) {
+        if (std::sscanf(line.c_str(), "MemAvailable: %zu kB", &kilobytes) == 1) return kilobytes * 1024;
+    }
+    return std::nullopt;
+}
+
+cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimension) const {
+    cageform::HarmonicOptions options = harmonic;
+    options.memory_limit = available_memory().value_or(options.memory_limit);
+    options.resolution = resolution;
+    const bool by_pyramid = options.solver == cageform::HarmonicSolver::averaging_pyramid;
+    if (resolution == 0 && (is_uniform || by_pyramid)) options.resolution = dimension == 2 ? 128 : 64;
+    return options;
+}
+
+void OutsideChoice::add_option(CommandLine& line) {
+    std::vector<std::string> words{"auto", "refuse", "keep", "nearest"};
+    if (can_extend) words.push_back("extend");
+    line.add("--outside", word,
+             std::string("points outside the cage: refuse, keep (in place), nearest (follow the nearest "
+                         "boundary point)") +
+                 (can_extend ? ", extend (by the coordinates, where they are defined outside) or auto "
+                               "(extend, else nearest"
+                             : " or auto (nearest") +
+                 (with_sites ? "; with sibson keep; with a warning)" : ", with a warning)"))
+        .one_of(words)
+        .show_default();
+}
+
+template <cageform::Scalar T, std::size_t D>
+cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<T, D>& coordinates) const {
+    if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension))
+        return cageform::OutsidePoints::extend;
+    return word == "nearest" || (word == "auto" && !coordinates.takes_sites)
+               ? cageform::OutsidePoints::nearest_boundary
+               : cageform::OutsidePoints::keep_in_place;
+}
+
+template <cageform::Scalar T, std::size_t D>
+OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordinates,
+                                            const cageform::BindReport& report,
+                                            typename AnyCoordinates<T, D>::Points points,
+                                            const std::string& figure, const std::string& cage) const {
+    const std::string what = D == 2 ? " points of " : " vertices of ";
+    const std::string found = std::to_string(report.outside.size()) + " of " + std::to_string(report.points) +
+                              what + figure + " lie outside the " +
+                              (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
+                              name_points(points, report.outside);
+    const bool some = !report.outside.empty();
+    if (some && word == "refuse") return {found + "; --outside says what to do with them", {}};
+    if (some && word == "extend" && !coordinates.has_extension)
+        return {found + "; these coordinates are not defined outside" +
+                    (coordinates.takes_sites ? "" : " the cage"),
+                {}};
+    if (!report.unreached.empty()) {
+        return {figure + ": no weights can be had for " + name_points(points, report.unreached) +
+                    (coordinates.takes_sites   ? ": their weights are beyond all numbers"
+                     : coordinates.closed_form ? ": too far from the cage"
+                                               : ": the grid is too coarse, raise --resolution"),
+                {}};
+    }
+    if (!some || word != "auto" || cage_is_made) return {};
+    if (2 * report.outside.size() > report.points && !coordinates.takes_sites)
+        return {found + ": is it the cage of another figure? --outside says what to do with them", {}};
+    const auto done = policy(coordinates);
+    return {
+        {},
+        found + "; they " +
+            (done == cageform::OutsidePoints::extend ? "follow the extension of the coordinates"
+             : done == cageform::OutsidePoints::keep_in_place
+                 ? coordinates.takes_sites ? "stay in place, and the figure may tear there" : "stay in place"
+                 : "follow the nearest points of the boundary") +
+            (coordinates.takes_sites ? " (--surround, --outside)" : " (--outside)")};
+}
+
+template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 2>&) const;
+template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 3>&) const;
+template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<float, 3>&) const;
+template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 2>&,
+                                                     const cageform::BindReport&, std::span<const Point2>,
+                                                     const std::string&, const std::string&) const;
+template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 3>&,
+                                                     const cageform::BindReport&, std::span<const Point3>,
+                                                     const std::string&, const std::string&) const;
+template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<float, 3>&,
+                                                     const cageform::BindReport&, std::span<const Point3>,
+                                                     const std::string&, const std::string&) const;
+
+} // namespace cageform_examples

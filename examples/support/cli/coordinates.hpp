@@ -1,0 +1,202 @@
+#pragma once
+
+// Coordinates by the name that a user gave. The library is a set of templates: what the programs need of it is compiled
+// once, in coordinates_2d.cpp and coordinates_3d.cpp, behind an interface without templates of its own.
+
+#include "cli/command_line.hpp"
+#include "files/cage_file.hpp"
+#include "files/obj_file.hpp"
+#include "files/site_file.hpp"
+
+#include <cageform/binding/bind_figure.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/options.hpp>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace cageform_examples {
+
+/// What --coordinates, --resolution, --tolerance and --solver say. The same in all programs.
+struct CoordinatesChoice {
+    /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
+    std::string name = "mean-value";
+    bool in_plane = false;            // whether the program takes polygons as cages
+    bool in_space = false;            // whether it takes meshes
+    std::string faces = "polygons";   // of meshes: polygons or triangles
+    bool with_sites = false;          // whether the program takes control points without a cage
+    bool with_normals = false;        // whether the program poses edges or faces too
+    std::string gradients = "facets"; // of sibson-c1
+    std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
+    bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
+    cageform::HarmonicOptions harmonic;
+
+    static const std::vector<std::string>& names(); // of polygons
+    /// Why `given` is none of `known`; empty where it is one.
+    static std::string name_fault(const std::string& given, const std::vector<std::string>& known);
+
+    void add_options(CommandLine& line);
+
+    /// Whether the type takes sites instead of a cage.
+    bool takes_sites() const { return name.starts_with("sibson"); }
+
+    /// Whether edges or faces are handles too. Values at vertices are then not those on the cage.
+    bool takes_normals() const { return name == "green"; }
+
+    /// Whether the type takes polygons alone.
+    bool takes_polygons() const { return name == "wachspress" || name == "discrete-harmonic"; }
+
+    /// Of harmonic coordinates, in the plane (2) or in space (3).
+    cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
+};
+
+/// What --weights and --surround say of sites.
+struct SiteChoice {
+    std::string weights; // a file; empty: none
+    double surround = 0; // the margin of points around all that stand still; 0: none
+
+    void add_options(CommandLine& line);
+    std::string fault(const CoordinatesChoice& choice) const; ///< why they do not go with it; empty: they do
+};
+
+/// Sites with their pose, as the options have them.
+template <std::size_t D>
+struct PosedSites {
+    SiteFile<D> sites, pose;
+    std::vector<double> weights; // of all sites, or none
+};
+
+/// Reads sites and a pose of them; fails also where the weights do, or no box can be had.
+///
+///   figure   gives what the box has to hold, where one is asked for
+template <std::size_t D>
+SvgResult<PosedSites<D>>
+load_posed_sites(const std::string& path, const std::string& pose_path, const SiteChoice& choice,
+                 const std::function<SvgResult<std::vector<typename SiteFile<D>::Point>>()>& figure) {
+    auto sites = load_sites<D>(path);
+    if (!sites) return sites.error();
+    auto pose = load_site_pose(pose_path, *sites);
+    if (!pose) return pose.error();
+    PosedSites<D> posed{std::move(*sites), std::move(*pose), {}};
+    if (!choice.weights.empty()) {
+        auto read = load_site_weights(choice.weights, posed.sites.points.size());
+        if (!read) return read.error();
+        posed.weights = std::move(*read);
+    }
+    if (choice.surround > 0) {
+        const auto inside = figure();
+        if (!inside) return inside.error();
+        const std::string why = surround_sites(choice.surround, *inside, posed.sites, posed.pose);
+        if (!why.empty()) return SvgError{why};
+        if (!posed.weights.empty()) posed.weights.resize(posed.sites.points.size(), 1);
+    }
+    return posed;
+}
+
+/// Coordinates of a type known when the program runs.
+template <cageform::Scalar T, std::size_t D>
+class AnyCoordinates {
+public:
+    using Points = std::span<const std::conditional_t<D == 2, Point2, Point3>>;
+
+    virtual ~AnyCoordinates() = default;
+
+    bool has_extension = false, closed_form = false; // as the library's types say
+    bool takes_sites = false;                        // control points without a cage
+    std::string note;                                // on the cage's faces; empty where there is none
+    std::size_t handles = 0, vectors = 0;            // edges or faces: the last of the handles
+    cageform::CageReport cage_report;
+
+    /// Solves the functions and keeps them, for several batches of points. Nothing where closed_form.
+    virtual cageform::Evaluation solve(const cageform::Running& running = {}) = 0;
+    virtual cageform::BindResult<T, D> bind(Points points, const cageform::BindOptions& options = {},
+                                            const cageform::Running& running = {}) const = 0;
+    /// The cells of the adaptive grid; solver_not_supported of what is made by none.
+    virtual cageform::Evaluation
+    for_each_cell(const std::function<void(const cageform::GridCell<T, D>&)>& f) const = 0;
+
+    using PointsAndNormals = cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>;
+    /// Of float in space, of types that have gradients; solver_not_supported of others.
+    virtual cageform::FigureBindResult<T, D> bind_figure(const PointsAndNormals& figure,
+                                                         const cageform::BindOptions& options,
+                                                         const cageform::Running& running) const = 0;
+};
+
+template <class T>
+std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice, const CageFile& cage);
+template <class T>
+std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
+template <class T, std::size_t D>
+std::unique_ptr<AnyCoordinates<T, D>> make_coordinates(const CoordinatesChoice& choice,
+                                                       const SiteFile<D>& sites);
+
+/// The edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as an OBJ file counts
+/// them, "v 1, v 3, v 2".
+template <cageform::Scalar T, std::size_t D>
+std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
+    std::size_t vectors_before = 0;
+    for (std::size_t i = 0; i < handle; ++i) vectors_before += handles.is_point(i) ? 0 : 1;
+    const auto& face = handles.faces[vectors_before];
+    if constexpr (D == 2) {
+        return "from vertex " + std::to_string(face[0]) + " to " + std::to_string(face[1]);
+    } else {
+        std::string text;
+        for (const auto vertex : face) text += (text.empty() ? "v " : ", v ") + std::to_string(vertex + 1);
+        return text;
+    }
+}
+
+/// The pose of all handles, from one of the vertices.
+///
+///   pose, name   of the vertices, and their file
+///   warning      out: of edges or faces that have no area in the pose; as it was where there are none
+template <cageform::Scalar T, std::size_t D, class P>
+SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, const std::vector<P>& pose,
+                                          const std::string& name, std::string& warning) {
+    std::vector<P> handles(binding.handle_count());
+    const auto report = cageform::pose_handles(binding, pose, handles);
+    if (report.status != cageform::Status::ok)
+        return SvgError{name + ": " + cageform::to_string(report.status)};
+    if (report.collapsed_faces > 0) {
+        const bool one = report.collapsed_faces == 1;
+        warning = name + ": " + std::to_string(report.collapsed_faces) + (D == 2 ? " edge" : " face") +
+                  (one ? " has" : "s have") + (D == 2 ? " no length" : " no area") +
+                  (one ? ", " : ", first ") + name_of_face(binding.handle_view(), report.first_collapsed) +
+                  ": which way " + (one ? "it faces" : "they face") + " is unknown";
+    }
+    return handles;
+}
+
+/// What --outside says. The same in all programs that move a figure.
+struct OutsideChoice {
+    std::string word =
+        "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
+    bool with_sites = false;   // whether the program takes control points without a cage
+    bool can_extend = true;    // whether the program can do with weights of points outside
+    bool cage_is_made = false; // for the figure: what is outside is not seen
+
+    void add_option(CommandLine& line);
+
+    template <cageform::Scalar T, std::size_t D>
+    cageform::OutsidePoints policy(const AnyCoordinates<T, D>& coordinates) const;
+
+    /// What there is to say after a bind.
+    struct Verdict {
+        /// Why the program has to end; empty where it has not. It has where most points are outside and nothing was said
+        /// about them: they may be of another figure.
+        std::string fault;
+        std::string warning; ///< of points outside that nothing was said about; empty where there are none
+    };
+    ///   figure, cage   names of their files
+    template <cageform::Scalar T, std::size_t D>
+    Verdict judge(const AnyCoordinates<T, D>& coordinates, const cageform::BindReport& report,
+                  typename AnyCoordinates<T, D>::Points points, const std::string& figure,
+                  const std::string& cage) const;
+};
+
+} // namespace cageform_examples

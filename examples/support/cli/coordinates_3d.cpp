@@ -1,0 +1,54 @@
+#include "cli/coordinates_model.hpp"
+#include "cli/mesh_cage.hpp"
+
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+
+namespace cageform_examples {
+
+namespace {
+
+/// Why coordinates take no polygons for faces; empty where they do.
+std::string polygon_fault(const CoordinatesChoice& choice) {
+    if (choice.name == "mean-value") return {};
+    if (choice.name != "harmonic") return choice.name + " takes triangles";
+    const bool by_pyramid = choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid;
+    return by_pyramid ? "harmonic by the papers' solver takes triangles" : "";
+}
+
+} // namespace
+
+template <class T>
+std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
+    if (choice.name == "barycentric")
+        return model_of(cageform::BarycentricCoordinates<T, 3>(std::span(file.vertices)));
+    const cageform::HarmonicOptions options = choice.harmonic_options(3);
+    const bool harmonic = choice.name == "harmonic";
+    const std::string why_cut = polygon_fault(choice);
+    const CageFaces faces = faces_of(file, why_cut.empty() && choice.faces == "polygons");
+    std::unique_ptr<AnyCoordinates<T, 3>> made;
+    if (faces.polygons > 0) {
+        cageform::PolyhedralMesh<T> cage(file.vertices, faces.loops, T(faces.off_plane));
+        if (harmonic)
+            made = model_of(Harmonic<cageform::PolyhedralMesh<T>>(cage, options));
+        else
+            made = model_of(cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage));
+    } else {
+        const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
+        if (harmonic)
+            made = model_of(Harmonic<cageform::TriangleMesh<T>>(cage, options));
+        else if (choice.name == "mean-value")
+            made = model_of(cageform::MeanValueCoordinates<T, 3>(cage));
+        else
+            made = model_of(cageform::GreenCoordinates<T, 3>(cage));
+    }
+    made->note = describe_faces(file, faces, why_cut);
+    return made;
+}
+template std::unique_ptr<AnyCoordinates<float, 3>> make_coordinates(const CoordinatesChoice&, const ObjFile&);
+template std::unique_ptr<AnyCoordinates<double, 3>> make_coordinates(const CoordinatesChoice&,
+                                                                     const ObjFile&);
+
+} // namespace cageform_examples

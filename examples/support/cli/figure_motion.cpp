@@ -1,0 +1,157 @@
+#include "cli/figure_motion.hpp"
+
+#include "cli/bind_report.hpp"
+#include "cli/guard.hpp"
+#include "cli/progress_bar.hpp"
+
+#include <cageform/cage/polygon.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/clone_rational.hpp>
+
+#include <algorithm>
+
+namespace cageform_examples {
+
+std::string FigureControl::name_of(std::size_t frame) const {
+    return frames == 1 ? pose_name : pose_name + ": frame " + std::to_string(frame);
+}
+
+FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage) {
+    FigureControl control;
+    control.coordinates = make_coordinates<double>(choice, cage);
+    control.name = cage.name;
+    control.describe_faults = [name = cage.name](const cageform::BindReport& report) {
+        return describe_faults(name, report);
+    };
+    return control;
+}
+
+std::string pose_faults(const FigureControl& control, const CageFile& cage) {
+    std::size_t count = 0;
+    std::string first;
+    std::vector<cageform::Vec<double, 2>> places;
+    for (std::size_t i = 0; i < control.poses.size(); ++i) {
+        places.clear();
+        for (const Point2& p : control.poses[i]) places.push_back({p.x, p.y});
+        const auto report = cageform::check(moved_cage(cage, places).polygon<double>());
+        if (report.status == cageform::Status::ok || ++count > 1) continue;
+        for (const auto& fault : report.faults) {
+            if (cageform::status_of(fault.kind) == cageform::Status::ok) continue;
+            first = control.name_of(i % control.frames) + ": of the posed cage " + describe_fault(fault);
+            break;
+        }
+        if (report.fault_count > 1) first += " and " + std::to_string(report.fault_count - 1) + " more";
+    }
+    if (count == 0) return {};
+    return first + (count > 1 ? ", and in " + std::to_string(count - 1) + " more frames" : "") +
+           ": the figure may fold over itself there";
+}
+
+namespace {
+
+/// Binds batches of points and moves them to all frames.
+class BatchMover {
+public:
+    BatchMover(const std::string& figure, const FigureControl& control, const OutsideChoice& outside)
+        : figure_(figure)
+        , control_(control)
+        , outside_(outside) {
+        options_.outside = outside.policy(*control.coordinates);
+    }
+
+    /// False where it cannot be done: see `failure`.
+    bool move(std::span<const Point2> in, std::span<const std::size_t> layers, std::span<Point2> out) {
+        const auto& coordinates = *control_.coordinates;
+        const auto [binding, bound] = coordinates.bind(in, options_);
+        if (bound.status != cageform::Status::ok) {
+            failure = control_.describe_faults(bound);
+            return false;
+        }
+        auto verdict = outside_.judge(coordinates, bound, in, figure_, control_.name);
+        failure = std::move(verdict.fault);
+        if (!failure.empty()) return false;
+        if (first.points == 0) { // of all points, not of those between them
+            first = bound;
+            warning = std::move(verdict.warning);
+        }
+        std::vector<Point2> moved(control_.poses.size() == control_.frames ? 0 : in.size());
+        for (std::size_t i = 0; i < control_.poses.size(); ++i) {
+            const std::size_t layer = i / control_.frames, frame = i % control_.frames;
+            const auto target = out.subspan(frame * in.size(), in.size());
+            if (!clone(binding, i, frame, moved.empty() ? target : std::span(moved))) return false;
+            for (std::size_t k = 0; k < moved.size(); ++k) {
+                if (layers[k] == layer) target[k] = moved[k];
+            }
+        }
+        return true;
+    }
+
+    cageform::BindReport first;
+    std::string failure, warning, pose_warning;
+
+private:
+    bool clone(const cageform::Binding<double, 2>& binding, std::size_t pose, std::size_t frame,
+               std::span<Point2> moved) {
+        const std::string name = control_.name_of(frame);
+        std::string collapsed;
+        const auto handles = pose_of_handles(binding, control_.poses[pose], name, collapsed);
+        if (pose_warning.empty()) pose_warning = collapsed;
+        if (!handles) {
+            failure = to_string(handles.error());
+            return false;
+        }
+        const auto& weights = control_.weights;
+        const auto status = weights.empty()
+                                ? cageform::clone(binding, *handles, moved)
+                                : cageform::clone_rational(binding, *handles, std::span(weights), moved);
+        if (status != cageform::Status::ok)
+            failure = (weights.empty() ? name : control_.weights_name) + ": " + cageform::to_string(status);
+        return status == cageform::Status::ok;
+    }
+
+    const std::string& figure_;
+    const FigureControl& control_;
+    const OutsideChoice& outside_;
+    cageform::BindOptions options_;
+};
+
+} // namespace
+
+SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
+                                   const FigureControl& control, const OutsideChoice& outside,
+                                   const DeformOptions& options) {
+    MovedFigure result;
+    if (!control.coordinates->closed_form) {
+        // The points come in several batches; the functions are solved once.
+        ProgressBar bar("solving");
+        const auto evaluation = control.coordinates->solve({.progress = bar.callback()});
+        result.bound.status = evaluation.status;
+        result.bound.cage = control.coordinates->cage_report;
+        result.bound.solver = evaluation.solver;
+        if (evaluation.status != cageform::Status::ok) return SvgError{control.describe_faults(result.bound)};
+        warn_of_coarse_grid(control.name, evaluation.solver);
+    }
+    BatchMover mover(figure, control, outside);
+    const FrameDeformer deformer = [&](std::span<const Point2> in, std::span<const std::size_t> layers,
+                                       std::span<Point2> out) { return mover.move(in, layers, out); };
+    auto drawing = animate(document, deformer, control.frames, options);
+    if (!drawing) return mover.failure.empty() ? drawing.error() : SvgError{mover.failure};
+    if (mover.first.points != 0) result.bound = mover.first;
+    for (const std::string& each : {mover.warning, mover.pose_warning}) {
+        if (!each.empty()) warn(each);
+    }
+    const DeformReport& report = drawing->report;
+    print_warnings(report.warnings);
+    if (report.cut_off > 0) {
+        warn(std::to_string(report.cut_off) + (report.cut_off == 1 ? " shape is" : " shapes are") +
+             " cut off at the edge of the picture; --fit grows it");
+    }
+    if (report.coarse > 0) {
+        warn(std::to_string(report.coarse) + " of " + std::to_string(report.segments) +
+             " segments miss the --flatness asked for");
+    }
+    result.drawing = std::move(*drawing);
+    return result;
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,51 @@
+#pragma once
+
+// A drawing moved by the poses of its cage, or of points: what deform_svg and animate_svg share.
+
+#include "cli/coordinates.hpp"
+#include "svg/document.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// Coordinates, and the poses of their handles in every frame: they move a figure.
+struct FigureControl {
+    std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
+    std::string name;                       // of the cage's or the points' file, for messages
+    std::string pose_name;                  // of the poses' file
+    std::size_t frames = 1;                 // of a motion; of a pose 1
+    std::vector<std::vector<Point2>> poses; // of the vertices: layer * frames + frame
+    std::vector<double> weights;            // of sites, or none
+    std::string weights_name;
+    std::function<std::string(const cageform::BindReport&)> describe_faults;
+
+    /// "walk.csv: frame 12", of a motion; else the pose's name.
+    std::string name_of(std::size_t frame) const;
+};
+
+/// A control by a cage that has no pose yet.
+FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage);
+
+/// Which edges of the posed cage cross, in how many frames; empty where it is sound in all.
+///
+///   cage   what the poses are of
+std::string pose_faults(const FigureControl& control, const CageFile& cage);
+
+struct MovedFigure {
+    AnimatedSvg drawing;
+    cageform::BindReport bound; // of the first batch of points
+};
+
+/// Binds all that a drawing shows and moves it to every frame. Warnings go to stderr.
+///
+///   figure   the name of its file
+///   fails    as animate() does, where the bind fails, or points are outside and --outside forbids it
+SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
+                                   const FigureControl& control, const OutsideChoice& outside,
+                                   const DeformOptions& options);
+
+} // namespace cageform_examples

@@ -1,0 +1,143 @@
+#include "cli/mesh_cage.hpp"
+
+#include "cli/guard.hpp"
+
+#include <cageform/cage/polyhedral_mesh.hpp>
+
+#include <algorithm>
+#include <sstream>
+
+namespace cageform_examples {
+
+SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
+    auto file = load_obj(path);
+    if (file && file->faces.empty())
+        return SvgError{file->name + ": holds no faces (lines \"f a b c\"); a cage is a closed mesh"};
+    if (file && !file->folded.empty()) {
+        return SvgError{file->name + ": a face cannot be cut into triangles; please split it",
+                        file->faces[file->folded.front()].line};
+    }
+    return file;
+}
+
+CageFaces faces_of(const ObjFile& cage, bool keep_polygons) {
+    CageFaces faces;
+    const auto bounds = cageform::bounds_of(std::span<const Point3>(cage.vertices));
+    faces.off_plane = 1e-6 * bounds.diagonal();
+    std::vector<std::vector<std::uint32_t>> loops(cage.faces.size());
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        for (const ObjCorner& corner : cage.faces[f].corners) loops[f].push_back(corner.vertex);
+    }
+    const cageform::PolyhedralMesh<double> whole(cage.vertices, loops, faces.off_plane);
+    std::size_t triangle = 0;
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        auto& loop = loops[f];
+        const std::size_t first = triangle;
+        while (triangle < cage.triangles.size() && cage.triangle_faces[triangle] == f) ++triangle;
+        bool keep = keep_polygons || loop.size() == 3;
+        if (keep && loop.size() > 3) {
+            keep = !face_fault(whole, f);
+            if (!keep) faces.bent.push_back(f);
+        }
+        if (keep) {
+            faces.polygons += loop.size() > 3 ? 1 : 0;
+            faces.loops.push_back(std::move(loop));
+            continue;
+        }
+        faces.cut.push_back(f);
+        for (std::size_t t = first; t < triangle; ++t)
+            faces.loops.emplace_back(cage.triangles[t].begin(), cage.triangles[t].end());
+    }
+    return faces;
+}
+
+std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why) {
+    std::string text;
+    const auto count = [](std::size_t n) { return std::to_string(n) + (n == 1 ? " face" : " faces"); };
+    if (faces.polygons > 0) {
+        text = count(faces.polygons) +
+               " of more than three corners taken as polygons, by the coordinates in " +
+               (faces.polygons == 1 ? "its plane" : "their planes") + " (--faces triangles cuts them)";
+    }
+    if (!faces.cut.empty()) {
+        text += (text.empty() ? "" : "; ") + count(faces.cut.size()) + " cut into triangles, first in line " +
+                std::to_string(cage.faces[faces.cut.front()].line) +
+                (!faces.bent.empty() ? ": not in a plane"
+                 : why.empty()       ? ""
+                                     : ": " + why);
+    }
+    return text.empty() ? text : cage.name + ": " + text;
+}
+
+std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report) {
+    return describe_faults(name, report) +
+           (report.cage.faults.empty()
+                ? ""
+                : "\n  (vertices and faces are counted from 0, faces as they are cut)");
+}
+
+void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report) {
+    std::size_t count = 0;
+    const cageform::CageFault* first = nullptr;
+    for (const auto& fault : report.faults) {
+        if (fault.kind != cageform::CageFaultKind::gap_closed) continue;
+        if (count++ == 0) first = &fault;
+    }
+    if (count == 0 || report.status != cageform::Status::ok) return;
+    warn(name + ": " + std::to_string(count) + " open edges were closed, first between vertices " +
+         std::to_string(first->a + 1) + " and " + std::to_string(first->b + 1) +
+         " (counted from 1, as in the file)");
+}
+
+std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices) {
+    std::ostringstream text;
+    for (std::size_t n = 0; n < std::min<std::size_t>(indices.size(), 3); ++n) {
+        const Point3& p = points[indices[n]];
+        text << (n == 0 ? "" : ", ") << "v " << indices[n] + 1 << " (" << p[0] << ", " << p[1] << ", " << p[2]
+             << ')';
+    }
+    if (indices.size() > 3) text << ", …";
+    return text.str();
+}
+
+SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
+                                       double seconds) {
+    PoseClip clip{"poses", seconds * double(poses.size() + 1), {{0, PoseWay::smooth, cage.vertices}}};
+    for (const std::string& path : poses) {
+        const auto pose = load_obj(path);
+        if (!pose) return pose.error();
+        const std::string why = pose_difference(cage, *pose);
+        if (!why.empty()) return SvgError{why};
+        if (const auto fault = single_precision_fault(*pose)) return *fault;
+        clip.keys.push_back({seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
+    }
+    return clip;
+}
+
+std::string pose_difference(const ObjFile& cage, const ObjFile& pose) {
+    const auto count = [](const ObjFile& file, std::size_t vertices, const char* what) {
+        return file.name + " has " + std::to_string(vertices) + what;
+    };
+    if (cage.vertices.size() != pose.vertices.size()) {
+        return "the pose " + count(pose, pose.vertices.size(), " vertices, the cage ") +
+               count(cage, cage.vertices.size(), "");
+    }
+    const auto same = [](const ObjFace& a, const ObjFace& b) {
+        return std::equal(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
+                          [](const ObjCorner& p, const ObjCorner& q) { return p.vertex == q.vertex; });
+    };
+    const std::size_t shared = std::min(cage.faces.size(), pose.faces.size());
+    for (std::size_t f = 0; f < shared; ++f) {
+        if (same(cage.faces[f], pose.faces[f])) continue;
+        return "face " + std::to_string(f + 1) + " differs: line " + std::to_string(pose.faces[f].line) +
+               " of the pose " + pose.name + ", line " + std::to_string(cage.faces[f].line) +
+               " of the cage " + cage.name;
+    }
+    if (cage.faces.size() != pose.faces.size()) {
+        return "face " + std::to_string(shared + 1) + " differs: the pose " +
+               count(pose, pose.faces.size(), " faces, the cage ") + count(cage, cage.faces.size(), "");
+    }
+    return {};
+}
+
+} // namespace cageform_examples

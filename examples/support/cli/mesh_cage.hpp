@@ -1,0 +1,54 @@
+#pragma once
+
+// Cages in space: OBJ files of closed meshes, and what to say of them.
+
+#include "cli/bind_report.hpp"
+#include "files/clip_file.hpp"
+#include "files/obj_file.hpp"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// A cage from an OBJ file; fails also where a face cannot be cut into triangles.
+SvgResult<ObjFile> load_mesh_cage(const std::string& path);
+
+/// The faces of a cage as coordinates get them.
+struct CageFaces {
+    std::vector<std::vector<std::uint32_t>> loops;
+    std::size_t polygons = 0;      // of the file's faces with more than three corners, those that are kept
+    std::vector<std::size_t> cut;  // the others, cut into the file's triangles
+    std::vector<std::size_t> bent; // of those, the ones that lie in no plane or cross themselves
+    double off_plane = 0;          // as far as corners of a kept face may lie off its plane
+};
+
+/// All faces, of which those of more than three corners are kept where that is wanted and they are planar, to a
+/// millionth of the cage's diagonal: what six digits of a file leave of a plane.
+CageFaces faces_of(const ObjFile& cage, bool keep_polygons);
+
+/// What has become of faces with more than three corners; empty where there are none.
+///
+///   why   none of them is kept; empty where the user wants it so
+std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why);
+
+/// describe_faults() of a mesh, whose file counts otherwise.
+std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report);
+
+/// Says on stderr how many open edges of a sound cage were closed, if any.
+void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report);
+
+/// "(0.1, 0.2, 0.3), …" for the first few of a list of points, named as the file counts them.
+std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
+
+/// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the next. Fails
+/// where a file cannot be read, is no pose of the cage or is beyond single precision.
+SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
+                                       double seconds);
+
+/// Why `pose` is no pose of `cage`; empty where it is one.
+std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
+
+} // namespace cageform_examples

@@ -1,0 +1,52 @@
+#pragma once
+
+// The options that pose a cage by operations. The same in all programs.
+
+#include "cli/command_line.hpp"
+#include "cli/pose_operations.hpp"
+#include "files/cage_file.hpp"
+#include "files/clip_file.hpp"
+#include "files/obj_file.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cageform_examples {
+
+/// What --move, --turn, --scale, --bend and --twist say, in the order given.
+struct PoseChoice {
+    std::vector<std::pair<PoseOperation, std::string>> operations;
+
+    void add_options(CommandLine& line);
+
+    /// A cage's vertices after all operations; fails with the word that cannot be done.
+    template <std::size_t D>
+    SvgResult<std::vector<cageform::Vec<double, D>>>
+    posed(const std::vector<cageform::Vec<double, D>>& rest) const;
+};
+
+/// --clip, --pose, --seconds and the operations say how a cage in space moves: a clip, or from rest through poses
+/// and back.
+struct MotionChoice {
+    std::string clip;
+    std::vector<std::string> poses;
+    PoseChoice operations;
+    double seconds = 1;
+
+    void add_options(CommandLine& line);
+
+    bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
+    /// The motion; without keys where none is given. Fails where a file cannot be read or fits not, an operation cannot
+    /// be done, numbers are beyond single precision, or more than one of the three is given.
+    SvgResult<PoseClip> motion(const ObjFile& cage) const;
+};
+
+/// A pose by a file or by operations; of a cage that the program made, where neither is given, first_pose().
+///
+///   path    of the file; empty: none
+///   fails   as load_pose() does, with the operation that cannot be done, and where both or none are given
+SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
+                              bool is_made);
+
+} // namespace cageform_examples

@@ -1,0 +1,344 @@
+#include "cli/pose_operations.hpp"
+
+#include "files/csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace cageform_examples {
+
+namespace {
+
+using cageform::Vec;
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+/// Why a text cannot be taken, with the text.
+std::string refusal(std::string_view text, const std::string& why) {
+    return detail::quoted(text) + " " + why;
+}
+
+std::vector<std::string_view> parts_of(std::string_view text, char separator) {
+    std::vector<std::string_view> parts;
+    for (std::size_t end = 0; end != text.npos;) {
+        end = text.find(separator);
+        parts.push_back(detail::trim(text.substr(0, end)));
+        text.remove_prefix(end == text.npos ? text.size() : end + 1);
+    }
+    return parts;
+}
+
+std::string parse_finite(std::string_view text, double& number) {
+    const std::string why = detail::parse_number(text, number);
+    return why.empty() && !std::isfinite(number) ? refusal(text, "is no finite number") : why;
+}
+
+std::string parse_all(std::span<const std::string_view> parts, std::span<double> numbers) {
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (std::string why = parse_finite(parts[k], numbers[k]); !why.empty()) return why;
+    }
+    return {};
+}
+
+/// The axis of a letter; D where it names none.
+template <std::size_t D>
+std::size_t axis_of(std::string_view letter) {
+    const std::size_t axis = letter.size() == 1 ? std::string_view("xyz").find(letter) : D;
+    return std::min(axis, D);
+}
+
+/// "x>10": keeps of `selected` what lies there.
+template <std::size_t D>
+std::string keep_where(std::string_view condition, std::span<const Vec<double, D>> rest,
+                       std::vector<std::size_t>& selected) {
+    const std::size_t sign = std::min(condition.find_first_of("<>"), condition.size());
+    const std::size_t axis = axis_of<D>(detail::trim(condition.substr(0, sign)));
+    if (sign == condition.size() || axis == D) {
+        return refusal(condition,
+                       std::string("selects nothing: a number, 5-9, all, or a condition such as x>10") +
+                           (D == 2 ? "; the plane has x and y" : ""));
+    }
+    double bound = 0;
+    if (std::string why = parse_finite(detail::trim(condition.substr(sign + 1)), bound); !why.empty())
+        return why;
+    const double side = condition[sign] == '>' ? 1 : -1;
+    std::erase_if(selected, [&](std::size_t i) { return !(side * rest[i][axis] > side * bound); });
+    return {};
+}
+
+std::string parse_vertex(std::string_view text, std::size_t count, std::size_t& vertex) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), vertex);
+    if (end != text.data() + text.size() || text.empty()) return refusal(text, "is no number of a vertex");
+    if (error == std::errc{} && vertex < count) return {};
+    return "there is no vertex " + std::string(text.substr(0, 40)) + ": the cage has " +
+           std::to_string(count) + ", 0 to " + std::to_string(count - 1);
+}
+
+/// One part of a list.
+template <std::size_t D>
+std::string select(std::string_view part, std::span<const Vec<double, D>> rest,
+                   std::vector<std::size_t>& selected) {
+    selected.resize(rest.size());
+    std::iota(selected.begin(), selected.end(), std::size_t{0});
+    if (part == "all") return {};
+    const bool is_number = !part.empty() && part.front() >= '0' && part.front() <= '9';
+    if (!is_number) {
+        for (const std::string_view condition : parts_of(part, '&')) {
+            if (std::string why = keep_where(condition, rest, selected); !why.empty()) return why;
+        }
+        return selected.empty() ? refusal(part, "holds for no vertex of the cage") : "";
+    }
+    const std::size_t dash = part.find('-');
+    std::size_t first = 0;
+    std::string why = parse_vertex(detail::trim(part.substr(0, dash)), rest.size(), first);
+    std::size_t last = first;
+    if (why.empty() && dash != part.npos)
+        why = parse_vertex(detail::trim(part.substr(dash + 1)), rest.size(), last);
+    if (!why.empty()) return why;
+    if (last < first) return refusal(part, "counts backwards");
+    selected.resize(last + 1);
+    selected.erase(selected.begin(), selected.begin() + std::ptrdiff_t(first));
+    return {};
+}
+
+/// A turn of the plane of two axes, from the first towards the second; exact at right angles.
+struct Rotation {
+    double cosine = 1, sine = 0;
+
+    explicit Rotation(double degrees) {
+        const double within = std::remainder(degrees, 360), quarters = std::round(within / 90);
+        const double rest = (within - 90 * quarters) * degree;
+        cosine = std::cos(rest);
+        sine = std::sin(rest);
+        for (int n = (int(quarters) + 4) % 4; n > 0; --n) {
+            const double old = cosine;
+            cosine = -sine;
+            sine = old;
+        }
+    }
+    template <std::size_t D>
+    void apply(Vec<double, D>& v, std::size_t from, std::size_t to) const {
+        const double x = v[from], y = v[to];
+        v[from] = cosine * x - sine * y;
+        v[to] = sine * x + cosine * y;
+    }
+};
+
+/// What NUMBERS of an operation say, for the vertices selected.
+template <std::size_t D>
+class Operation {
+public:
+    using Point = Vec<double, D>;
+
+    Operation(PoseOperation kind, const Point& centre)
+        : kind_(kind)
+        , centre_(centre) {}
+
+    /// An empty reason is success.
+    std::string parse(std::string_view numbers) {
+        text_ = numbers;
+        return parse_parts(parts_of(numbers, ','));
+    }
+
+    void apply(Point& p) const {
+        switch (kind_) {
+        case PoseOperation::move: p = p + vector_; break;
+        case PoseOperation::turn: p = centre_ + turned(p - centre_); break;
+        case PoseOperation::scale:
+            for (std::size_t k = 0; k < D; ++k) p[k] = centre_[k] + vector_[k] * (p[k] - centre_[k]);
+            break;
+        case PoseOperation::bend: bend(p); break;
+        case PoseOperation::twist: twist(p); break;
+        }
+    }
+
+private:
+    std::string parse_parts(std::span<const std::string_view> parts) {
+        constexpr bool in_plane = D == 2;
+        switch (kind_) {
+        case PoseOperation::move:
+            if (parts.size() != D) return refusal(text_, in_plane ? "is not x,y" : "is not x,y,z");
+            return parse_all(parts, vector_.v);
+        case PoseOperation::scale:
+            if (parts.size() != D && parts.size() != 1)
+                return refusal(text_,
+                               in_plane ? "is neither a factor nor x,y" : "is neither a factor nor x,y,z");
+            if (std::string why = parse_all(parts, vector_.v); !why.empty()) return why;
+            for (std::size_t k = parts.size(); k < D; ++k) vector_[k] = vector_[0];
+            return {};
+        case PoseOperation::turn: return parse_turn(parts);
+        case PoseOperation::bend:
+            return parse_span(parts, in_plane ? "xy or yx" : "xy, zx or another two axes");
+        case PoseOperation::twist:
+            if (in_plane) return refusal(text_, "is for cages in space");
+            return parse_span(parts, "x, y or z");
+        }
+        return {};
+    }
+
+    std::string parse_turn(std::span<const std::string_view> parts) {
+        if (D == 2 ? parts.size() != 1 : parts.size() != 2 && parts.size() != 4)
+            return refusal(text_, D == 2 ? "is not one angle"
+                                         : "is not an angle and an axis, such as 30,y or 30,1,1,0");
+        if (std::string why = parse_finite(parts[0], degrees_); !why.empty()) return why;
+        if (D == 2) return {};
+        if (parts.size() == 2) {
+            const std::size_t axis = axis_of<D>(parts[1]);
+            if (axis == D) return refusal(text_, "has no axis x, y or z");
+            vector_[axis] = 1;
+            return {};
+        }
+        if (std::string why = parse_all(parts.subspan(1), vector_.v); !why.empty()) return why;
+        double largest = 0;
+        for (const double x : vector_.v) largest = std::max(largest, std::fabs(x));
+        if (largest == 0) return refusal(text_, "has an axis of no length");
+        for (double& x : vector_.v) x /= largest; // so that its square is in range
+        vector_ = (1 / std::sqrt(dot(vector_, vector_))) * vector_;
+        return {};
+    }
+
+    /// AXES,FROM,TO,DEGREES.
+    std::string parse_span(std::span<const std::string_view> parts, const std::string& axes) {
+        if (parts.size() != 4) return refusal(text_, "is not AXES,FROM,TO,DEGREES");
+        const std::size_t letters = kind_ == PoseOperation::bend ? 2 : 1;
+        along_ = axis_of<D>(parts[0].substr(0, 1));
+        towards_ = letters == 2 ? axis_of<D>(parts[0].substr(std::min<std::size_t>(1, parts[0].size())))
+                                : (along_ + 1) % D;
+        if (parts[0].size() != letters || along_ == D || towards_ == D || along_ == towards_)
+            return refusal(text_, "begins with no axes: " + axes);
+        std::array<double, 3> numbers{};
+        if (std::string why = parse_all(parts.subspan(1), numbers); !why.empty()) return why;
+        from_ = numbers[0];
+        to_ = numbers[1];
+        degrees_ = numbers[2];
+        return from_ == to_ ? refusal(text_, "begins and ends at the same place") : "";
+    }
+
+    /// In space by Rodrigues' formula.
+    Point turned(Point v) const {
+        const Rotation rotation(degrees_);
+        if constexpr (D == 2) {
+            rotation.apply(v, 0, 1);
+            return v;
+        } else {
+            return rotation.cosine * v + rotation.sine * cross(vector_, v) +
+                   ((1 - rotation.cosine) * dot(vector_, v)) * vector_;
+        }
+    }
+
+    /// How far a point is beyond FROM on the way to TO.
+    double beyond(const Point& p) const { return to_ > from_ ? p[along_] - from_ : from_ - p[along_]; }
+
+    /// The line along the axis through the centre becomes a line, an arc of the same length and a line.
+    void bend(Point& p) const {
+        const double length = std::fabs(to_ - from_), way = beyond(p),
+                     across = p[towards_] - centre_[towards_];
+        if (way <= 0) return;
+        const double on_arc = std::min(way, length), degrees = degrees_ * on_arc / length;
+        const Rotation whole(degrees), half(degrees / 2);
+        const double angle = degrees * degree;
+        const double chord = angle == 0 ? on_arc : on_arc * half.sine / (angle / 2);
+        const double forward = chord * half.cosine + (way - on_arc) * whole.cosine - across * whole.sine;
+        p[along_] = from_ + (to_ > from_ ? forward : -forward);
+        p[towards_] =
+            centre_[towards_] + chord * half.sine + (way - on_arc) * whole.sine + across * whole.cosine;
+    }
+
+    /// About the axis through the centre, by an angle that grows along it.
+    void twist(Point& p) const {
+        const double share = std::clamp(beyond(p) / std::fabs(to_ - from_), 0.0, 1.0);
+        if (share == 0) return;
+        const std::size_t from = (along_ + 1) % D, to = (along_ + 2) % D;
+        Point v = p - centre_;
+        Rotation(share * degrees_).apply(v, from, to);
+        for (const std::size_t k : {from, to}) p[k] = centre_[k] + v[k];
+    }
+
+    PoseOperation kind_;
+    std::string_view text_;
+    Point centre_;
+    Point vector_{}; // of a move, the factors of a scale, the axis of a turn in space
+    double degrees_ = 0, from_ = 0, to_ = 0;
+    std::size_t along_ = 0, towards_ = 1;
+};
+
+template <std::size_t D>
+Vec<double, D> mean_of(std::span<const Vec<double, D>> pose, const std::vector<std::size_t>& selected) {
+    Vec<double, D> mean{};
+    for (const std::size_t i : selected) mean = mean + (1.0 / double(selected.size())) * pose[i];
+    return mean;
+}
+
+/// "3,4", or "v2,7": the mean of these vertices.
+template <std::size_t D>
+std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> rest,
+                         std::span<const Vec<double, D>> pose, Vec<double, D>& centre) {
+    if (text.starts_with('v')) {
+        const auto selected = parse_selection(text.substr(1), rest);
+        if (!selected) return to_string(selected.error());
+        centre = mean_of(pose, *selected);
+        return {};
+    }
+    const auto parts = parts_of(text, ',');
+    if (parts.size() == D) return parse_all(parts, centre.v);
+    return refusal(text, std::string("is no point: ") + (D == 2 ? "x,y" : "x,y,z") +
+                             ", or v and vertices such as v2,7");
+}
+
+} // namespace
+
+template <std::size_t D>
+SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
+                                                    std::span<const Vec<double, D>> rest) {
+    std::vector<std::size_t> selected, more;
+    for (const std::string_view part : parts_of(word, ',')) {
+        if (const std::string why = select(part, rest, more); !why.empty()) return SvgError{why};
+        selected.insert(selected.end(), more.begin(), more.end());
+    }
+    std::sort(selected.begin(), selected.end());
+    selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
+    return selected;
+}
+
+template <std::size_t D>
+std::string apply_operation(PoseOperation operation, std::string_view word,
+                            std::span<const Vec<double, D>> rest, std::span<Vec<double, D>> pose) {
+    const std::size_t colon = word.find(':');
+    if (colon == word.npos)
+        return refusal(word, "has no colon between the vertices and the numbers, such as 5-9:30");
+    const auto selected = parse_selection(word.substr(0, colon), rest);
+    if (!selected) return to_string(selected.error());
+    const std::string_view numbers = word.substr(colon + 1);
+    const std::size_t at = std::min(numbers.find('@'), numbers.size());
+    const std::span<const Vec<double, D>> before(pose);
+    auto centre = mean_of(before, *selected);
+    if (at < numbers.size()) {
+        if (operation == PoseOperation::move) return refusal(word, "moves about no point");
+        if (std::string why = parse_centre(detail::trim(numbers.substr(at + 1)), rest, before, centre);
+            !why.empty())
+            return why;
+    }
+    Operation<D> what(operation, centre);
+    if (std::string why = what.parse(detail::trim(numbers.substr(0, at))); !why.empty()) return why;
+    std::vector<Vec<double, D>> moved;
+    for (const std::size_t i : *selected) {
+        what.apply(moved.emplace_back(pose[i]));
+        if (!is_finite(moved.back())) return "vertex " + std::to_string(i) + " leaves the range of numbers";
+    }
+    for (std::size_t k = 0; k < moved.size(); ++k) pose[(*selected)[k]] = moved[k];
+    return {};
+}
+
+template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
+                                                             std::span<const Vec<double, 2>>);
+template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
+                                                             std::span<const Vec<double, 3>>);
+template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 2>>,
+                                     std::span<Vec<double, 2>>);
+template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 3>>,
+                                     std::span<Vec<double, 3>>);
+
+} // namespace cageform_examples

@@ -1,0 +1,73 @@
+#pragma once
+
+// Operations that pose a cage, as words of a command line: which vertices, and what becomes of them.
+
+#include "svg/path.hpp"
+
+#include <cageform/core/vec.hpp>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_examples {
+
+enum class PoseOperation { move, turn, scale, bend, twist };
+
+/// For --help.
+inline constexpr const char* pose_operations_format =
+    "An operation is WHICH:NUMBERS or, about a point, WHICH:NUMBERS@X,Y (in space\n"
+    "@X,Y,Z) or, about the middle of other vertices, WHICH:NUMBERS@vWHICH; else about\n"
+    "the middle of the selected ones. WHICH is a list of\n"
+    "\n"
+    "    7          the vertex of that number, from 0, as --picture draws them\n"
+    "    5-9        vertices of 5 to 9\n"
+    "    all\n"
+    "    x>10&y<5   vertices whose place in CAGE is there; any number of conditions\n"
+    "\n"
+    "such as 0,5-9. Angles are in degrees, from x towards y (clockwise on the screen\n"
+    "in an SVG file); in space counter-clockwise seen from the axis' tip.\n"
+    "\n"
+    "    --move 3:10,0            by x,y or x,y,z\n"
+    "    --turn 5-9:30@v4,10      in the plane, about the middle of vertices 4 and 10\n"
+    "    --turn 5-9:30,y          in space: about x, y, z or a vector, 30,1,1,0\n"
+    "    --scale all:1.5          or a factor an axis: 2,1; -1,1 mirrors\n"
+    "    --bend all:xy,10,30,90   what lies from x = 10 to 30 becomes an arc towards\n"
+    "                             y, what lies beyond turns by 90; 30,10: what lies\n"
+    "                             below. The line that keeps its length passes\n"
+    "                             through the point\n"
+    "    --twist all:y,0,5,90     in space: turns about y from 0 at y = 0 to 90 at 5\n"
+    "                             and beyond\n";
+
+/// The vertices that a word selects, in rising order.
+///
+///   rest    the cage's vertices, for conditions on their places
+///   fails   where a part of the word is no selection, a number is too large, or conditions select nothing
+template <std::size_t D>
+SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
+                                                    std::span<const cageform::Vec<double, D>> rest);
+
+/// Applies an operation, WHICH:NUMBERS[@POINT], to a pose. Middles are means of vertices where they are by then.
+///
+///   rest      the cage, as long as `pose`
+///   pose      the cage after the operations before; vertices that are not selected keep every bit
+///   returns   empty, or why not, and `pose` is as it was
+template <std::size_t D>
+std::string apply_operation(PoseOperation operation, std::string_view word,
+                            std::span<const cageform::Vec<double, D>> rest,
+                            std::span<cageform::Vec<double, D>> pose);
+
+extern template SvgResult<std::vector<std::size_t>>
+    parse_selection(std::string_view, std::span<const cageform::Vec<double, 2>>);
+extern template SvgResult<std::vector<std::size_t>>
+    parse_selection(std::string_view, std::span<const cageform::Vec<double, 3>>);
+extern template std::string apply_operation(PoseOperation, std::string_view,
+                                            std::span<const cageform::Vec<double, 2>>,
+                                            std::span<cageform::Vec<double, 2>>);
+extern template std::string apply_operation(PoseOperation, std::string_view,
+                                            std::span<const cageform::Vec<double, 3>>,
+                                            std::span<cageform::Vec<double, 3>>);
+
+} // namespace cageform_examples

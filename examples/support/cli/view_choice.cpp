@@ -1,0 +1,42 @@
+#include "cli/view_choice.hpp"
+
+#include "files/csv.hpp"
+
+#include <cmath>
+
+namespace cageform_examples {
+
+namespace {
+
+/// "TURN,RISE" in degrees; an empty reason is success.
+std::string parse_view(std::string_view word, MeshSight& sight) {
+    const std::size_t comma = word.find(',');
+    double turn = 0, rise = 0;
+    const bool whole = comma != word.npos && detail::parse_number(word.substr(0, comma), turn).empty() &&
+                       detail::parse_number(word.substr(comma + 1), rise).empty();
+    if (!whole || !std::isfinite(turn) || !(std::fabs(rise) <= 90))
+        return detail::quoted(word) + " is not two angles such as 35,12, the second from -90 to 90";
+    sight.turn = turn;
+    sight.rise = rise;
+    return {};
+}
+
+} // namespace
+
+void ViewChoice::add_options(CommandLine& line) {
+    line.add_text(
+            "--view", [this](const std::string& word) { (void)parse_view(word, sight); },
+            "of the picture: TURN,RISE, degrees from the front towards the figure's left, and from above")
+        .check([](const std::string& word) {
+            MeshSight ignored;
+            return parse_view(word, ignored);
+        })
+        .show_default("34,11");
+    line.add_text(
+            "--up", [this](const std::string& word) { sight.z_is_up = word == "z"; },
+            "of the picture: the axis that points up, y or z; the front is then towards z, or against y")
+        .one_of({"y", "z"})
+        .show_default("y");
+}
+
+} // namespace cageform_examples

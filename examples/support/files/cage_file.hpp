@@ -1,0 +1,137 @@
+#pragma once
+
+// Cages in the plane and poses of them, as files.
+
+#include "files/csv.hpp"
+
+#include <cageform/cage/cell_complex.hpp>
+#include <cageform/core/point.hpp>
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+template <>
+struct cageform::PointTraits<cageform_examples::Point2> {
+    using P = cageform_examples::Point2;
+    using scalar = double;
+    static constexpr std::size_t dimension = 2;
+    static constexpr double get(const P& p, std::size_t axis) noexcept { return axis == 0 ? p.x : p.y; }
+    static constexpr void set(P& p, std::size_t axis, double x) noexcept { (axis == 0 ? p.x : p.y) = x; }
+};
+
+namespace cageform_examples {
+
+struct SvgDocument;
+struct ViewBox;
+
+/// A cage in the plane, as read: loops, and perhaps chains and points inside them.
+struct CageFile {
+    std::string name;
+    std::vector<CageBlock> blocks;
+    std::vector<std::vector<std::size_t>> handles; // of each block's points
+    std::vector<Point2> vertices; // by handle: the loops', then those that chains and points add
+
+    bool has(CageBlock::Kind kind) const {
+        return std::any_of(blocks.begin(), blocks.end(),
+                           [&](const CageBlock& block) { return block.kind == kind; });
+    }
+    bool has_cells() const { return has(CageBlock::Kind::chain) || has(CageBlock::Kind::point); }
+
+    std::vector<cageform::Vec<double, 2>> places() const; ///< of the vertices
+
+    /// The loops alone.
+    template <class T>
+    cageform::Polygon<T> polygon() const {
+        std::vector<Point2> points;
+        std::vector<std::size_t> sizes;
+        for (const CageBlock& block : blocks) {
+            if (block.kind != CageBlock::Kind::loop) continue;
+            sizes.push_back(block.points.size());
+            points.insert(points.end(), block.points.begin(), block.points.end());
+        }
+        return {points, sizes};
+    }
+
+    /// The loops and what is inside them.
+    template <class T>
+    cageform::CellComplex<T, 2> complex() const {
+        cageform::CellComplex<T, 2> cage(polygon<T>());
+        for (const CageBlock& block : blocks) add_cells(cage, block);
+        return cage;
+    }
+
+    /// Calls f(cage) with a Polygon, or with a CellComplex where there are chains or points.
+    template <class T, class F>
+    auto visit(F&& f) const {
+        return has_cells() ? f(complex<T>()) : f(polygon<T>());
+    }
+
+    /// Calls f(i, j) with the handles of every edge of a loop or chain; f(i, i) for a point.
+    template <class F>
+    void for_each_edge(F&& f) const {
+        for (std::size_t b = 0; b < blocks.size(); ++b) {
+            const bool closed = blocks[b].kind != CageBlock::Kind::chain;
+            for (std::size_t k = closed ? 0 : 1, n = handles[b].size(); k < n; ++k)
+                f(handles[b][(k + n - 1) % n], handles[b][k]);
+        }
+    }
+
+    /// Adds a chain or a point to a cage; returns the handles, none for a loop.
+    template <class T>
+    static std::vector<std::size_t> add_cells(cageform::CellComplex<T, 2>& cage, const CageBlock& block) {
+        if (block.kind == CageBlock::Kind::chain) return cage.add_chain(block.points);
+        if (block.kind == CageBlock::Kind::point)
+            return {cage.add_point(block.points.front(), T(block.radius))};
+        return {};
+    }
+};
+
+/// For --help: how a cage in the plane, and a pose of it, is given.
+inline constexpr const char* cage_formats =
+    "A cage in the plane is the first closed polygon of an SVG file: a polygon, a\n"
+    "rect or a path of lines; or a CSV file (.csv): blocks of lines x,y with empty\n"
+    "lines between them. A block is a loop, the outer one first, then holes and\n"
+    "islands; or, for harmonic coordinates, a chain of points inside, headed by a\n"
+    "line \"# chain\", or one point, headed by \"# point RADIUS\". A point of a chain\n"
+    "that equals a vertex given before is that vertex. Other lines that begin with #\n"
+    "are comments. A pose is a file of the same blocks with the points moved.\n";
+
+CageFile make_cage(std::string name, std::vector<CageBlock> blocks);
+
+/// Reads a cage: the first closed polygon of an SVG file, or a CSV file of loops, chains and points.
+SvgResult<CageFile> load_cage(const std::string& path);
+
+/// A cage as the file that load_cage() reads back to the bit: an SVG document, or CSV.
+///
+///   view    the document's viewBox
+///   cage    of loops, in SVG
+///   fails   in SVG, where the first and the last vertex of a loop lie at one place: there they would be one
+SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view);
+std::string to_csv(const CageFile& cage);
+
+/// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as circles.
+///
+///   diagonal   of the picture, which thicknesses go by
+void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks, double diagonal,
+               const std::string& colour);
+
+/// The same cage with its vertices, by handle, at other places.
+CageFile moved_cage(CageFile cage, std::span<const cageform::Vec<double, 2>> places);
+
+/// "(412, 88), …" for the first few of a list of points.
+std::string name_points(std::span<const Point2> points, const std::vector<std::size_t>& indices);
+
+/// "a chain of 3 points".
+std::string describe(const CageBlock& block);
+
+/// Gives a pose, read as a cage, the handles of the cage it is a pose of. Its blocks have to be those of the
+/// cage, and what is one vertex there has to be at one place.
+SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage);
+
+/// As make_pose(), from a file; fails also as load_cage() does.
+SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage);
+
+} // namespace cageform_examples

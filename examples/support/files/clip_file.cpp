@@ -1,0 +1,268 @@
+#include "files/clip_file.hpp"
+
+#include "files/csv.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <sstream>
+
+namespace cageform_examples {
+
+SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count) {
+    const auto text = read_file(path);
+    return text ? parse_clip(*text, path, vertex_count) : text.error();
+}
+
+SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count) {
+    const auto text = read_file(path);
+    return text ? parse_pose_clip(*text, path, vertex_count) : text.error();
+}
+
+namespace {
+
+/// The fields of a line, between commas.
+std::vector<std::string> fields_of(std::string_view text) {
+    std::vector<std::string> fields;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        fields.emplace_back(detail::trim(text.substr(at, end - at)));
+        at = end + 1;
+    }
+    return fields;
+}
+
+/// Field k as a finite number; `why` becomes the reason where it is none, and stays what it is if it is one already.
+double field_number(const std::vector<std::string>& fields, std::size_t k, std::string& why) {
+    double x = 0;
+    const std::string fault = k < fields.size() ? detail::parse_number(fields[k], x) : "a number is missing";
+    if (why.empty()) why = !fault.empty() ? fault : std::isfinite(x) ? "" : "a number is not finite";
+    return x;
+}
+
+/// "vertices,11:0.5,10"; an empty reason is success.
+std::string add_shares(const std::vector<std::string>& fields, std::size_t vertex_count,
+                       ClipControl& control) {
+    for (std::size_t k = 1; k < fields.size(); ++k) {
+        const std::size_t colon = fields[k].find(':');
+        double vertex = 0, weight = 1;
+        std::string why = detail::parse_number(fields[k].substr(0, colon), vertex);
+        if (why.empty() && colon != std::string::npos)
+            why = detail::parse_number(fields[k].substr(colon + 1), weight);
+        if (!why.empty()) return why;
+        if (!(vertex >= 0 && vertex < double(vertex_count)) || vertex != std::floor(vertex))
+            return "the cage has no vertex " + detail::quoted(fields[k]);
+        control.shares.push_back({std::size_t(vertex), weight});
+    }
+    return {};
+}
+
+/// "TIME,X,Y,TURN,KIND"; an empty reason is success.
+std::string add_row(const std::vector<std::string>& fields, ClipControl& control) {
+    std::string why;
+    const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
+    ClipControl::Row row{value(0), {value(1), value(2), value(3)}};
+    if (!why.empty()) return why;
+    row.move[2] *= std::numbers::pi / 180;
+    const std::string kind = fields.size() > 4 ? fields[4] : "";
+    if (kind == "ease")
+        row.kind = cageform::KeyKind::bezier;
+    else if (kind == "hold")
+        row.kind = cageform::KeyKind::hold;
+    else if (kind == "linear")
+        row.kind = cageform::KeyKind::linear;
+    else if (kind != "automatic")
+        return "a key is hold, linear, automatic or ease, not " + detail::quoted(kind);
+    if (!control.rows.empty() && !(row.time > control.rows.back().time))
+        return "a key is not later than the one before it";
+    control.rows.push_back(row);
+    return {};
+}
+
+/// Why the keys of a control do not go into a clip of that length; empty where they do.
+std::string fault_of_rows(const ClipControl& control, double length) {
+    if (control.rows.size() < 2) return "fewer than two keys";
+    const double begin = control.rows.front().time, period = control.rows.back().time - begin;
+    const double turns = length / period, keys = turns * double(control.rows.size() - 1);
+    if (!(std::fabs(turns - std::round(turns)) <= 1e-9) || turns < 0.5)
+        return "its time is no part of the clip's";
+    if (keys > 1e5)
+        return "repeated through the clip it has " + detail::short_number(keys) + " keys; 100000 at most";
+    // Moved into the clip by whole periods, its times would lose their digits.
+    if (std::fabs(begin) > 1e6 * period)
+        return "its first key, at " + detail::short_number(begin) +
+               ", is a million of its periods from the clip's begin";
+    return {};
+}
+
+} // namespace
+
+SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, std::size_t vertex_count) {
+    ClipFile clip;
+    clip.name = path;
+    std::size_t number = 0;
+    for (std::string_view line; take_line(file, line);) {
+        ++number;
+        const std::string_view text = detail::trim(line);
+        if (text.empty() || text.front() == '#') continue;
+        const std::vector<std::string> fields = fields_of(text);
+        const std::string& word = fields.front();
+        std::string why;
+        const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
+        if (word == "length") {
+            clip.length = value(1);
+            if (why.empty() && !(clip.length > 0)) why = "the length is not positive";
+        } else if (word == "late") {
+            clip.late.push_back({fields.size() > 1 ? fields[1] : "", value(2)});
+        } else if (word == "ground") {
+            clip.ground = {value(1), value(2)};
+        } else if (word == "control") {
+            clip.controls.emplace_back().name = fields.size() > 1 ? fields[1] : "";
+        } else if (clip.controls.empty()) {
+            why = "\"control,NAME\" is missing before";
+        } else if (ClipControl& control = clip.controls.back(); word == "vertices") {
+            why = add_shares(fields, vertex_count, control);
+        } else if (word == "pivot") {
+            control.pivot = {value(1), value(2)};
+        } else if (word != "time") {
+            why = add_row(fields, control);
+        }
+        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+    }
+    if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
+    for (const ClipControl& control : clip.controls) {
+        const std::string why = fault_of_rows(control, clip.length);
+        if (!why.empty()) return SvgError{path + ": " + detail::quoted(control.name) + ": " + why};
+    }
+    return clip;
+}
+
+SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& path,
+                                    std::size_t vertex_count) {
+    PoseClip clip;
+    clip.name = path;
+    std::size_t number = 0;
+    const auto count_fault = [&]() -> std::string {
+        if (clip.keys.empty() || clip.keys.back().places.size() == vertex_count) return {};
+        return "the pose before has " + std::to_string(clip.keys.back().places.size()) +
+               " vertices, the cage " + std::to_string(vertex_count);
+    };
+    const auto finite_number = [](std::string_view field, double& x) {
+        const std::string why = detail::parse_number(detail::trim(field), x);
+        return why.empty() ? detail::single_precision_fault(x) : why;
+    };
+    for (std::string_view line; take_line(file, line);) {
+        ++number;
+        std::string_view text = detail::trim(line);
+        if (text.empty() || text.front() == '#') continue;
+        std::string why;
+        if (text.starts_with("length,")) {
+            why = finite_number(text.substr(7), clip.length);
+            if (why.empty() && !(clip.length > 0)) why = "the length is not positive";
+        } else if (text.starts_with("pose,")) {
+            why = count_fault();
+            text.remove_prefix(5);
+            PoseKey key;
+            const std::size_t comma = std::min(text.find(','), text.size());
+            if (why.empty()) why = finite_number(text.substr(0, comma), key.time);
+            const std::string_view way = detail::trim(text.substr(std::min(comma + 1, text.size())));
+            if (way == "linear")
+                key.way = PoseWay::linear;
+            else if (way == "ease")
+                key.way = PoseWay::ease;
+            else if (way != "smooth" && !way.empty() && why.empty())
+                why = "a pose is smooth, linear or ease, not " + detail::quoted(way);
+            if (why.empty() && clip.keys.empty() && key.time != 0) why = "the first pose is at 0";
+            if (why.empty() && !clip.keys.empty() && !(float(key.time) > float(clip.keys.back().time)))
+                why = "a pose is not later than the one before it";
+            clip.keys.push_back(std::move(key));
+        } else if (clip.keys.empty()) {
+            why = "\"pose,TIME\" is missing before";
+        } else {
+            std::array<double, 3> p{};
+            why = detail::parse_point(text, p);
+            const auto& [x, y, z] = p;
+            for (const double value : p) {
+                if (why.empty()) why = detail::single_precision_fault(value);
+            }
+            if (why.empty() && clip.keys.back().places.size() == vertex_count)
+                why = "more vertices than the cage has, " + std::to_string(vertex_count);
+            clip.keys.back().places.push_back({x, y, z});
+        }
+        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+    }
+    if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
+    if (clip.keys.size() < 2) return SvgError{path + ": fewer than two poses"};
+    const std::string why = count_fault();
+    if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+    if (!(float(clip.keys.back().time) < float(clip.length)))
+        return SvgError{path + ": the last pose is not before the end, where the first comes again"};
+    return clip;
+}
+
+std::string pose_clip_text(const PoseClip& clip, const std::string& heading) {
+    std::array<char, 128> line;
+    std::string text = "# " + heading + '\n';
+    const auto append = [&](const char* format, auto... values) {
+        const int size = std::snprintf(line.data(), line.size(), format, values...);
+        text.append(line.data(), std::size_t(size));
+    };
+    append("length,%.9g\n", clip.length);
+    for (const PoseKey& key : clip.keys) {
+        append("pose,%.9g,%s\n", key.time,
+               key.way == PoseWay::smooth   ? "smooth"
+               : key.way == PoseWay::linear ? "linear"
+                                            : "ease");
+        for (const auto& p : key.places) append("%.6f,%.6f,%.6f\n", p[0], p[1], p[2]);
+    }
+    return text;
+}
+
+cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values) {
+    const std::size_t count = clip.keys.size();
+    const auto step = [&](std::size_t k) { // from key k to the next
+        return (k + 1 < count ? clip.keys[k + 1].time : clip.length) - clip.keys[k].time;
+    };
+    const auto chord = [&](std::size_t k) { return (values[(k + 1) % count] - values[k]) / step(k); };
+    const auto slope = [&](std::size_t k) {
+        if (clip.keys[k].way == PoseWay::ease) return 0.0;
+        const std::size_t last = (k + count - 1) % count;
+        const double before = step(last), after = step(k);
+        return (after * chord(last) + before * chord(k)) / (before + after);
+    };
+    std::vector<cageform::CubicPiece<double>> pieces;
+    for (std::size_t k = 0; k < count; ++k) {
+        const bool straight = clip.keys[k].way == PoseWay::linear;
+        const double h = step(k), all = chord(k);
+        const double a = straight ? all : slope(k), b = straight ? all : slope((k + 1) % count);
+        pieces.push_back(
+            {clip.keys[k].time, values[k], a, (3 * all - 2 * a - b) / h, (a + b - 2 * all) / (h * h)});
+    }
+    return {std::move(pieces), clip.length, values[0]};
+}
+
+SampledPoses sample_poses(const PoseClip& clip) {
+    const auto motion = make_clip<double>(clip);
+    auto cursor = motion.make_cursor();
+    std::vector<cageform::Vec<double, 3>> pose(motion.vertex_count());
+    SampledPoses samples;
+    for (std::size_t k = 0; k < clip.keys.size(); ++k) {
+        const double begin = clip.keys[k].time;
+        const double end = k + 1 < clip.keys.size() ? clip.keys[k + 1].time : clip.length;
+        for (const double part : {0.0, 0.25, 0.5, 0.75}) {
+            samples.times.push_back(begin + part * (end - begin));
+            motion.sample(samples.times.back(), cursor, pose);
+            for (const auto& p : pose) samples.numbers.insert(samples.numbers.end(), p.v, p.v + 3);
+        }
+    }
+    return samples;
+}
+
+std::string name_of_pose(const PoseClip& clip, double time) {
+    std::ostringstream text;
+    text << clip.name << " after " << time << " s";
+    return text.str();
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,177 @@
+#pragma once
+
+// Motions of a cage as text: controls, each of which moves some vertices, and keys that say how far and when.
+//
+//     length,2.4                  of the clip, in seconds; then it begins again
+//     late,far-legs,0.6           the element far-legs of the figure does the same 0.6 s later
+//     ground,744,166              a ground at y = 744 that passes by at 166 units a second
+//
+//     control,the tail sways
+//     vertices,11:0.5,10,9        with weights, 1 where not given
+//     pivot,775,400               about which the vertices turn
+//     time,x,y,turn,kind
+//     0.0,0,0,-6,ease
+//     1.2,0,0,6,ease
+//     2.4,0,0,-6,ease
+//
+// A key moves the control's vertices by x and y and turns them by degrees, clockwise on the screen. Its kind
+// is hold, linear, automatic, or ease: Bézier handles that leave the key and come to it level. A control
+// begins again after its last key, so its time is a part of the clip's. Where several controls move a vertex,
+// it does all of it.
+
+#include "svg/path.hpp"
+
+#include <cageform/animate/clip.hpp>
+#include <cageform/animate/key.hpp>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_examples {
+
+/// For --help: the head of this file.
+inline constexpr const char* clip_format =
+    "A motion of a cage in the plane is a CSV file of controls, each of which moves\n"
+    "some vertices, and keys that say how far and when:\n"
+    "\n"
+    "    length,2.4              of the clip, in seconds; then it begins again\n"
+    "    late,far-legs,0.6       the element of that id does the same 0.6 s later\n"
+    "    ground,744,166          a ground at y = 744 that passes by, units a second\n"
+    "\n"
+    "    control,the tail sways\n"
+    "    vertices,11:0.5,10,9    counted from 0; with weights, 1 where not given\n"
+    "    pivot,775,400           about which the vertices turn\n"
+    "    time,x,y,turn,kind\n"
+    "    0.0,0,0,-6,ease         moved by x and y, turned by degrees\n"
+    "    1.2,0,0,6,ease\n"
+    "    2.4,0,0,-6,ease\n"
+    "\n"
+    "A key is hold, linear, automatic or ease. A control begins again after its last\n"
+    "key; its time goes into the clip's a whole number of times. Several controls of\n"
+    "a vertex add up. late and ground may be missing; # begins a comment.\n";
+
+/// For --help: poses in space.
+inline constexpr const char* pose_clip_format =
+    "A motion of a cage in space is a CSV file of its poses:\n"
+    "\n"
+    "    length,2.4              in seconds; then the first pose comes again\n"
+    "    pose,0,smooth           its time; smooth, linear or ease\n"
+    "    0.1,1.5,-0.2            x,y,z of every vertex, in the cage's order\n"
+    "    …\n"
+    "    pose,0.8,smooth\n"
+    "    …\n"
+    "\n"
+    "The first pose is at 0, times ascend; # begins a comment.\n";
+
+struct ClipControl {
+    struct Share {
+        std::size_t vertex = 0;
+        double weight = 1;
+    };
+    struct Row {
+        double time = 0;
+        std::array<double, 3> move{}; // x, y, turn
+        cageform::KeyKind kind = cageform::KeyKind::automatic;
+    };
+    std::string name;
+    std::vector<Share> shares;
+    Point2 pivot;
+    std::vector<Row> rows;
+};
+
+struct ClipFile {
+    struct Late {
+        std::string element;
+        double seconds = 0;
+    };
+    struct Ground {
+        double y = 0, speed = 0; // units a second, to the right
+    };
+    std::string name;
+    double length = 0;
+    std::vector<Late> late;
+    std::optional<Ground> ground;
+    std::vector<ClipControl> controls;
+};
+
+/// A motion in the plane from the text of a file.
+///
+///   name    stands before every message
+///   fails   where a line is none of the above, a number is not finite, a vertex is not one of `vertex_count`, or
+///           the times of a control do not ascend or are no part of the length
+SvgResult<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
+
+/// As parse_clip(), from a file; fails also where it cannot be read.
+SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
+
+/// The motion of a cage with these vertices. It begins again at its end.
+SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
+
+/// How a pose is come to and left.
+enum class PoseWay { smooth, linear, ease };
+
+struct PoseKey {
+    double time = 0;
+    PoseWay way = PoseWay::smooth;
+    std::vector<cageform::Vec<double, 3>> places; // of all vertices
+};
+
+/// A motion in space. The first key is at 0, times ascend and are less than the length, at which the first
+/// pose comes again.
+struct PoseClip {
+    std::string name; // for messages
+    double length = 0;
+    std::vector<PoseKey> keys;
+};
+
+/// A clip in space from the text of a file.
+///
+///   name    stands before every message
+///   fails   where a line is no number, time or way, a number is beyond single precision, a pose has not
+///           `vertex_count` lines, or times do not ascend from 0 to less than the length, in single precision
+SvgResult<PoseClip> parse_pose_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
+
+/// As parse_pose_clip(), from a file; fails also where it cannot be read.
+SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count);
+
+/// The text of a clip in space, numbers to a millionth.
+std::string pose_clip_text(const PoseClip& clip, const std::string& heading);
+
+/// The curve of one number through the clip's keys, `values` (#keys), from 0 to its length: a piece from every key to
+/// the next. Linear in the values, so that whatever is linear in the poses goes the same way.
+cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values);
+
+/// The motion of the vertices. It begins again at its end.
+template <cageform::Scalar T>
+cageform::CageClip<T, 3> make_clip(const PoseClip& clip) {
+    std::vector<cageform::PiecewiseCubic<T>> curves;
+    std::vector<double> values(clip.keys.size());
+    for (std::size_t i = 0; i < clip.keys.front().places.size(); ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            for (std::size_t k = 0; k < values.size(); ++k) values[k] = clip.keys[k].places[i][axis];
+            std::vector<cageform::CubicPiece<T>> pieces;
+            const auto curve = curve_through(clip, values);
+            for (const auto& [begin, c0, c1, c2, c3] : curve.pieces())
+                pieces.push_back({T(begin), T(c0), T(c1), T(c2), T(c3)});
+            curves.emplace_back(std::move(pieces), T(clip.length), T(curve.end_value()));
+        }
+    }
+    constexpr auto cycle = cageform::Extrapolation::cycle;
+    return cageform::CageClip<T, 3>(curves, cycle, cycle);
+}
+
+/// Poses of a motion: those of the keys, and three between each and the next.
+struct SampledPoses {
+    std::vector<double> times;   // in seconds
+    std::vector<double> numbers; // #times · #vertices · 3, as PackOptions::poses has them
+};
+SampledPoses sample_poses(const PoseClip& clip);
+
+/// "walk.csv after 0.5 s": stands before messages about one of its poses.
+std::string name_of_pose(const PoseClip& clip, double time);
+
+} // namespace cageform_examples

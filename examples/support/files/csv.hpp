@@ -1,0 +1,169 @@
+#pragma once
+
+// Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of any
+// length. And cages: blocks of such lines; and labels of their vertices.
+
+#include "files/input_file.hpp"
+#include "svg/path.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+std::string_view trim(std::string_view text);
+
+/// A word of a file for a message: no control characters, and not too much of it.
+std::string quoted(std::string_view word);
+
+/// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success.
+std::string parse_number(std::string_view field, double& number);
+
+/// For messages: six digits at most.
+std::string short_number(double number);
+
+/// Why a number is no finite one of single precision; empty where it is.
+std::string single_precision_fault(double number);
+
+/// "x,y" or "x,y,z"; an empty reason is success.
+template <std::size_t D>
+std::string parse_point(std::string_view line, std::array<double, D>& point) {
+    static_assert(D == 2 || D == 3);
+    const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
+    if (columns != D) {
+        return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
+               (D == 2 ? " where the plane takes two: x,y" : " where space takes three: x,y,z");
+    }
+    for (double& number : point) {
+        const std::string_view field = line.substr(0, line.find(','));
+        const std::string why = parse_number(trim(field), number);
+        if (!why.empty()) return why;
+        line.remove_prefix(std::min(field.size() + 1, line.size()));
+    }
+    return {};
+}
+
+/// A first line of words, such as "x,y", is a header.
+bool is_header(std::string_view line);
+
+} // namespace detail
+
+/// Reads the points of a file some at a time. Empty lines, lines that begin with '#' and a header are skipped.
+///
+///   D    2 or 3: the numbers of a line
+///   T    what the points are for: a finite number that T does not hold is refused
+template <std::size_t D, class T = double>
+class PointReader {
+public:
+    /// On failure `error()` says why.
+    explicit PointReader(const std::string& path)
+        : path_(path)
+        , file_(path) {
+        if (!file_.read(text_)) error_ = file_.error().empty() ? path + ": is empty" : file_.error();
+    }
+
+    /// Fills `points` with the next at most `most` points; false at the end of the file or on an error.
+    bool read(std::vector<std::array<double, D>>& points, std::size_t most) {
+        points.clear();
+        std::string_view line;
+        while (error_.empty() && points.size() < most && next_line(line)) {
+            ++line_;
+            const std::string_view text = detail::trim(line);
+            if (text.empty() || text.front() == '#' || (line_ == 1 && detail::is_header(text))) continue;
+            std::array<double, D> p{};
+            std::string why = detail::parse_point(text, p);
+            for (const double x : p) {
+                if (why.empty() && std::isfinite(x) && !std::isfinite(T(x)))
+                    why = detail::single_precision_fault(x);
+            }
+            if (why.empty())
+                points.push_back(p);
+            else
+                error_ = path_ + ":" + std::to_string(line_) + ": " + why;
+        }
+        return error_.empty() && !points.empty();
+    }
+
+    const std::string& error() const { return error_; }
+
+    /// Of the last point read, counted from 1.
+    std::size_t line() const { return line_; }
+
+    /// How much of the file has been read, in [0, 1].
+    double fraction() const {
+        return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;
+    }
+
+private:
+    /// The next line, which lives until the next call; false at the end of the file and on an error.
+    bool next_line(std::string_view& line) {
+        std::size_t end = text_.find('\n', at_);
+        while (end == std::string::npos) {
+            text_.erase(0, at_);
+            at_ = 0;
+            const std::size_t searched = text_.size();
+            if (!file_.read(text_)) break;
+            end = text_.find('\n', searched);
+        }
+        error_ = file_.error();
+        std::string_view rest = std::string_view(text_).substr(at_);
+        if (!error_.empty() || !take_line(rest, line)) return false;
+        at_ = text_.size() - rest.size();
+        return true;
+    }
+
+    std::string path_;
+    InputFile file_;
+    std::string text_; // read and not yet taken, from at_
+    std::size_t at_ = 0, line_ = 0;
+    std::string error_;
+};
+
+/// Rows and columns of a table.
+struct TableSize {
+    std::size_t rows = 0, columns = 0;
+};
+
+/// Reads a table: a row a line, cells between commas, all rows as long as the first.
+///
+///   take    gets each cell's text, without blanks around it, row by row; returns why it is wrong, else nothing
+///   fails   where the file cannot be read, holds no row, rows differ, or a cell is wrong: with line and column
+SvgResult<TableSize> read_table(const std::string& path,
+                                const std::function<std::string(std::string_view)>& take);
+
+/// Lines of a cage's file that belong together.
+struct CageBlock {
+    enum class Kind { loop, chain, point };
+
+    Kind kind = Kind::loop;
+    double radius = 0; // of a point
+    std::vector<Point2> points;
+};
+
+/// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains, headed by
+/// a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are skipped.
+SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
+
+/// As parse_cage_csv(), from a file; fails also where it cannot be read.
+SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path);
+
+/// For --help: how the labels of a cage's vertices are given.
+inline constexpr const char* labels_format =
+    "Labels are a text file of a line for every vertex of the cage, in its order. A\n"
+    "vertex whose line is empty has no label; lines that begin with # are comments.\n";
+
+/// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines that begin
+/// with '#' are skipped, blanks at both ends of a line are left out.
+///
+///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice or holds a
+///           control character
+SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::size_t count);
+
+} // namespace cageform_examples

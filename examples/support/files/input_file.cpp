@@ -1,0 +1,81 @@
+#include "files/input_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace cageform_examples {
+
+/// The paths of all files that were opened so far.
+static std::set<std::string>& inputs() {
+    static std::set<std::string> all;
+    return all;
+}
+
+InputFile::InputFile(std::string path)
+    : path_(std::move(path)) {
+    const auto refuse = [this](const std::string& why) { error_ = path_ + ": " + why; };
+    descriptor_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (descriptor_ < 0 || fstat(descriptor_, &status) != 0) {
+        const int code = errno;
+        refuse(code == ENOENT ? "no such file"
+                              : "cannot be opened: " + std::generic_category().message(code));
+    } else if (S_ISDIR(status.st_mode)) {
+        refuse("is a folder");
+    } else if (S_ISREG(status.st_mode)) {
+        size_ = std::uintmax_t(status.st_size);
+        inputs().insert(path_);
+    }
+}
+
+InputFile::~InputFile() {
+    if (descriptor_ >= 0) close(descriptor_);
+}
+
+bool InputFile::read(std::string& text) {
+    if (!error_.empty()) return false;
+    constexpr std::size_t most = 65536;
+    const std::size_t before = text.size();
+    text.resize(before + most);
+    ssize_t count = 0;
+    do count = ::read(descriptor_, text.data() + before, most);
+    while (count < 0 && errno == EINTR);
+    const int code = errno;
+    text.resize(before + std::size_t(std::max<ssize_t>(count, 0)));
+    read_so_far_ += text.size() - before;
+    if (count < 0) error_ = path_ + ": cannot be read: " + std::generic_category().message(code);
+    return count > 0;
+}
+
+std::string input_at(const std::filesystem::path& path) {
+    std::error_code none; // where one of them is no longer there
+    for (const std::string& input : inputs()) {
+        if (std::filesystem::equivalent(path, input, none)) return input;
+    }
+    return {};
+}
+
+SvgResult<std::string> read_file(const std::string& path) {
+    InputFile file(path);
+    std::string text;
+    while (file.read(text)) continue;
+    if (!file.error().empty()) return SvgError{file.error()};
+    return text;
+}
+
+bool take_line(std::string_view& text, std::string_view& line) {
+    if (text.empty()) return false;
+    const std::size_t end = text.find('\n');
+    line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    return true;
+}
+
+} // namespace cageform_examples

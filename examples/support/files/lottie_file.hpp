@@ -1,0 +1,119 @@
+#pragma once
+
+// The animated numbers of a Lottie file, interval by interval.
+
+#include "files/csv.hpp"
+
+#include <cageform/exchange/lottie.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// From a keyframe to the next, of one component of a property.
+struct LottieCurve {
+    std::string
+        path; ///< "layers/0/ks/r/k/2:0": the keyframe in the file and, behind the colon, the component
+    std::string layer; ///< the names on the way there, as the artist gave them
+    cageform::ImportedCurve curve;
+};
+
+namespace detail {
+
+/// A number, or that of a component of an array; an array of one serves all components.
+inline double lottie_number(const nlohmann::ordered_json& json, std::size_t component) {
+    if (!json.is_array()) return json.get<double>();
+    return json.at(json.size() == 1 ? 0 : component).get<double>();
+}
+
+inline cageform::LottieHandle lottie_handle(const nlohmann::ordered_json& key, const char* name,
+                                            std::size_t component, cageform::LottieHandle otherwise) {
+    const auto handle = key.find(name);
+    if (handle == key.end()) return otherwise;
+    return {lottie_number(handle->at("x"), component), lottie_number(handle->at("y"), component)};
+}
+
+/// A place moves along a path in space if a tangent of it has a length: easing then is of the part of the path.
+inline bool moves_along_a_path(const nlohmann::ordered_json& key) {
+    for (const char* const tangent : {"to", "ti"}) {
+        if (!key.contains(tangent)) continue;
+        for (const auto& x : key.at(tangent)) {
+            if (x.get<double>() != 0) return true;
+        }
+    }
+    return false;
+}
+
+/// The intervals of an array of keyframes; throws nlohmann's exceptions where it is none.
+inline void add_lottie_intervals(const nlohmann::ordered_json& keys, const std::string& path,
+                                 const std::string& layer, std::vector<LottieCurve>& curves) {
+    for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
+        const auto &key = keys[i], &next = keys[i + 1];
+        // Files before 5.0 give an interval's end in its first keyframe.
+        const auto& end = key.contains("e") ? key.at("e") : next.at("s");
+        const auto& begin = key.at("s");
+        if (begin.is_array() && (begin.empty() || !begin[0].is_number()))
+            return; // shapes, colours of gradients
+        const bool path_in_space = moves_along_a_path(key);
+        const std::size_t components = path_in_space || !begin.is_array() ? 1 : begin.size();
+        for (std::size_t c = 0; c < components; ++c) {
+            cageform::LottieEasing easing{lottie_handle(key, "o", c, {0, 0}),
+                                          lottie_handle(key, "i", c, {1, 1}),
+                                          key.contains("h") && key.at("h") == 1};
+            const double from = path_in_space ? 0 : lottie_number(begin, c);
+            const double to = path_in_space ? 1 : easing.hold ? from : lottie_number(end, c);
+            curves.push_back(
+                {path + "/" + std::to_string(i) + ":" + (path_in_space ? "path" : std::to_string(c)), layer,
+                 cageform::from_lottie(easing, {key.at("t").get<double>(), from},
+                                       {next.at("t").get<double>(), to})});
+        }
+    }
+}
+
+inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::string& path, std::string layer,
+                              std::vector<LottieCurve>& curves, int depth = 0) {
+    constexpr int deepest = 200; // of files by hand and by programs, some dozens
+    if (!json.is_structured()) return;
+    if (depth > deepest) throw std::length_error("nested too deeply");
+    if (json.is_object() && json.contains("nm") && json.at("nm").is_string())
+        layer += (layer.empty() ? "" : ", ") + json.at("nm").get<std::string>();
+    const auto keys = json.is_object() ? json.find("k") : json.end();
+    if (keys != json.end() && keys->is_array() && !keys->empty() && keys->front().is_object() &&
+        keys->front().contains("t")) {
+        add_lottie_intervals(*keys, path + "/k", layer, curves);
+        return;
+    }
+    for (const auto& [name, part] : json.items())
+        add_lottie_curves(part, path.empty() ? name : path + "/" + name, layer, curves, depth + 1);
+}
+
+} // namespace detail
+
+/// All intervals of animated numbers, in the order of the file. Throws nlohmann's exceptions where a keyframe is not
+/// as it has to be, std::length_error where parts are nested deeper than 200.
+inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file) {
+    std::vector<LottieCurve> curves;
+    detail::add_lottie_curves(file, "", "", curves);
+    return curves;
+}
+
+/// "layers/0/ks/r/k/0:0  frames 0 to 30, 0 to 90  (ball)".
+inline std::string describe(const LottieCurve& one) {
+    const auto& p = one.curve.curve.points;
+    std::string text = one.path + "  ";
+    if (one.curve.status != cageform::Status::ok)
+        text += cageform::to_string(one.curve.status);
+    else
+        text += "frames " + detail::short_number(p[0][0]) + " to " + detail::short_number(p[3][0]) +
+                (one.curve.kind == cageform::KeyKind::hold
+                     ? ", held at " + detail::short_number(p[0][1])
+                     : ", " + detail::short_number(p[0][1]) + " to " + detail::short_number(p[3][1]));
+    return text + (one.layer.empty() ? "" : "  (" + one.layer + ")");
+}
+
+} // namespace cageform_examples

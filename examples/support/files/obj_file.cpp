@@ -1,0 +1,263 @@
+#include "files/obj_file.hpp"
+
+#include "files/csv.hpp"
+#include "files/input_file.hpp"
+
+#include <tiny_obj_loader.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace cageform_examples {
+
+namespace detail {
+
+std::string parse_index(std::string_view word, std::size_t so_far, std::size_t count, const char* what,
+                        std::uint32_t& index) {
+    const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
+    long long value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool whole = end == digits.data() + digits.size() && !digits.empty();
+    if (error == std::errc::invalid_argument || !whole) return "not an index: " + quoted(word);
+    const bool fits = error == std::errc{};
+    if (fits && value == 0) return std::string("a ") + what + " index is 0; they count from 1";
+    const bool found = value > 0 ? static_cast<unsigned long long>(value) <= count
+                                 : value >= -static_cast<long long>(so_far);
+    if (!fits || !found) {
+        return std::string(what) + " index " + std::string(word.substr(0, 40)) +
+               " is out of range: the file has " + std::to_string(value < 0 ? so_far : count) +
+               (value < 0 ? " before this line" : "");
+    }
+    index = static_cast<std::uint32_t>(value > 0 ? value - 1 : static_cast<long long>(so_far) + value);
+    return {};
+}
+
+/// "v", "v/vt", "v//vn" or "v/vt/vn". Texture coordinates are not looked at.
+std::string parse_corner(std::string_view word, const std::array<std::size_t, 2>& so_far,
+                         const std::array<std::size_t, 2>& count, ObjCorner& corner) {
+    const std::size_t first = word.find('/');
+    std::string why = parse_index(word.substr(0, first), so_far[0], count[0], "vertex", corner.vertex);
+    if (!why.empty() || first == std::string_view::npos) return why;
+    const std::size_t second = word.find('/', first + 1);
+    if (second == std::string_view::npos || second + 1 == word.size()) return {};
+    return parse_index(word.substr(second + 1), so_far[1], count[1], "normal", corner.normal);
+}
+
+/// The three numbers behind "v" or "vn"; an empty reason is success.
+std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text, Point3& point,
+                                ObjNumbers& numbers) {
+    if (words.size() < 4) return "three numbers are expected";
+    for (std::size_t k = 0; k < 3; ++k) {
+        std::string_view word = words[k + 1];
+        numbers.begin[k] = static_cast<std::size_t>(word.data() - text.data());
+        numbers.end[k] = numbers.begin[k] + word.size();
+        if (word.starts_with('+')) word.remove_prefix(1);
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), point[k]);
+        if (error == std::errc::result_out_of_range) return "number out of range: " + quoted(words[k + 1]);
+        if (error != std::errc{} || end != word.data() + word.size())
+            return "not a number: " + quoted(words[k + 1]);
+    }
+    return {};
+}
+
+void append_number(std::string& text, double x) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr;
+    text.append(digits.data(), end);
+}
+
+Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices) {
+    Point3 sum{};
+    const Point3& tip = vertices[face.corners.front().vertex];
+    for (std::size_t k = 1; k + 1 < face.corners.size(); ++k) {
+        sum = sum + cross(vertices[face.corners[k].vertex] - tip, vertices[face.corners[k + 1].vertex] - tip);
+    }
+    return sum;
+}
+
+/// Whether the triangles of a face look all the way that the face does.
+bool lies_flat(const Triangles& triangles, const ObjFace& face, std::span<const Point3> vertices) {
+    if (triangles.size() + 2 != face.corners.size()) return false;
+    const Point3 normal = area_vector(face, vertices);
+    for (const auto& [a, b, c] : triangles) {
+        const Point3 own = cross(vertices[b] - vertices[a], vertices[c] - vertices[a]);
+        if (dot(normal, own) < 0 || (normal == Point3{} && own != Point3{})) return false;
+    }
+    return true;
+}
+
+/// Cuts the faces into triangles by tinyobjloader. Its ears of a polygon of five corners and more are wrong
+/// for some that are not convex; then the first fan that is right takes their place.
+std::string triangulate(ObjFile& file) {
+    std::string plain;
+    for (const Point3& v : file.vertices) {
+        plain += 'v';
+        for (std::size_t k = 0; k < 3; ++k) append_number(plain += ' ', v[k]);
+        plain += '\n';
+    }
+    for (std::size_t f = 0; f < file.faces.size(); ++f) { // the smoothing group tells which face it was
+        plain += "s " + std::to_string(f + 1) + "\nf";
+        for (const ObjCorner& corner : file.faces[f].corners)
+            plain += ' ' + std::to_string(corner.vertex + 1);
+        plain += '\n';
+    }
+    tinyobj::ObjReader reader;
+    tinyobj::ObjReaderConfig config;
+    config.triangulate = true;
+    config.vertex_color = false;
+    if (!reader.ParseFromString(plain, "", config)) return reader.Error();
+    std::vector<Triangles> of_face(file.faces.size());
+    for (const auto& shape : reader.GetShapes()) {
+        const auto& mesh = shape.mesh;
+        for (std::size_t t = 0; t < mesh.smoothing_group_ids.size(); ++t) {
+            std::array<std::uint32_t, 3> triangle;
+            for (std::size_t k = 0; k < 3; ++k)
+                triangle[k] = static_cast<std::uint32_t>(mesh.indices[3 * t + k].vertex_index);
+            of_face.at(mesh.smoothing_group_ids[t] - 1).push_back(triangle);
+        }
+    }
+    for (std::size_t f = 0; f < file.faces.size(); ++f) {
+        const auto& corners = file.faces[f].corners;
+        Triangles triangles = std::move(of_face[f]);
+        const std::size_t n = corners.size();
+        bool flat = n == 3 || lies_flat(triangles, file.faces[f], file.vertices);
+        for (std::size_t tip = 0; !flat && tip < n; ++tip) {
+            Triangles fan;
+            for (std::size_t k = 1; k + 1 < n; ++k) {
+                fan.push_back(
+                    {corners[tip].vertex, corners[(tip + k) % n].vertex, corners[(tip + k + 1) % n].vertex});
+            }
+            flat = lies_flat(fan, file.faces[f], file.vertices);
+            if (flat) triangles = std::move(fan);
+        }
+        if (!flat) file.folded.push_back(f);
+        file.triangles.insert(file.triangles.end(), triangles.begin(), triangles.end());
+        file.triangle_faces.resize(file.triangles.size(), static_cast<std::uint32_t>(f));
+    }
+    return {};
+}
+
+/// `v` turned by the smallest rotation that takes the direction of `from` to that of `to`, as long as before.
+/// Where these are the same but for rounding, or there is none, `v` itself.
+Point3 turned(const Point3& v, const Point3& from, const Point3& to) {
+    const auto length = [](const Point3& p) { return std::hypot(p[0], p[1], p[2]); };
+    const double from_length = length(from), to_length = length(to);
+    if (!(from_length > 0) || !(to_length > 0) || !std::isfinite(from_length + to_length)) return v;
+    const Point3 a = (1 / from_length) * from, b = (1 / to_length) * to;
+    if (length(b - a) < 1e-12) return v;
+    const auto half_turn = [](const Point3& p, const Point3& axis) {
+        return (2 * dot(axis, p) / dot(axis, axis)) * axis - p;
+    };
+    if (length(a + b) < 1e-12) { // about face, by any axis across
+        Point3 across{};
+        across[std::fabs(a[0]) < 0.6 ? 0 : 1] = 1;
+        return half_turn(v, across - dot(across, a) * a);
+    }
+    return half_turn(half_turn(v, a), a + b); // two half turns make a turn by twice the angle between
+}
+
+} // namespace detail
+
+SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
+    ObjFile file;
+    file.name = std::move(name);
+    file.text = std::move(text);
+    if (file.text.empty()) return SvgError{file.name + ": is empty"};
+
+    std::vector<std::string_view> words;
+    std::size_t line = 1;
+    const auto refuse = [&](const std::string& why) { return SvgError{file.name + ": " + why, line}; };
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (words[0] != "v" && words[0] != "vn") continue;
+        ObjNumbers numbers{words[0] == "vn"};
+        Point3 point{};
+        const std::string why = detail::parse_three_numbers(words, file.text, point, numbers);
+        if (!why.empty()) return refuse(why);
+        const bool finite = std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+        if (!numbers.is_normal && !finite) return refuse("the coordinates of a vertex are not finite");
+        (numbers.is_normal ? file.normals : file.vertices).push_back(point);
+        file.numbers.push_back(numbers);
+    }
+    if (file.vertices.empty()) return SvgError{file.name + ": holds no vertices (lines \"v x y z\")"};
+
+    // Now that all are counted: an index may point forwards.
+    const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
+    std::array<std::size_t, 2> so_far{};
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (words[0] == "v") ++so_far[0];
+        if (words[0] == "vn") ++so_far[1];
+        if (words[0] != "f") continue;
+        if (words.size() < 4) return refuse("a face has less than three corners");
+        ObjFace face{{}, line};
+        for (const std::string_view word : std::span(words).subspan(1)) {
+            const std::string why = detail::parse_corner(word, so_far, count, face.corners.emplace_back());
+            if (!why.empty()) return refuse(why);
+        }
+        file.faces.push_back(std::move(face));
+    }
+    const std::string why = detail::triangulate(file);
+    if (!why.empty()) return SvgError{file.name + ": " + why};
+    return file;
+}
+
+SvgResult<ObjFile> load_obj(const std::filesystem::path& path) {
+    auto text = read_file(path.string());
+    return text ? parse_obj(std::move(*text), path.string()) : text.error();
+}
+
+std::optional<SvgError> single_precision_fault(const ObjFile& file) {
+    std::vector<std::string_view> words;
+    std::size_t line = 1, vertex = 0;
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (words[0] != "v") continue;
+        const Point3& p = file.vertices[vertex++];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::string why = detail::single_precision_fault(p[k]);
+            if (!why.empty())
+                return SvgError{file.name + ": vertex " + std::to_string(vertex) + ": " + why, line};
+        }
+    }
+    return std::nullopt;
+}
+
+std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved) {
+    const std::size_t count = file.normals.size();
+    std::vector<Point3> before(count), after(count);
+    std::vector<std::size_t> last(count, file.faces.size()); // the face that was added last
+    for (std::size_t f = 0; f < file.faces.size() && count > 0; ++f) {
+        const Point3 rest = detail::area_vector(file.faces[f], file.vertices);
+        const Point3 now = detail::area_vector(file.faces[f], moved);
+        for (const ObjCorner& corner : file.faces[f].corners) {
+            if (corner.normal == ObjCorner::none || last[corner.normal] == f) continue;
+            last[corner.normal] = f;
+            before[corner.normal] = before[corner.normal] + rest;
+            after[corner.normal] = after[corner.normal] + now;
+        }
+    }
+    std::vector<Point3> normals = file.normals;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (before[i] != after[i]) normals[i] = detail::turned(normals[i], before[i], after[i]);
+    }
+    return normals;
+}
+
+std::string to_text(const ObjFile& file, std::span<const Point3> moved) {
+    const std::vector<Point3> normals = deformed_normals(file, moved);
+    std::string text;
+    text.reserve(file.text.size() + 16 * file.numbers.size());
+    std::size_t copied = 0, vertex = 0, normal = 0;
+    for (const ObjNumbers& numbers : file.numbers) {
+        const Point3& rest = numbers.is_normal ? file.normals[normal] : file.vertices[vertex];
+        const Point3& now = numbers.is_normal ? normals[normal] : moved[vertex];
+        ++(numbers.is_normal ? normal : vertex);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (now[k] == rest[k] || !std::isfinite(now[k])) continue;
+            text.append(file.text, copied, numbers.begin[k] - copied);
+            detail::append_number(text, now[k]);
+            copied = numbers.end[k];
+        }
+    }
+    return text.append(file.text, copied);
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,166 @@
+#pragma once
+
+// Wavefront OBJ files: reading vertices, normals and faces, writing the same file with its vertices moved.
+//
+// tinyobjloader cuts the faces into triangles. It takes whatever it is given, so everything is read and
+// checked here first, and it sees only sound vertices and faces. What is not a vertex or a normal is written
+// as it was read, to the byte: groups, materials, texture coordinates, comments, colours behind a vertex.
+
+#include "svg/path.hpp"
+
+#include <cageform/core/vec.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_examples {
+
+using Point3 = cageform::Vec<double, 3>;
+
+/// For --help.
+inline constexpr const char* obj_format =
+    "OBJ files: v, vn and f are read, faces of any number of corners, indices also\n"
+    "negative; what else there is stays as it is; glTF files get objects, materials\n"
+    "and textures, and leave the rest out. Numbers are finite. No curves, no binary files, at most\n"
+    "4,294,967,294 vertices. A cage is a closed mesh, faces counter-clockwise seen\n"
+    "from outside, of any genus, also several shells; a pose of it is the same mesh\n"
+    "with its vertices moved.\n";
+
+struct ObjCorner {
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    std::uint32_t vertex = 0; // counted from zero
+    std::uint32_t normal = none;
+    friend bool operator==(const ObjCorner&, const ObjCorner&) = default;
+};
+
+/// A face as the file has it: three corners or more.
+struct ObjFace {
+    std::vector<ObjCorner> corners;
+    std::size_t line = 0;
+};
+
+/// A `v` or `vn` statement: where in the text its three numbers stand.
+struct ObjNumbers {
+    bool is_normal = false;
+    std::array<std::size_t, 3> begin{};
+    std::array<std::size_t, 3> end{};
+};
+
+/// The file as text, and what was found in it.
+struct ObjFile {
+    std::string name; // for messages
+    std::string text;
+    std::vector<Point3> vertices;
+    std::vector<Point3> normals;
+    std::vector<ObjNumbers> numbers; // in the order of the file
+    std::vector<ObjFace> faces;
+    std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in their order
+    std::vector<std::uint32_t> triangle_faces;           // #triangles: of which face each is a part
+    std::vector<std::size_t> folded; // faces whose triangles do not all look one way: not to be had without
+};
+
+namespace detail {
+
+/// Cuts a text into statements of words. Lines end with \n, \r\n or \r; a backslash at the end of a line
+/// joins it with the next. A comment begins with a word's # and ends with its line, backslash or not.
+class ObjScanner {
+public:
+    explicit ObjScanner(std::string_view text)
+        : text_(text) {
+        if (text_.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
+    }
+
+    /// The words of the next statement that has any, and the line it begins on; false at the end of the text.
+    bool next(std::vector<std::string_view>& words, std::size_t& line) {
+        words.clear();
+        while (at_ < text_.size() && words.empty()) {
+            line = line_;
+            read_statement(words);
+        }
+        return !words.empty();
+    }
+
+private:
+    /// The length of a line's end at a position, or zero.
+    std::size_t line_end(std::size_t at) const {
+        if (at >= text_.size()) return 0;
+        if (text_[at] == '\r') return at + 1 < text_.size() && text_[at + 1] == '\n' ? 2 : 1;
+        return text_[at] == '\n' ? 1 : 0;
+    }
+    bool is_join(std::size_t at) const { return text_[at] == '\\' && line_end(at + 1) != 0; }
+
+    void read_statement(std::vector<std::string_view>& words) {
+        while (at_ < text_.size()) {
+            if (const std::size_t end = line_end(at_); end != 0) {
+                at_ += end;
+                ++line_;
+                return;
+            }
+            if (is_join(at_)) {
+                at_ += 1 + line_end(at_ + 1);
+                ++line_;
+            } else if (text_[at_] == ' ' || text_[at_] == '\t') {
+                ++at_;
+            } else if (text_[at_] == '#') {
+                while (at_ < text_.size() && line_end(at_) == 0) ++at_;
+            } else {
+                const std::size_t begin = at_;
+                while (at_ < text_.size() && text_[at_] != ' ' && text_[at_] != '\t' && line_end(at_) == 0 &&
+                       !is_join(at_)) {
+                    ++at_;
+                }
+                words.push_back(text_.substr(begin, at_ - begin));
+            }
+        }
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+    std::size_t line_ = 1;
+};
+
+/// An index of a face, counted from zero; an empty reason is success.
+///
+///   word   counts from one, or backwards from -1, the last one read `so_far`
+///   count  of all there are in the file
+std::string parse_index(std::string_view word, std::size_t so_far, std::size_t count, const char* what,
+                        std::uint32_t& index);
+
+/// Twice the area of a face times its normal, of any number of corners.
+Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+} // namespace detail
+
+/// A file from its text.
+///
+///   name    stands before every message
+///   fails   where there is no vertex, a coordinate is no finite number (a normal need only be numbers), or a
+///           face has less than three corners or an index that there is not
+SvgResult<ObjFile> parse_obj(std::string text, std::string name);
+
+/// As parse_obj(), from a file; fails also where it cannot be read.
+SvgResult<ObjFile> load_obj(const std::filesystem::path& path);
+
+/// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
+std::optional<SvgError> single_precision_fault(const ObjFile& file);
+
+/// The file's normals after its vertices have moved. Each is turned as the faces are that have it at a
+/// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after. One
+/// that no face has, or whose faces sum up to nothing, stays.
+std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved);
+
+/// The file's text with its vertices at `moved` and the normals turned with them. A number that has not
+/// changed keeps its digits; a new one has the fewest that give it back.
+std::string to_text(const ObjFile& file, std::span<const Point3> moved);
+
+} // namespace cageform_examples

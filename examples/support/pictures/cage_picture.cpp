@@ -1,0 +1,154 @@
+#include "pictures/cage_picture.hpp"
+
+#include "files/base64.hpp"
+#include "pictures/field_plot.hpp"
+#include "svg/document.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cageform_examples {
+
+void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
+    auto group = document.xml.document_element().append_child("g");
+    group.append_attribute("font-family") = "DejaVu Sans, sans-serif";
+    group.append_attribute("font-size") = letter;
+    group.append_attribute("text-anchor") = "middle";
+    group.append_attribute("fill") = "#222222";
+    group.append_attribute("stroke") = "white";
+    group.append_attribute("stroke-width") = letter / 5;
+    group.append_attribute("paint-order") = "stroke";
+    std::vector<bool> is_drawn(cage.vertices.size());
+    for (std::size_t b = 0; b < cage.blocks.size(); ++b) {
+        const auto& points = cage.blocks[b].points;
+        const std::size_t n = points.size();
+        double area = 0;
+        for (std::size_t k = 0; k < n; ++k) {
+            const Point2 &p = points[k], &q = points[(k + 1) % n];
+            area += p.x * q.y - p.y * q.x;
+        }
+        for (std::size_t k = 0; k < n; ++k) {
+            const std::size_t i = cage.handles[b][k];
+            if (is_drawn[i]) continue;
+            is_drawn[i] = true;
+            const Point2 &before = points[(k + n - 1) % n], &p = points[k], &after = points[(k + 1) % n];
+            const auto side = [&](const Point2& from, const Point2& to) { // of an edge, to the outside
+                const double length = std::hypot(to.x - from.x, to.y - from.y) * (area < 0 ? -1 : 1);
+                return length == 0 ? Point2{} : Point2{(to.y - from.y) / length, (from.x - to.x) / length};
+            };
+            const Point2 one = side(before, p), other = side(p, after);
+            const double x = one.x + other.x, y = one.y + other.y, length = std::hypot(x, y);
+            const double reach = length > 0 ? 0.9 * letter / length : 0;
+            auto dot = group.append_child("circle");
+            dot.append_attribute("cx") = p.x;
+            dot.append_attribute("cy") = p.y;
+            dot.append_attribute("r") = letter / 6;
+            dot.append_attribute("fill") = "#c2377a";
+            dot.append_attribute("stroke") = "none";
+            auto text = group.append_child("text");
+            text.append_attribute("x") = p.x + reach * x;
+            text.append_attribute("y") = p.y + reach * y + 0.35 * letter;
+            text.text() = std::to_string(i).c_str();
+        }
+    }
+}
+
+namespace {
+
+void set_box(pugi::xml_node node, const ViewBox& box) {
+    const std::array<double, 4> numbers{box.x, box.y, box.width, box.height};
+    const std::array<const char*, 4> names{"x", "y", "width", "height"};
+    for (std::size_t k = 0; k < 4; ++k) detail::set_attribute(node, names[k], text_of("%.9g", numbers[k]));
+}
+void set_view(pugi::xml_node node, const ViewBox& box) {
+    std::string text;
+    for (const double x : {box.x, box.y, box.width, box.height}) text += text_of("%.9g ", x);
+    text.pop_back();
+    detail::set_attribute(node, "viewBox", text);
+}
+
+/// A figure under all else, as a picture of its own, so that nothing in it meets the document; also what lies beyond its
+/// viewBox, since a cage holds that too.
+void draw_figure(SvgDocument& document, const SvgDocument& figure, const ViewBox& view, const ViewBox& box) {
+    SvgDocument copy = detail::copy_of(figure);
+    const auto inner = detail::root_element(copy.xml);
+    auto outer = copy.xml.insert_child_before("svg", inner);
+    outer.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
+    constexpr double pixels = 1600; // programs that draw it as pixels take so many
+    const double scale = pixels / std::max(box.width, box.height);
+    set_view(outer, box);
+    detail::set_attribute(outer, "width", text_of("%.9g", scale * box.width));
+    detail::set_attribute(outer, "height", text_of("%.9g", scale * box.height));
+    const auto moved = outer.append_move(inner);
+    set_box(moved, view);
+    set_view(moved, view);
+    detail::set_attribute(moved, "overflow", "visible");
+    auto image = document.xml.document_element().append_child("image");
+    set_box(image, box);
+    image.append_attribute("href") = ("data:image/svg+xml;base64," + base64(to_text(copy))).c_str();
+}
+
+} // namespace
+
+SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
+                                 const std::string& name) {
+    PlaneBox box;
+    for (const auto* vertices : {&cage.vertices, &pose.vertices}) {
+        for (const Point2& p : *vertices) box.add(p);
+    }
+    const double diagonal = std::hypot(box.width(), box.height()), letter = diagonal / 45;
+    if (!(letter > 0) || !std::isfinite(diagonal))
+        return SvgError{cage.name + ": cannot be drawn: its size is not finite, or zero"};
+    auto picture = parse_svg("<svg xmlns=\"http://www.w3.org/2000/svg\"/>", name);
+    if (!picture) return picture;
+    const ViewBox seen{box.low.x - 2 * letter, box.low.y - 2 * letter, box.width() + 4 * letter,
+                       box.height() + 4 * letter};
+    set_view(picture->xml.document_element(), seen);
+    if (figure != nullptr) {
+        const auto view = view_box(*figure);
+        if (!view) return view.error();
+        draw_figure(*picture, *figure, *view, seen);
+    }
+    if (cage.vertices != pose.vertices) draw_cage(*picture, cage.blocks, diagonal, "#888888");
+    draw_cage(*picture, pose.blocks, diagonal, "#c2377a");
+    draw_numbers(*picture, pose, letter);
+    return picture;
+}
+
+Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose) {
+    constexpr std::size_t width = 900, height = 1000;
+    constexpr Colour paper{0.98f, 0.93f, 0.9f}, at_rest{0.7f, 0.7f, 0.7f}, ink{0.76f, 0.22f, 0.48f};
+    SpacePlot plot;
+    const std::vector<Colour> colours(pose.size(), paper);
+    plot.surface = {pose, cage.triangles, colours};
+    for (const ObjFace& face : cage.faces) {
+        for (std::size_t k = 0; k < face.corners.size(); ++k) {
+            const auto i = face.corners[k].vertex, j = face.corners[(k + 1) % face.corners.size()].vertex;
+            if (cage.vertices != pose)
+                plot.lines.push_back({{cage.vertices[i], cage.vertices[j]}, 1, at_rest});
+            plot.lines.push_back({{pose[i], pose[j]}, 1.2, ink});
+        }
+    }
+    std::stable_sort(plot.lines.begin(), plot.lines.end(),
+                     [](const SpaceLine& a, const SpaceLine& b) { return a.thickness < b.thickness; });
+    Picture picture(2 * width, height);
+    for (const std::size_t side : {0, 1}) { // the y axis is up, the figure faces along z
+        const ViewDirections flat = view_from(side == 0 ? -25 : 155, 12);
+        const auto y_up = [](const Point3& v) { return Point3{v[0], v[2], -v[1]}; };
+        const ViewDirections view{y_up(flat.right), y_up(flat.up), y_up(flat.towards)};
+        std::vector<bool> is_seen(pose.size()); // a face at it is turned here
+        for (const ObjFace& face : cage.faces) {
+            if (dot(detail::area_vector(face, pose), view.towards) <= 0) continue;
+            for (const ObjCorner& corner : face.corners) is_seen[corner.vertex] = true;
+        }
+        plot.texts.clear();
+        for (std::size_t i = 0; i < pose.size(); ++i) {
+            if (is_seen[i]) plot.texts.push_back({pose[i], std::to_string(i)});
+        }
+        picture.place(draw_plot(plot, view, width, height), side * width);
+    }
+    return picture;
+}
+
+} // namespace cageform_examples

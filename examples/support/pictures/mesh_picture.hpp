@@ -1,0 +1,72 @@
+#pragma once
+
+// Pictures of meshes, drawn without any graphics library: figures in their cages, several side by side.
+
+#include "files/obj_file.hpp"
+#include "pictures/picture.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+struct MeshView {
+    std::span<const Point3> vertices;
+    std::span<const std::array<std::uint32_t, 3>> triangles;
+    std::span<const Colour> colours{}; ///< one a vertex; empty: of clay
+};
+
+/// What one part of the picture shows.
+struct MeshScene {
+    MeshView figure;
+    MeshView cage;
+};
+
+/// Where meshes are seen from: turned from the front towards the figure's left, then from above, in degrees.
+struct MeshSight {
+    double turn = 34.4, rise = 11.5;
+    bool z_is_up = false; ///< the figure looks against y then; else y is up, and it looks along z
+};
+
+/// Draws scenes side by side, each in an equal part of the width, all at the same scale from the same place.
+Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
+                    const MeshSight& sight = {});
+
+/// Where a picture is seen from: what is to its right, up in it, and towards the eye. Unit lengths, at right angles.
+struct ViewDirections {
+    Point3 right, up, towards;
+};
+
+/// The z axis is up: turned about it, then seen from above. Whole turns change nothing.
+///
+///   turn, rise   in degrees; 0, 0 looks along y
+ViewDirections view_from(double turn, double rise);
+
+struct SpaceLine {
+    std::vector<Point3> points;
+    double thickness = 1; ///< in pixels
+    Colour colour{};
+};
+
+/// A word whose middle is at a place.
+struct SpaceText {
+    Point3 at;
+    std::string words;
+};
+
+/// A surface with its own colours, and lines where no surface hides them.
+struct SpacePlot {
+    MeshView surface;
+    std::vector<SpaceLine> lines;
+    std::vector<SpaceText> texts;
+    double letter = 2; ///< a seventh of a letter's height, in pixels
+};
+
+/// Draws a plot as parallel rays show it.
+Picture draw_plot(const SpacePlot& plot, const ViewDirections& view, std::size_t width, std::size_t height);
+
+} // namespace cageform_examples

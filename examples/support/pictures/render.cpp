@@ -1,0 +1,142 @@
+#include "pictures/render.hpp"
+
+#include "cli/guard.hpp"
+#include "pictures/plot.hpp"
+#include "svg/xml.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace cageform_examples {
+
+/// Starts a program that is found on the PATH, of a Debian package; -1 for an output that stays ours. The
+/// fault, or nothing.
+static std::string start(std::vector<std::string> words, const char* package, int input, int output,
+                         pid_t& child) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    if (output >= 0) posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    const int spawned = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (spawned == ENOENT) return words[0] + " (" + package + ") is not installed";
+    return spawned == 0 ? "" : "cannot start " + words[0] + ": " + std::strerror(spawned);
+}
+
+static bool ends_well(pid_t child) {
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0) {
+        if (errno != EINTR) return false;
+    }
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+std::string run_rsvg(std::vector<std::string> options, int in, int out) {
+    options.insert(options.begin(), "rsvg-convert");
+    pid_t child = 0;
+    const std::string fault = start(std::move(options), "librsvg2-bin", in, out, child);
+    return !fault.empty() || ends_well(child) ? fault : "rsvg-convert could not render it";
+}
+
+/// Says which file an SVG shows by a link, if it does.
+static void note_linked_file(const pugi::xml_document& svg, const std::filesystem::path& picture) {
+    for (pugi::xml_node node = svg.first_child(); node; node = detail::next_node(node, svg)) {
+        const std::string kind = detail::local_name(node), link = detail::reference_of(node);
+        if (link.empty() || link.starts_with('#') || link.starts_with("data:")) continue;
+        if (kind.empty() || kind == "a") continue; // shows nothing
+        note(picture.string() + " does not show " + link + ", a file that the drawing links to");
+        return;
+    }
+}
+
+static std::string render_picture(int svg, int width, int png) {
+    return run_rsvg({"--background-color", "white", "--keep-aspect-ratio", "--width", std::to_string(width)},
+                    svg, png);
+}
+
+std::filesystem::path png_of(const std::filesystem::path& svg) {
+    return std::filesystem::path(svg).replace_extension(".png");
+}
+
+void add_png(OutputFiles& outputs, AtomicFile& svg, int width) {
+    AtomicFile& png = outputs.add(png_of(svg.path()));
+    if (svg.finish() || png.error()) return;
+    const int text = open(svg.temporary().c_str(), O_RDONLY | O_CLOEXEC);
+    if (text < 0) return png.refuse(std::strerror(errno));
+    pugi::xml_document drawing;
+    if (drawing.load_file(svg.temporary().c_str())) note_linked_file(drawing, png.path());
+    const std::string fault = render_picture(text, width, png.descriptor());
+    close(text);
+    if (!fault.empty()) png.refuse(fault);
+}
+
+Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width)
+    : file_(outputs.add(path))
+    , width_(width) {
+    if (file_.error()) return;
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+        file_.refuse(std::strerror(errno));
+        return;
+    }
+    pipe_ = ends[1];
+    std::vector<std::string> words{
+        "ffmpeg",     "-hide_banner", "-loglevel",           "error", "-nostdin", "-y", "-f",
+        "image2pipe", "-framerate",   text_of("%.6g", rate), "-c:v",  "png",      "-i", "pipe:0"};
+    const std::string ending = ending_of(path);
+    if (ending == ".gif") { // of at most 256 colours, which are chosen for all frames
+        words.insert(words.end(), {"-vf",
+                                   "fps=" + text_of("%.6g", std::min(rate, 25.0)) +
+                                       ",split[a][b];[a]palettegen[p];[b][p]paletteuse",
+                                   "-loop", "0", "-f", "gif"});
+    } else if (ending == ".mp4") { // what plays everywhere has an even width and height
+        words.insert(words.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p",
+                                   "-movflags", "+faststart", "-f", "mp4"});
+    } else {
+        words.insert(words.end(), {"-plays", "0", "-f", "apng"});
+    }
+    words.push_back("file:/dev/fd/1"); // by no name of its own, which it could make anew after a signal
+    const std::string fault = start(words, "ffmpeg", ends[0], file_.descriptor(), ffmpeg_);
+    close(ends[0]);
+    if (fault.empty()) return;
+    ffmpeg_ = 0;
+    file_.refuse(fault);
+}
+
+void Film::add_frame(const std::string& svg) {
+    if (file_.error()) return;
+    pugi::xml_document drawing;
+    if (is_first_ && drawing.load_string(svg.c_str())) note_linked_file(drawing, file_.path());
+    is_first_ = false;
+    std::FILE* const text = std::tmpfile(); // has no name
+    if (text == nullptr) return file_.refuse(std::strerror(errno));
+    const bool written = std::fwrite(svg.data(), 1, svg.size(), text) == svg.size() && std::fflush(text) == 0;
+    std::rewind(text);
+    const std::string fault = written ? render_picture(fileno(text), width_, pipe_)
+                                      : "a frame cannot be written to a temporary file";
+    std::fclose(text);
+    if (!fault.empty()) file_.refuse(fault);
+}
+
+void Film::finish() {
+    if (pipe_ >= 0) close(pipe_);
+    pipe_ = -1;
+    if (ffmpeg_ == 0) return;
+    if (!ends_well(ffmpeg_)) file_.refuse("ffmpeg could not make it");
+    ffmpeg_ = 0;
+}
+
+} // namespace cageform_examples

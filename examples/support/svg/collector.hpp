@@ -1,0 +1,132 @@
+#pragma once
+
+// The walk's state: for svg_walk.cpp and svg_references.cpp, which hold its functions.
+
+#include "svg/walk.hpp"
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+/// See walk().
+class ShapeCollector {
+public:
+    ShapeCollector(SvgDocument& document, const StyleSheets& styles, IdTable& ids, const WalkOptions& options)
+        : document_(document)
+        , styles_(styles)
+        , ids_(ids)
+        , options_(options) {}
+
+    std::optional<SvgError> collect();
+
+    Drawing drawing;
+    std::vector<std::string> warnings;
+
+private:
+    using Values = std::map<std::string, StyleValue, std::less<>>;
+
+    /// What an element takes from those it stands in.
+    struct Place {
+        Affine2 to_root;
+        Viewport viewport;
+        int depth = 0;
+        DrawnShape style; // all but its geometry
+        double font_size = 16;
+        std::string text_anchor = "start";
+    };
+
+    struct Claim { // a clip path or mask whose content is deformed under this transform
+        Affine2 to_root;
+        std::string id;
+        std::size_t first = 0, end = 0; // its shapes
+    };
+
+    bool fail(pugi::xml_node node, const std::string& why);
+    bool fail_in(pugi::xml_node node, const std::string& attribute, const SvgError& error);
+    void warn(pugi::xml_node node, const std::string& why);
+    static std::string text_of(const Values& values, std::string_view property);
+    static void inherit(const Values& values, Place& place);
+    static void inherit_outline(const Values& values, DrawnShape& style);
+    bool visit(pugi::xml_node node, const Place& parent);
+    bool visit_children(pugi::xml_node node, const Place& place);
+    bool apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root);
+
+    // ---- nested svg ----
+    /// A nested svg clips what it holds. One that cuts nothing no longer does; one that does becomes a group
+    /// with a clip path, which is deformed. So does a symbol, whose copy `visit_use` made an svg.
+    bool visit_svg(pugi::xml_node node, const Values& values, Place& place);
+    /// Writes a nested svg as a group with the same map.
+    static void to_group(pugi::xml_node node, const Affine2& inside);
+    /// Puts what a group holds into a group inside it, that a box clips.
+    bool clip(pugi::xml_node group, const Box& box, const Place& place, std::size_t first);
+    /// Maps the element's viewBox into `viewport`, which then becomes the viewBox's size.
+    bool enter_view_box(pugi::xml_node node, Affine2& to_root, Viewport& viewport);
+
+    // ---- use (svg_references.cpp) ----
+    bool visit_use(pugi::xml_node use, const Place& parent);
+    /// What is used: nothing, with a warning or an error, where it cannot be.
+    pugi::xml_node used_element(pugi::xml_node use);
+    /// In a clip path, which may hold no group: the copy takes the place of `use`.
+    bool replace_use(pugi::xml_node use, pugi::xml_node target, std::string transform, const Place& parent);
+    /// Makes a group of `use`, with the copy inside.
+    bool use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
+                      const Place& parent);
+    /// Images in a copy become uses of one definition each, lest their bytes be repeated.
+    void share_images(pugi::xml_node copy);
+    bool count_copies(pugi::xml_node top);
+    /// The nodes of an element after all uses in it have become copies, or more than the limit.
+    std::size_t expanded_size(pugi::xml_node top, int depth = 0);
+    static void drop_ids(pugi::xml_node top);
+
+    // ---- clip paths, masks and filters (svg_references.cpp) ----
+    bool visit_references(pugi::xml_node node, const Values& values, const Place& place, std::size_t first);
+    bool visit_reference(const char* property, const std::string& id, const Place& place,
+                         Reference& reference);
+    /// Turns units of the box into user space.
+    static void to_user_space(pugi::xml_node content, const char* units, const Affine2& unit_square);
+    bool visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place);
+
+    // ---- shapes ----
+    double length(pugi::xml_node node, const char* name, double whole, double otherwise);
+    bool add_shape(pugi::xml_node node, const Place& place);
+    /// Curves whose control points lie on their ends are lines, run through at another speed.
+    static void straighten(Path& path);
+    bool add(pugi::xml_node node, Path path, const Place& place, bool is_box = false);
+    bool add_fixed(pugi::xml_node node, const std::string& kind, const Place& place);
+    /// The paths that a text's letters stand on, which are shapes: where one is not drawn in the text's own user space,
+    /// the text gets a copy.
+    bool add_text_paths(pugi::xml_node text, const Place& place);
+    bool add_text_path(pugi::xml_node text_path, const Place& place);
+    /// How far the letters on a path reach: they are taken to be 0.6 em wide and to stand within 0.8 em of it.
+    bool add_reach(pugi::xml_node text_path, const Path& path, Place place);
+    /// Whether an element is drawn where it stands, under this transform.
+    bool is_drawn_under(pugi::xml_node node, const Affine2& to_root) const;
+    Box image_box(pugi::xml_node node, const Place& place);
+    /// Where a text is about: letters are taken to be 0.6 em wide.
+    Box text_box(pugi::xml_node text, const Place& place);
+
+    SvgDocument& document_;
+    const StyleSheets& styles_;
+    IdTable& ids_;
+    WalkOptions options_;
+    std::set<std::size_t> symbols_;                              // copies of symbols, by their hash
+    std::unordered_map<std::size_t, std::vector<Claim>> claims_; // by the node they were first found on
+    std::vector<pugi::xml_node> active_; // used elements, clip paths and masks that we are inside of
+    std::unordered_map<std::string, pugi::xml_node> images_;         // definitions, by what they show
+    std::unordered_map<std::size_t, pugi::xml_node> uses_of_images_; // definitions, by the hash of their use
+    std::size_t copies_ = 0;
+    std::unordered_map<std::size_t, std::size_t> expanded_sizes_; // by the element's hash
+    std::optional<SvgError> error_;
+};
+
+} // namespace detail
+
+} // namespace cageform_examples

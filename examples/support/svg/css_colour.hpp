@@ -1,0 +1,25 @@
+#pragma once
+
+// Colours as SVG and CSS write them.
+
+#include "pictures/picture.hpp"
+
+#include <optional>
+#include <string_view>
+
+namespace cageform_examples {
+
+struct PaintColour {
+    Colour colour; // as displayed
+    float alpha = 1;
+};
+
+/// #rgb, #rgba, #rrggbb, #rrggbbaa, rgb() and rgba() of numbers or percentages, the names of CSS, transparent. Nothing
+/// where the text is none of these: `none`, a gradient, `currentColor`.
+std::optional<PaintColour> parse_colour(std::string_view text);
+
+/// Light, in proportion to its energy, from what a display is sent, and back: IEC 61966-2-1 (sRGB).
+double to_linear(double displayed);
+double to_displayed(double linear);
+
+} // namespace cageform_examples

@@ -1,0 +1,313 @@
+#include "svg/curves.hpp"
+#include "svg/paint.hpp"
+#include "svg/walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cageform_examples {
+
+namespace detail {
+
+int decimals_for(const Affine2& to_root, double tolerance) {
+    const double scale = largest_scale(to_root);
+    int enough = 0;
+    while (enough < 15 && 20 * scale > tolerance * std::pow(10.0, enough)) ++enough;
+    return enough;
+}
+
+/// Moves a text or an image as a whole: its transform is P⁻¹ best P before its own one, where P is that of what it
+/// stands in.
+///
+///   best   of every frame
+void carry(const DrawnShape& shape, const std::vector<Affine2>& best,
+           std::vector<AnimatedSvg::Track>& tracks) {
+    const auto own = parse_transform(attribute_text(shape.node, "transform"));
+    if (!own) return;
+    AnimatedSvg::Track track{shape.node, "transform", {}, {}};
+    for (const Affine2& map : best) {
+        const Affine2 local = compose(compose(shape.from_root, map), shape.to_root);
+        track.maps.push_back(compose(*own, local));
+    }
+    tracks.push_back(std::move(track));
+}
+
+/// Whether a path that is filled shows: a line has no inside, and what it is bent to must not get one.
+bool has_inside(const Path& path) {
+    return std::any_of(path.begin(), path.end(), [](const Subpath& subpath) {
+        const Point2& a = subpath.start;
+        Point2 far = a;
+        double length = 0;
+        const auto each = [&](const auto& visit) {
+            for (const Segment& s : subpath.segments) {
+                for (const Point2& p : {s.p1, s.p2, s.p3}) visit(p);
+            }
+        };
+        each([&](const Point2& p) {
+            const double d = std::hypot(p.x - a.x, p.y - a.y);
+            if (d > length) far = p;
+            length = std::max(length, d);
+        });
+        bool beside = false;
+        each([&](const Point2& p) {
+            const double cross = (far.x - a.x) * (p.y - a.y) - (far.y - a.y) * (p.x - a.x);
+            beside = beside || std::abs(cross) > 1e-9 * length * length;
+        });
+        return beside;
+    });
+}
+
+/// The box of each shape that is seen, by what clips it; empty for others.
+std::vector<Box> seen(const Drawing& drawing, const std::vector<DrawnShape>& shapes) {
+    std::vector<Box> boxes;
+    boxes.reserve(shapes.size());
+    for (const DrawnShape& shape : shapes) {
+        boxes.push_back(shape.level == 0 ? painted_box(shape, {}) : Box());
+    }
+    for (const Reference& r : drawing.references) {
+        if (r.level != 0 || local_name(r.target) != "clipPath" || r.first_inside == r.end_inside) continue;
+        const Box clip = bounds(shapes, r.first_inside, r.end_inside, 1, {});
+        for (std::size_t i = r.first; i < r.end; ++i) boxes[i] = boxes[i].within(clip);
+    }
+    return boxes;
+}
+
+/// Grows the viewBox of the root to a box; its width and height too, so that nothing gets smaller.
+void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
+    const auto write = [&](double v) { return format_number(v, 6); };
+    set_attribute(root, "viewBox",
+                  write(to.x0) + ' ' + write(to.y0) + ' ' + write(to.width()) + ' ' + write(to.height()));
+    const auto grow = [&](const char* name, double factor) {
+        const std::string text(trimmed(attribute_text(root, name)));
+        const std::size_t unit = std::min(text.find_first_not_of("+-.0123456789"), text.size());
+        const auto number = parse_length(text.substr(0, unit), 0);
+        if (!number || text.substr(unit) == "%") return;
+        set_attribute(root, name, format_number(*number * factor, 6) + escaped(text.substr(unit)));
+    };
+    grow("width", to.width() / view.width);
+    grow("height", to.height() / view.height);
+}
+
+/// Markers stand at vertices, and the path written has others.
+void settle_markers(const SvgDocument& document, const StyleSheets& styles, const DrawnShape& shape,
+                    std::vector<std::string>& warnings) {
+    const std::string kind = local_name(shape.node);
+    const bool has_none = kind == "rect" || kind == "circle" || kind == "ellipse";
+    if (has_none && (shape.marks_ends || shape.marks_vertices)) {
+        for (const char* property : {"marker-start", "marker-mid", "marker-end"}) {
+            styles.set(shape.node, property, "none");
+        }
+    } else if (shape.marks_vertices) {
+        warnings.push_back(label(document, shape.node) +
+                           ": its markers stand at vertices, also at those that were added");
+    }
+}
+
+/// A deformation on its way: what is known of every shape in every frame.
+class DocumentMover {
+public:
+    DocumentMover(SvgDocument& work, const FrameDeformer& deformer, std::size_t frames,
+                  const DeformOptions& options, AnimatedSvg& result)
+        : work_(work)
+        , deformer_(deformer)
+        , frames_(frames)
+        , options_(options)
+        , result_(result)
+        , styles_(root_element(work.xml))
+        , ids_(root_element(work.xml)) {}
+
+    /// Nothing, or why not. `moved()` is false where nothing has moved, and the document then is to stay as it was.
+    std::optional<SvgError> run() {
+        const auto view = view_box(work_);
+        if (!view) return view.error();
+        view_ = *view;
+        diagonal_ = std::hypot(view_.width, view_.height);
+        const bool given = options_.tolerance > 0 && std::isfinite(options_.tolerance);
+        tolerance_ = given ? options_.tolerance : 2e-5 * diagonal_;
+        auto rest = walk(work_, styles_, ids_, {.boxes = true}, result_.report.warnings);
+        if (!rest) return rest.error();
+        for (const std::string& rule : styles_.unread) {
+            result_.report.warnings.push_back("style sheet: \"" + rule +
+                                              "\" refers to an element and is not read");
+        }
+        rest_ = std::move(*rest);
+        const auto layers = layers_of(rest_.shapes);
+        if (!layers) return layers.error();
+        std::vector<Path> paths;
+        paths.reserve(rest_.shapes.size());
+        for (const DrawnShape& shape : rest_.shapes) paths.push_back(shape.path);
+        CurveDeformer curves(deformer_, frames_, tolerance_, diagonal_, options_.max_halvings,
+                             result_.report);
+        if (!curves.run(paths, *layers)) return SvgError{work_.name + ": " + curves.failure()};
+        result_.report.shapes = paths.size();
+        moves_.resize(paths.size());
+        for (std::size_t i = 0; i < paths.size(); ++i) {
+            for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
+        }
+        if (!moved()) return std::nullopt;
+        if (const auto error = look_at_frames(curves)) return error;
+        return write();
+    }
+
+    bool moved() const { return std::find(moves_.begin(), moves_.end(), true) != moves_.end(); }
+
+private:
+    struct Moved { // a shape in every frame
+        std::vector<std::string> data;
+        std::vector<Affine2> maps; // the best; where there is none, that of the frame before
+        std::vector<Box> boxes;    // in its own user space
+        bool has_map = false, gains_inside = false;
+    };
+
+    /// The layer of every shape; fails where a layer has none.
+    SvgResult<std::vector<std::size_t>> layers_of(const std::vector<DrawnShape>& shapes) const {
+        std::vector<std::size_t> layers(shapes.size());
+        for (std::size_t n = 0; n < options_.layers.size(); ++n) {
+            bool found = false;
+            for (std::size_t i = 0; i < shapes.size(); ++i) {
+                for (pugi::xml_node up = shapes[i].node; up; up = up.parent()) {
+                    if (attribute_text(up, "id") != options_.layers[n]) continue;
+                    layers[i] = n + 1;
+                    found = true;
+                }
+            }
+            if (!found) {
+                return SvgError{work_.name + ": the figure has no shape in \"" + options_.layers[n] + '"'};
+            }
+        }
+        return layers;
+    }
+
+    std::optional<SvgError> look_at_frames(const CurveDeformer& curves) {
+        std::vector<DrawnShape>& shapes = rest_.shapes;
+        moved_.resize(shapes.size());
+        regions_.resize(rest_.references.size());
+        std::vector<bool> has_inside_at_rest;
+        for (const DrawnShape& shape : shapes) {
+            has_inside_at_rest.push_back(has_inside(shape.path));
+            boxes_at_rest_.push_back(bounds(shape.path, shape.from_root));
+        }
+        for (std::size_t r = 0; r < rest_.references.size(); ++r) {
+            const Reference& reference = rest_.references[r];
+            regions_[r].before =
+                bounds(shapes, reference.first, reference.end, reference.level, reference.from_root);
+        }
+        seen_before_ = seen(rest_, shapes);
+        seen_after_.resize(shapes.size());
+        for (std::size_t f = 0; f < frames_; ++f) {
+            for (std::size_t i = 0; i < shapes.size(); ++i) {
+                DrawnShape& shape = shapes[i];
+                shape.path = curves.path(i, f);
+                if (!moves_[i]) continue;
+                Moved& moved = moved_[i];
+                const auto best = curves.motion(i, f).best_map();
+                moved.has_map = moved.has_map || best;
+                moved.maps.push_back(best ? *best : moved.maps.empty() ? Affine2() : moved.maps.back());
+                if (shape.is_box || shape.is_extent) continue;
+                const Path local = transformed(shape.path, shape.from_root);
+                if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
+                const int decimals =
+                    options_.decimals >= 0 ? options_.decimals : decimals_for(shape.to_root, tolerance_);
+                moved.data.push_back(write_path_data(local, decimals));
+                moved.boxes.push_back(bounds(local));
+                moved.gains_inside = moved.gains_inside || (!has_inside_at_rest[i] && has_inside(shape.path));
+            }
+            for (std::size_t r = 0; r < rest_.references.size(); ++r) {
+                const Reference& reference = rest_.references[r];
+                regions_[r].after.push_back(
+                    bounds(shapes, reference.first, reference.end, reference.level, reference.from_root));
+                Motion motion;
+                for (std::size_t i = reference.first; i < reference.end; ++i) {
+                    if (shapes[i].level == reference.level) motion.add(curves.motion(i, f));
+                }
+                regions_[r].moved = regions_[r].moved || motion.moved();
+                regions_[r].maps.push_back(motion.best_map());
+            }
+            const std::vector<Box> after = seen(rest_, shapes);
+            for (std::size_t i = 0; i < shapes.size(); ++i) seen_after_[i].add(after[i]);
+        }
+        return std::nullopt;
+    }
+
+    std::optional<SvgError> write() {
+        PaintFollower paint(work_, styles_, ids_, tolerance_, result_.tracks);
+        for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
+            const DrawnShape& shape = rest_.shapes[i];
+            Moved& moved = moved_[i];
+            if (!moves_[i] || shape.is_extent) continue;
+            if (shape.is_box) {
+                if (moved.has_map) carry(shape, moved.maps, result_.tracks);
+                continue;
+            }
+            settle_markers(work_, styles_, shape, result_.report.warnings);
+            if (moved.gains_inside) styles_.set(shape.node, "fill", "none");
+            if (moved.has_map && !shape.clips)
+                paint.follow(shape, moved.maps, boxes_at_rest_[i], moved.boxes);
+            write_shape(shape.node, moved.data.front());
+            result_.tracks.push_back({shape.node, "d", std::move(moved.data), {}});
+        }
+        auto& warnings = result_.report.warnings;
+        follow_regions(work_, rest_, regions_, result_.tracks, warnings);
+        warnings.insert(warnings.end(), paint.warnings.begin(), paint.warnings.end());
+        fit();
+        result_.show(0);
+        return std::nullopt;
+    }
+
+    void fit() {
+        const Box window{view_.x, view_.y, view_.x + view_.width, view_.y + view_.height};
+        Box all = window;
+        for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
+            if (seen_after_[i].empty() || seen_before_[i].within(window).empty()) continue; // was not seen
+            Box reach = window; // what was cut off before may stay so
+            reach.add(seen_before_[i]);
+            if (reach.grown(1e-3 * diagonal_).contains(seen_after_[i])) continue;
+            ++result_.report.cut_off;
+            all.add(seen_after_[i]);
+        }
+        if (!options_.fit || result_.report.cut_off == 0) return;
+        grow_view_box(root_element(work_.xml), view_, all.grown(1e-3 * diagonal_));
+        result_.report.cut_off = 0;
+    }
+
+    SvgDocument& work_;
+    const FrameDeformer& deformer_;
+    std::size_t frames_;
+    const DeformOptions& options_;
+    AnimatedSvg& result_;
+    const StyleSheets styles_;
+    IdTable ids_;
+    ViewBox view_;
+    double diagonal_ = 0, tolerance_ = 0;
+    Drawing rest_; // its paths are those of the frame looked at last
+    std::vector<bool> moves_;
+    std::vector<Moved> moved_;
+    std::vector<Box> boxes_at_rest_;   // each in its own user space
+    std::vector<MovedRegion> regions_; // of the references
+    std::vector<Box> seen_before_, seen_after_;
+};
+
+} // namespace detail
+
+SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
+                               const DeformOptions& options) {
+    AnimatedSvg result;
+    result.document = detail::copy_of(document);
+    detail::adapt_style_sheets(result.document, result.report.warnings);
+    detail::DocumentMover mover(result.document, deformer, frames, options, result);
+    if (auto error = mover.run()) return std::move(*error);
+    if (!mover.moved()) result.document = detail::copy_of(document);
+    return result;
+}
+
+SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
+                               const DeformOptions& options) {
+    const FrameDeformer one_frame = [&](std::span<const Point2> in, std::span<const std::size_t>,
+                                        std::span<Point2> out) { return deformer(in, out); };
+    auto deformed = animate(document, one_frame, 1, options);
+    if (!deformed) return deformed.error();
+    document = std::move(deformed->document);
+    return std::move(deformed->report);
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,221 @@
+#include "svg/document.hpp"
+
+#include "files/input_file.hpp"
+#include "svg/shapes.hpp"
+#include "svg/walk.hpp"
+#include "svg/xml.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <sstream>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace cageform_examples {
+
+SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
+    SvgDocument document;
+    document.name = std::move(name);
+    const auto refuse = [&](const std::string& why) { return SvgError{document.name + ": " + why}; };
+    if (detail::is_blank(text)) return refuse("the file is empty");
+
+    // no parse_escapes, parse_eol or parse_wconv_attribute: text stays as it is, entities of a doctype too
+    const unsigned flags = pugi::parse_pi | pugi::parse_comments | pugi::parse_cdata |
+                           pugi::parse_declaration | pugi::parse_doctype | pugi::parse_ws_pcdata |
+                           pugi::parse_fragment;
+    const pugi::xml_parse_result parsed = document.xml.load_buffer(text.data(), text.size(), flags);
+    const bool utf8 = parsed.encoding == pugi::encoding_utf8;
+    const std::string broken = document.name + ": not XML: ";
+    if (utf8 && text.find('\0') != std::string_view::npos) {
+        return error_in_text(broken + "null character", text, text.find('\0'));
+    }
+    if (!parsed) {
+        const auto at = static_cast<std::size_t>(std::max<std::ptrdiff_t>(parsed.offset, 0));
+        return utf8 ? error_in_text(broken + parsed.description(), text, std::min(at, text.size()))
+                    : SvgError{broken + parsed.description()};
+    }
+
+    const pugi::xml_node root = detail::root_element(document.xml);
+    if (!root) return refuse("not XML: there is no element");
+    for (const pugi::xml_node node : document.xml.children()) {
+        const bool stray = node.type() == pugi::node_pcdata && !detail::is_blank(node.value());
+        if (stray || node.type() == pugi::node_cdata) return refuse("not XML: text outside the root element");
+        if (node.type() == pugi::node_element && node != root) return refuse("not XML: two root elements");
+    }
+    if (detail::local_name(root) != "svg") {
+        return refuse("not SVG: the root element is <" + std::string(root.name()) + '>');
+    }
+
+    int depth = 0;
+    std::size_t line = 1;
+    std::size_t counted = 0;
+    for (pugi::xml_node node = root; node;) {
+        const std::ptrdiff_t offset = node.offset_debug();
+        if (utf8 && node.type() == pugi::node_element && offset >= 0) {
+            const std::size_t at = std::min(static_cast<std::size_t>(offset), text.size());
+            line +=
+                static_cast<std::size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(counted),
+                                                    text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+            counted = at;
+            document.lines[node.hash_value()] = line;
+        }
+        for (pugi::xml_attribute attribute : node.attributes()) { // they were between single quotes
+            std::string value = attribute.value();
+            if (value.find('"') == std::string::npos) continue;
+            for (std::size_t at = value.find('"'); at != std::string::npos; at = value.find('"', at)) {
+                value.replace(at, 1, "&quot;");
+            }
+            attribute.set_value(value.c_str());
+        }
+        const pugi::xml_node next = detail::next_node(node, root);
+        if (next && next.parent() == node) {
+            if (++depth > detail::max_svg_depth) {
+                return detail::error_at(document, node, "elements are nested too deeply");
+            }
+        } else if (next) {
+            for (pugi::xml_node up = node; up.parent() != next.parent(); up = up.parent()) --depth;
+        }
+        node = next;
+    }
+    for (const pugi::xml_node node : document.xml.children()) {
+        const bool states = node.type() == pugi::node_declaration && node.attribute("encoding");
+        if (states && !utf8) node.attribute("encoding").set_value("UTF-8");
+    }
+    return document;
+}
+
+namespace {
+
+/// Unpacks a gzip file, which an .svgz file is. Fails where it is damaged, or holds more than a document may.
+SvgResult<std::string> unpacked(std::string_view packed, const std::string& name) {
+    constexpr std::size_t most = std::size_t{1}
+                                 << 28; // bytes; of zeros a file of a thousandth of that is enough
+    z_stream stream{};
+    if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return SvgError{name + ": out of memory"};
+    std::vector<Bytef> in(packed.begin(), packed.end()), out(std::size_t{1} << 16);
+    stream.next_in = in.data();
+    stream.avail_in = static_cast<uInt>(in.size());
+    std::string text;
+    int state = Z_OK;
+    while (state == Z_OK && text.size() <= most) {
+        stream.next_out = out.data();
+        stream.avail_out = static_cast<uInt>(out.size());
+        state = inflate(&stream, Z_NO_FLUSH);
+        text.append(out.begin(), out.end() - static_cast<std::ptrdiff_t>(stream.avail_out));
+    }
+    inflateEnd(&stream);
+    if (text.size() > most) return SvgError{name + ": unpacked it is larger than 256 MiB"};
+    if (state != Z_STREAM_END) return SvgError{name + ": a damaged gzip file"};
+    return text;
+}
+
+} // namespace
+
+SvgResult<SvgDocument> load_svg(const std::filesystem::path& path) {
+    const auto text = read_file(path.string());
+    if (!text) return text.error();
+    const std::string name = path.filename().string();
+    if (!text->starts_with("\x1f\x8b")) return parse_svg(*text, name);
+    const auto whole = unpacked(*text, name);
+    return whole ? parse_svg(*whole, name) : whole.error();
+}
+
+std::string to_text(const SvgDocument& document) {
+    std::ostringstream stream;
+    document.xml.save(stream, "", pugi::format_raw | pugi::format_no_escapes | pugi::format_no_declaration,
+                      pugi::encoding_utf8);
+    return std::move(stream).str();
+}
+
+SvgResult<ViewBox> view_box(const SvgDocument& document) {
+    const pugi::xml_node root = detail::root_element(document.xml);
+    if (root.attribute("viewBox")) {
+        const auto v = parse_numbers(detail::attribute_text(root, "viewBox"));
+        if (!v || v->size() != 4) return detail::error_at(document, root, "viewBox is not four numbers");
+        if ((*v)[2] > 0 && (*v)[3] > 0) return ViewBox{(*v)[0], (*v)[1], (*v)[2], (*v)[3]};
+    }
+    const auto width = parse_length(detail::attribute_text(root, "width"), 0);
+    const auto height = parse_length(detail::attribute_text(root, "height"), 0);
+    if (width && height && *width > 0 && *height > 0) return ViewBox{0, 0, *width, *height};
+    return ViewBox{0, 0, 300, 150};
+}
+
+namespace detail {
+
+/// The shapes of a document that stays as it is.
+SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document) {
+    SvgDocument work = copy_of(document);
+    std::vector<std::string> ignored;
+    const StyleSheets styles(root_element(work.xml));
+    IdTable ids(root_element(work.xml));
+    auto drawing = walk(work, styles, ids, {.follow_references = false}, ignored);
+    if (!drawing) return drawing.error();
+    std::vector<SvgShape> shapes;
+    shapes.reserve(drawing->shapes.size());
+    for (DrawnShape& shape : drawing->shapes) {
+        const bool is_circle = local_name(shape.node) == "circle";
+        shapes.push_back({label(work, shape.node), std::move(shape.path), is_circle});
+    }
+    for (const pugi::xml_node& node : drawing->flat_circles) shapes.push_back({label(work, node), {}, true});
+    return shapes;
+}
+
+/// Empty if all subpaths are loops of lines with three corners or more, else what the path is instead.
+///   loops   the corners of each subpath, the first not repeated at the end, in the order drawn
+std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& loops) {
+    loops.clear();
+    for (const Subpath& subpath : path) {
+        if (subpath.segments.empty()) continue;
+        std::vector<Point2> loop = {subpath.start};
+        for (const Segment& s : subpath.segments) {
+            if (!s.is_line) return "a path with curves";
+            loop.push_back(s.p3);
+        }
+        if (!(loop.back() == loop.front())) return "an open path";
+        loop.pop_back();
+        if (loop.size() < 3) return "a path of fewer than three corners";
+        loops.push_back(std::move(loop));
+    }
+    return loops.empty() ? "an empty path" : "";
+}
+
+} // namespace detail
+
+SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document) {
+    return detail::read_shapes(document);
+}
+
+SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document) {
+    const auto all = shapes(document);
+    if (!all) return all.error();
+    std::string first;
+    for (const SvgShape& shape : *all) {
+        if (shape.path.empty()) continue;
+        std::vector<std::vector<Point2>> loops;
+        const std::string found = detail::polygon_loops(shape.path, loops);
+        if (found.empty()) return loops;
+        if (first.empty()) first = "the first shape is " + found + ": " + shape.label;
+    }
+    if (first.empty()) first = "there is no shape";
+    return SvgError{document.name + ": no closed polygon: " + first};
+}
+
+SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document) {
+    const auto all = shapes(document);
+    if (!all) return all.error();
+    std::vector<Point2> vertices;
+    for (const SvgShape& shape : *all) {
+        for (const Subpath& subpath : shape.path) {
+            if (subpath.segments.empty()) continue;
+            vertices.push_back(subpath.start);
+            for (const Segment& s : subpath.segments) vertices.push_back(s.p3);
+            if (vertices.back() == subpath.start) vertices.pop_back();
+        }
+    }
+    return vertices;
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,226 @@
+#pragma once
+
+// SVG documents: reading, finding the shapes, deforming them, writing back. The XML is pugixml's; what is
+// not touched is written as it was read, comments, white space and character references included.
+//
+// What is deformed: path, rect, circle, ellipse, line, polyline and polygon wherever they are drawn, also
+// through g, a, switch and nested svg, through `use` of an element of the same file (each use becomes a
+// group with its own copy), and inside a clipPath or mask that a drawn element refers to (copied where
+// elements under different transforms share it, or where it is in units of their boxes). Each becomes a
+// <path> in place. What has not moved stays as it was written.
+//
+// What follows a shape by the affine map that fits its points best, in the sense of least squares: its
+// gradients and patterns, in user space or in units of its box (svg_paint.hpp), and of text, image and
+// foreignObject the whole: under a strong bend the nearest such map is not near. Regions of filters, of their
+// primitives and of masks grow to hold what has moved; lights of filters follow. A nested svg or a used symbol that
+// cuts off what it holds becomes a group with a clip path.
+//
+// What stays: the width of strokes, and lengths and angles in filters (of a blur, of an offset); markers at
+// vertices, also at those that are added; shapes under a transform without inverse; transforms given by CSS.
+// Warnings name the last three.
+//
+// Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
+// ("cageform-rect") and the selector names the class instead, so that it still matches after the
+// element became a path. Classes outweigh types, so next to other classes a warning is given.
+
+#include "svg/path.hpp"
+
+#include <pugixml.hpp>
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace cageform_examples {
+
+/// The parsed file. Text and attribute values are kept escaped, exactly as in the file.
+struct SvgDocument {
+    pugi::xml_document xml;
+    std::string name;                                   // for messages: the file's name
+    std::unordered_map<std::size_t, std::size_t> lines; // xml_node::hash_value() -> line in the file
+    /// The boxes of texts in their own user space, as far as they were measured: xml_node::hash_value() -> x0, y0, x1, y1
+    std::unordered_map<std::size_t, std::array<double, 4>> text_boxes;
+};
+
+struct ViewBox {
+    double x = 0;
+    double y = 0;
+    double width = 0;
+    double height = 0;
+};
+
+/// A shape as it is drawn, in the user space of the root element (the units of its viewBox).
+struct SvgShape {
+    std::string label; // such as: rect "wall" (line 12)
+    Path path;
+    bool is_circle = false; // a circle element: four arcs, or no path where it has no radius
+};
+
+/// Maps `in` to `out`, of the same length, both in root user space; false stops the deformation. Has to be
+/// a pure function of the point: curves meet because the same point always goes to the same place.
+using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
+
+/// As Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
+///
+///   layers   of each point, as DeformOptions::layers has them
+using FrameDeformer = std::function<bool(std::span<const Point2> in, std::span<const std::size_t> layers,
+                                         std::span<Point2> out)>;
+
+struct DeformOptions {
+    double tolerance =
+        0; // user units of the root; 0 takes 2e-5 of the viewBox's diagonal, which is invisible
+    int max_halvings = 8; // of a piece that misses the tolerance
+    bool fit = false;     // grow the viewBox, and the size, to what has moved
+    int decimals = -1;    // written; negative takes what makes rounding a twentieth of the tolerance
+    /// Identifiers of elements: what is drawn in the first is layer 1, and so on; all else is layer 0.
+    std::vector<std::string> layers = {};
+};
+
+struct DeformReport {
+    std::size_t shapes = 0;
+    std::size_t points = 0;   // handed to the deformer
+    std::size_t batches = 0;  // calls of the deformer
+    std::size_t segments = 0; // written
+    std::size_t coarse = 0;   // of these, accepted outside the tolerance after `max_halvings`
+    std::size_t cut_off = 0;  // shapes that now reach further beyond the viewBox than they did
+    std::vector<std::string> warnings;
+};
+
+namespace detail {
+
+pugi::xml_node root_element(pugi::xml_node node);
+
+/// "svg:" where the root is <svg:svg>, else empty: what the names of SVG's elements begin with.
+std::string name_prefix(pugi::xml_node node);
+
+std::string attribute_text(pugi::xml_node node, const char* name);
+
+void set_attribute(pugi::xml_node node, const char* name, const std::string& raw);
+
+/// A copy that knows the lines of its elements.
+SvgDocument copy_of(const SvgDocument& document);
+
+} // namespace detail
+
+/// A document from the text of a file.
+///
+///   name     stands before every message
+///   fails    where the text is empty, is not XML, has no <svg> as its only root, or nests too deeply
+///   encodings other than UTF-8 are read too, with lines unknown; writing is always UTF-8
+SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name);
+
+/// As parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or unpacked.
+SvgResult<SvgDocument> load_svg(const std::filesystem::path& path);
+
+/// The document's text in UTF-8; untouched parts are as they were read, but for the space inside tags, the
+/// kind of quotes, and <a></a> for <a/>.
+std::string to_text(const SvgDocument& document);
+
+/// The viewBox of the root; without one its width and height; without these 300 x 150, as in CSS.
+SvgResult<ViewBox> view_box(const SvgDocument& document);
+
+namespace detail {
+
+/// A shape as the walk finds it. What is no shape (text, an image) but is asked for has the outline of its box
+/// for a path.
+struct DrawnShape {
+    pugi::xml_node node;
+    Affine2 to_root;
+    Affine2 from_root;
+    Path path;                  // in root user space
+    std::string fill = "black"; // as CSS has them here, inherited
+    std::string stroke = "none";
+    double stroke_width = 1; // in its own user space
+    double miter_limit = 4;
+    bool has_miters = true;       // stroke-linejoin
+    bool has_square_caps = false; // stroke-linecap
+    bool even_odd = false;        // fill-rule
+    bool is_visible = true;       // visibility
+    bool is_transparent = false;  // itself or what it stands in
+    bool marks_ends = false;      // has markers at its start or end
+    bool marks_vertices = false;  // has markers between
+    int level = 0;                // of clip paths and masks that it stands in; 0 is the picture itself
+    bool clips = false;           // stands in a clip path
+    bool is_box = false;          // text or an image
+    bool is_extent = false; // about where letters stand on a path: says how far they reach, is not written
+};
+
+/// What is drawn, in document order. The document is changed on the way, without changing what it shows: every `use`
+/// becomes a group with a copy, and clip paths and masks needed under several transforms are copied.
+SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings);
+
+/// See the head of this file.
+void adapt_style_sheets(SvgDocument& document, std::vector<std::string>& warnings);
+
+/// Makes the element a <path> of this data; `d` takes the place of the first attribute it replaces.
+void write_shape(pugi::xml_node node, const std::string& data);
+
+} // namespace detail
+
+/// All drawn shapes in document order, uses expanded, without what is in clip paths and masks.
+SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document);
+
+/// A cage: the loops of the first shape that is made of closed polygons only, in root user space.
+///
+///   returns   the loops in the order and orientation drawn, all their corners, the first not repeated at the
+///             end: a pose has to match its cage corner by corner, so nothing is merged or sorted
+///   counts    a polygon, a closed path of lines, a rect without round corners, a polyline that returns
+///   fails     where no shape is one; the message says what the first shape is instead
+SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document);
+
+/// A figure's vertices: the end points of all segments in root user space, in document order. The point
+/// where a subpath returns to its start is not repeated: a polygon of 30 corners gives 30.
+SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
+
+/// Deforms every shape of the document, see the head of this file.
+///
+///   document   changed only on success
+///   deformer   called with all points of the document at once, then with those of the pieces that
+///              have to be halved, at most 1 + max_halvings times
+///   accuracy   every sample of a deformed curve is within the tolerance of the path written, before the
+///              rounding to `decimals`; features narrower than a 64th of the viewBox's diagonal may be missed
+///   fails      on malformed attributes of a drawn shape, cyclic uses, points out of range, or when the
+///              deformer returns false
+SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
+                               const DeformOptions& options = {});
+
+/// A document whose attributes change from frame to frame. It shows the first.
+struct AnimatedSvg {
+    /// An attribute in every frame: as text, or as a transform.
+    struct Track {
+        pugi::xml_node node;
+        std::string attribute;
+        std::vector<std::string> texts;
+        std::vector<Affine2> maps;
+    };
+
+    SvgDocument document;
+    std::vector<Track> tracks;
+    DeformReport report;
+
+    /// Writes the attributes of a frame.
+    void show(std::size_t frame);
+
+    /// Adds the animations that play all frames, equally far apart, again and again: the first comes after the last.
+    void play(double seconds);
+
+    /// Adds one animation, without end, to an element.
+    ///   type     of a transform: translate, or rotate, skewX or scale, which then follow those before; else empty
+    ///   values   with semicolons between them
+    static void append_animation(pugi::xml_node node, const std::string& attribute, const std::string& type,
+                                 double seconds, const std::string& values);
+};
+
+/// As deform(), in several frames. The pieces of a path are the same in all; the picture fits all frames.
+///
+///   frames   at least one
+SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
+                               const DeformOptions& options = {});
+
+} // namespace cageform_examples

@@ -1,0 +1,377 @@
+#include "svg/paint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace cageform_examples {
+
+namespace detail {
+
+namespace {
+
+bool is_gradient(const std::string& kind) {
+    return kind == "linearGradient" || kind == "radialGradient";
+}
+
+Affine2 from_unit_square(const Box& box) {
+    return {box.width(), 0, 0, box.height(), box.x0, box.y0};
+}
+
+/// The name of the attribute that refers to another element, declared where it has a prefix.
+std::string reference_name(pugi::xml_node root) {
+    const char* const space = "http://www.w3.org/1999/xlink";
+    if (!root.attribute("xmlns:xlink")) set_attribute(root, "xmlns:xlink", space);
+    return attribute_text(root, "xmlns:xlink") == space ? "xlink:href" : "href";
+}
+
+/// For a key: transforms in all frames.
+std::string written(const std::vector<Affine2>& transforms) {
+    std::string text;
+    for (const Affine2& transform : transforms) text += ' ' + write_transform(transform);
+    return text;
+}
+
+double fraction_or_number(const std::string& text, double otherwise) {
+    const auto value = parse_length(text, 1);
+    return value ? *value : otherwise;
+}
+
+} // namespace
+
+std::string PaintFollower::chain_text(const Server& server, const char* name) const {
+    for (const pugi::xml_node node : server.chain) {
+        if (node.attribute(name)) return attribute_text(node, name);
+    }
+    return {};
+}
+
+void PaintFollower::follow(const DrawnShape& shape, const std::vector<Affine2>& best, const Box& rest,
+                           const std::vector<Box>& moved) {
+    std::vector<Affine2> local;
+    local.reserve(best.size());
+    for (const Affine2& map : best) local.push_back(compose(compose(shape.from_root, map), shape.to_root));
+    follow(shape, "fill", shape.fill, local, rest, moved);
+    follow(shape, "stroke", shape.stroke, local, rest, moved);
+}
+
+std::optional<PaintServer> PaintFollower::find(const std::string& value) {
+    const std::string id = referenced_id(value);
+    Server server;
+    for (pugi::xml_node node = id.empty() ? pugi::xml_node() : ids_.find(id); node;) {
+        const std::string kind = local_name(node);
+        if (server.chain.empty()) server.is_pattern = kind == "pattern";
+        if (server.is_pattern ? kind != "pattern" : !is_gradient(kind)) break;
+        if (std::find(server.chain.begin(), server.chain.end(), node) != server.chain.end()) break;
+        if (server.chain.size() > 30) break;
+        server.chain.push_back(node);
+        const std::string next = reference_of(node);
+        node = next.starts_with('#') ? ids_.find(next.substr(1)) : pugi::xml_node();
+    }
+    if (server.chain.empty()) return std::nullopt;
+    const char* const name = server.is_pattern ? "patternTransform" : "gradientTransform";
+    const auto transform = parse_transform(chain_text(server, name));
+    if (!transform) {
+        warnings.push_back(label(document_, server.chain.front()) + ": " + name + ": " +
+                           transform.error().message);
+        return std::nullopt;
+    }
+    server.transform = *transform;
+    server.of_box =
+        chain_text(server, server.is_pattern ? "patternUnits" : "gradientUnits") != "userSpaceOnUse";
+    return server;
+}
+
+void PaintFollower::follow(const DrawnShape& shape, const char* property, const std::string& value,
+                           const std::vector<Affine2>& local, const Box& rest,
+                           const std::vector<Box>& moved) {
+    const auto server = find(value);
+    if (!server) return;
+    if (rest.empty() || moved.front().empty()) return;
+
+    // Where the paint goes by itself: nowhere, or with the box.
+    const auto from_rest = inverse(from_unit_square(rest));
+    if (server->of_box && !from_rest) return;
+    double missed = 0;
+    for (std::size_t f = 0; f < local.size(); ++f) {
+        const Affine2 by_itself =
+            server->of_box ? compose(from_unit_square(moved[f]), *from_rest) : Affine2();
+        for (const Point2& p : rest.corners()) {
+            const Point2 a = apply(shape.to_root, apply(local[f], p));
+            const Point2 b = apply(shape.to_root, apply(by_itself, p));
+            missed = std::max(missed, std::hypot(a.x - b.x, a.y - b.y));
+        }
+    }
+    if (!(missed > tolerance_)) return;
+
+    std::vector<Affine2> transforms;
+    for (std::size_t f = 0; f < local.size(); ++f) {
+        Affine2 map = local[f];
+        if (!server->is_pattern && server->of_box) {
+            const auto from_moved = inverse(from_unit_square(moved[f])); // nothing without an area
+            if (!from_moved && transforms.empty()) return;
+            if (!from_moved) {
+                transforms.push_back(transforms.back());
+                continue;
+            }
+            map = compose(*from_moved, compose(map, from_unit_square(rest)));
+        }
+        transforms.push_back(compose(map, server->transform));
+    }
+    const std::string fresh = server->is_pattern ? copy_of_pattern(*server, std::move(transforms), rest)
+                                                 : copy_of_gradient(*server, std::move(transforms));
+    if (!fresh.empty()) styles_.set(shape.node, property, with_referenced_id(value, fresh));
+}
+
+pugi::xml_node PaintFollower::add_copy(pugi::xml_node original) {
+    const std::string id = attribute_text(original, "id");
+    pugi::xml_node copy = original.parent().insert_child_after(original.name(), original);
+    ids_.name(copy, id);
+    set_attribute(copy, reference_name(root_element(document_.xml)).c_str(), '#' + escaped(id));
+    return copy;
+}
+
+std::string PaintFollower::copy_of_gradient(const Server& gradient, std::vector<Affine2> transforms) {
+    pugi::xml_node original = gradient.chain.front();
+    std::string& copy_id = copies_[attribute_text(original, "id") + written(transforms)];
+    if (!copy_id.empty()) return copy_id;
+    const pugi::xml_node copy = add_copy(original);
+    copy_id = attribute_text(copy, "id");
+    tracks_.push_back({copy, "gradientTransform", {}, std::move(transforms)});
+    return copy_id;
+}
+
+/// A pattern's tile in units of the box is written in user space, where the transform applies.
+std::string PaintFollower::copy_of_pattern(const Server& pattern, std::vector<Affine2> transforms,
+                                           const Box& rest) {
+    pugi::xml_node original = pattern.chain.front();
+    const std::string id = attribute_text(original, "id");
+    std::string key = id + written(transforms);
+    if (pattern.of_box) key += ' ' + write_transform(from_unit_square(rest));
+    std::string& copy_id = copies_[key];
+    if (!copy_id.empty()) return copy_id;
+    pugi::xml_node copy = add_copy(original); // which has no content of its own, and so the original's
+    copy_id = attribute_text(copy, "id");
+    for (const pugi::xml_attribute attribute : original.attributes()) {
+        if (!is_reference(attribute.name()) && !copy.attribute(attribute.name())) copy.append_copy(attribute);
+    }
+    tracks_.push_back({copy, "patternTransform", {}, std::move(transforms)});
+
+    const auto number = [&](const char* name) { return fraction_or_number(chain_text(pattern, name), 0); };
+    const double width = number("width");
+    const double height = number("height");
+    const std::string view = chain_text(pattern, "viewBox");
+    const bool content_of_box =
+        view.empty() && chain_text(pattern, "patternContentUnits") == "objectBoundingBox";
+    double across = 1; // user units of the tile
+    double down = 1;
+    if (pattern.of_box) {
+        across = rest.width();
+        down = rest.height();
+        set_attribute(copy, "x", format_number(rest.x0 + across * number("x"), 12));
+        set_attribute(copy, "y", format_number(rest.y0 + down * number("y"), 12));
+        set_attribute(copy, "width", format_number(across * width, 12));
+        set_attribute(copy, "height", format_number(down * height, 12));
+        set_attribute(copy, "patternUnits", "userSpaceOnUse");
+    }
+    if (content_of_box) { // a viewBox scales it as the box would
+        const double w = pattern.of_box ? width : width / rest.width();
+        const double h = pattern.of_box ? height : height / rest.height();
+        set_attribute(copy, "viewBox", "0 0 " + format_number(w, 15) + ' ' + format_number(h, 15));
+        set_attribute(copy, "preserveAspectRatio", "none");
+        set_attribute(copy, "patternContentUnits", "userSpaceOnUse");
+    }
+    return copy_id;
+}
+
+namespace {
+
+/// A region as its element gives it: in user units, or as fractions of the box.
+struct Region {
+    pugi::xml_node node;
+    bool of_box = true;
+    Box written; // at first
+    Box wanted;  // by all that refer to it
+    bool changed = false;
+};
+
+using Regions = std::map<std::size_t, Region>; // by the hash of their element
+
+/// What refers to a mask or a filter, in its own user space.
+struct Subject {
+    const Reference& reference;
+    const Box& before;
+    const std::vector<Box>& after;            // in every frame
+    std::vector<std::optional<Affine2>> maps; // the best for its shapes
+};
+
+Box in_user_units(const Region& region, const Box& box) {
+    const Box& r = region.written;
+    if (!region.of_box) return r;
+    return {box.x0 + r.x0 * box.width(), box.y0 + r.y0 * box.height(), box.x0 + r.x1 * box.width(),
+            box.y0 + r.y1 * box.height()};
+}
+
+Box in_units_of(const Region& region, const Box& r, const Box& box) {
+    if (!region.of_box) return r;
+    return {(r.x0 - box.x0) / box.width(), (r.y0 - box.y0) / box.height(), (r.x1 - box.x0) / box.width(),
+            (r.y1 - box.y0) / box.height()};
+}
+
+/// A region whose attributes, where they are missing, have the values of `otherwise`.
+Region read_region(pugi::xml_node node, bool of_box, const Viewport& viewport, const Box& otherwise) {
+    Region region;
+    region.node = node;
+    region.of_box = of_box;
+    const auto value = [&](const char* name, double whole, double missing) {
+        const auto read = parse_length(attribute_text(node, name), of_box ? 1 : whole);
+        return read ? *read : missing;
+    };
+    const double x = value("x", viewport.width, otherwise.x0);
+    const double y = value("y", viewport.height, otherwise.y0);
+    region.written = {x, y, x + value("width", viewport.width, otherwise.width()),
+                      y + value("height", viewport.height, otherwise.height())};
+    region.wanted = region.written;
+    return region;
+}
+
+Region region_of(pugi::xml_node node, const Viewport& viewport) {
+    const char* const units = local_name(node) == "mask" ? "maskUnits" : "filterUnits";
+    const bool of_box = attribute_text(node, units) != "userSpaceOnUse";
+    const double w = of_box ? 1 : viewport.width, h = of_box ? 1 : viewport.height;
+    return read_region(node, of_box, viewport, {-0.1 * w, -0.1 * h, 1.1 * w, 1.1 * h});
+}
+
+/// Makes a region large enough for a subject: as far beyond the box as it was. Where it cuts the box, the cut goes where
+/// the best map takes it.
+void grow(const SvgDocument& document, Region& region, const Subject& subject,
+          std::vector<std::string>& warnings) {
+    const Box& before = subject.before;
+    const Box old = in_user_units(region, before);
+    const double rounding = 1e-6 * (before.width() + before.height());
+    const bool cuts = !old.grown(rounding).contains(before);
+    const double small = 1e-3 * (region.written.width() + region.written.height());
+    bool warned = false;
+    for (std::size_t f = 0; f < subject.after.size(); ++f) {
+        const Box& after = subject.after[f];
+        Box now{after.x0 - std::max(0.0, before.x0 - old.x0), after.y0 - std::max(0.0, before.y0 - old.y0),
+                after.x1 + std::max(0.0, old.x1 - before.x1), after.y1 + std::max(0.0, old.y1 - before.y1)};
+        if (cuts) {
+            if (!subject.maps[f]) continue;
+            now = {};
+            for (const Point2& p : old.corners()) now.add(apply(*subject.maps[f], p));
+            if (!warned)
+                warnings.push_back(label(document, region.node) +
+                                   ": cuts off what it is about at a rectangle, which stays one");
+            warned = true;
+            region.wanted = region.changed ? region.wanted : Box();
+            region.changed = true;
+        }
+        const Box wanted = in_units_of(region, now, after);
+        if (!region.wanted.empty() && region.wanted.grown(small).contains(wanted)) continue;
+        region.wanted.add(wanted);
+        region.changed = true;
+    }
+}
+
+void write(const Region& region) {
+    const Box& box = region.wanted;
+    if (!region.changed || box.empty() || !std::isfinite(box.width() + box.height())) return;
+    pugi::xml_node node = region.node;
+    set_attribute(node, "x", format_number(box.x0, 6));
+    set_attribute(node, "y", format_number(box.y0, 6));
+    set_attribute(node, "width", format_number(box.width(), 6));
+    set_attribute(node, "height", format_number(box.height(), 6));
+}
+
+/// A light in user space goes where the map takes its place in the plane, and what it points at.
+///   maps   of every frame; where there is none, the light stays where it was in the frame before
+void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>& maps,
+                std::vector<AnimatedSvg::Track>& tracks) {
+    for (const auto& [x, y] : {std::pair("x", "y"), std::pair("pointsAtX", "pointsAtY")}) {
+        if (!light.attribute(x) && !light.attribute(y)) continue;
+        const auto to_number = [&](const char* name) {
+            const auto number = parse_length(attribute_text(light, name), 0);
+            return number ? *number : 0;
+        };
+        const Point2 rest{to_number(x), to_number(y)};
+        Point2 moved = rest;
+        AnimatedSvg::Track along{light, x, {}, {}}, down{light, y, {}, {}};
+        for (const auto& map : maps) {
+            const Point2 there = map ? apply(*map, rest) : moved;
+            if (std::isfinite(there.x + there.y)) moved = there;
+            along.texts.push_back(format_number(moved.x, 6));
+            down.texts.push_back(format_number(moved.y, 6));
+        }
+        tracks.push_back(std::move(along));
+        tracks.push_back(std::move(down));
+    }
+}
+
+/// The primitives of a filter that have places in user space: their regions, and lights.
+///   whole    the filter's region in user units, at rest
+///   shared   other elements refer to the filter too
+void follow_primitives(const SvgDocument& document, const Subject& subject, const Box& whole, bool shared,
+                       Regions& regions, std::vector<AnimatedSvg::Track>& tracks,
+                       std::vector<std::string>& warnings) {
+    const pugi::xml_node filter = subject.reference.target;
+    if (attribute_text(filter, "primitiveUnits") == "objectBoundingBox") return; // they go with the box
+    for (const pugi::xml_node primitive : filter.children()) {
+        if (!local_name(primitive).starts_with("fe")) continue;
+        const auto has = [&](const char* name) { return static_cast<bool>(primitive.attribute(name)); };
+        if (has("x") || has("y") || has("width") || has("height")) {
+            const Region rest = read_region(primitive, false, subject.reference.viewport, whole);
+            grow(document, regions.try_emplace(primitive.hash_value(), rest).first->second, subject,
+                 warnings);
+        }
+        for (const pugi::xml_node light : primitive.children()) {
+            const std::string kind = local_name(light);
+            if (kind != "fePointLight" && kind != "feSpotLight") continue;
+            if (shared || !subject.maps.front()) {
+                warnings.push_back(label(document, light) + ": stays where it is");
+            } else {
+                move_light(light, subject.maps, tracks);
+            }
+        }
+    }
+}
+
+} // namespace
+
+void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& moved,
+                    std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings) {
+    std::map<std::size_t, int> users; // by the hash of what they refer to
+    for (const Reference& r : rest.references) ++users[r.target.hash_value()];
+    Regions regions;
+    for (std::size_t i = 0; i < rest.references.size(); ++i) {
+        const Reference& r = rest.references[i];
+        const std::string kind = local_name(r.target);
+        if (kind == "clipPath") continue;
+        Subject subject{r, moved[i].before, moved[i].after, {}};
+        const Box& before = subject.before;
+        const auto all = [&](const auto& holds) {
+            return holds(before) && std::all_of(subject.after.begin(), subject.after.end(), holds);
+        };
+        if (!all([](const Box& box) { return !box.empty(); }) || !moved[i].moved) continue;
+        for (const auto& best : moved[i].maps) {
+            subject.maps.push_back(best ? std::optional(compose(compose(r.from_root, *best), r.to_root))
+                                        : std::nullopt);
+        }
+        Region& region =
+            regions.try_emplace(r.target.hash_value(), region_of(r.target, r.viewport)).first->second;
+        const bool has_area = all([](const Box& box) { return box.width() > 0 && box.height() > 0; });
+        if (region.of_box && !has_area) continue;
+        const Box whole = in_user_units(region, before);
+        grow(document, region, subject, warnings);
+        if (kind == "filter") {
+            follow_primitives(document, subject, whole, users[r.target.hash_value()] > 1, regions, tracks,
+                              warnings);
+        }
+    }
+    for (const auto& [hash, region] : regions) write(region);
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

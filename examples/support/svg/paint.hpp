@@ -1,0 +1,86 @@
+#pragma once
+
+// What a deformed shape takes from elsewhere: gradients, patterns, and the regions of masks and filters.
+
+#include "svg/motion.hpp"
+#include "svg/walk.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+/// A gradient or pattern, and those it takes attributes from.
+struct PaintServer {
+    std::vector<pugi::xml_node> chain; // itself first
+    bool is_pattern = false;
+    bool of_box = true; // its place is in units of the shape's box
+    Affine2 transform;  // its own
+};
+
+/// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the best
+/// affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its own. A copy
+/// refers to the original, so stops and tiles are not repeated.
+class PaintFollower {
+public:
+    using Tracks = std::vector<AnimatedSvg::Track>;
+
+    ///   tracks   gets the transforms of the copies in all frames
+    PaintFollower(SvgDocument& document, const StyleSheets& styles, IdTable& ids, double tolerance,
+                  Tracks& tracks)
+        : document_(document)
+        , styles_(styles)
+        , ids_(ids)
+        , tolerance_(tolerance)
+        , tracks_(tracks) {}
+
+    /// The shape's fill and stroke.
+    ///   best    its best map in every frame
+    ///   rest    the shape's box in its own user space
+    ///   moved   that box in every frame
+    void follow(const DrawnShape& shape, const std::vector<Affine2>& best, const Box& rest,
+                const std::vector<Box>& moved);
+
+    std::vector<std::string> warnings;
+
+private:
+    using Server = PaintServer;
+
+    std::optional<PaintServer> find(const std::string& value);
+    void follow(const DrawnShape& shape, const char* property, const std::string& value,
+                const std::vector<Affine2>& local, const Box& rest, const std::vector<Box>& moved);
+    std::string copy_of_pattern(const Server& pattern, std::vector<Affine2> transforms, const Box& rest);
+    pugi::xml_node add_copy(pugi::xml_node original);
+    std::string copy_of_gradient(const Server& gradient, std::vector<Affine2> transforms);
+    std::string chain_text(const Server& server, const char* name) const;
+
+    SvgDocument& document_;
+    const StyleSheets& styles_;
+    IdTable& ids_;
+    double tolerance_; // in root user space
+    Tracks& tracks_;
+    std::map<std::string, std::string> copies_; // by what they are of, and how they were moved
+};
+
+/// The box that a mask or filter of a drawing lies about, in the user space of the element that refers to it.
+struct MovedRegion {
+    Box before;
+    std::vector<Box> after;                   // in every frame
+    std::vector<std::optional<Affine2>> maps; // the best for its shapes, in root user space
+    bool moved = false;
+};
+
+/// Makes the regions of masks and filters large enough for what they are about in all frames; so the regions of
+/// primitives in user space. Lights of a filter go where the best map of its only user takes them.
+///   regions   of the drawing's references
+void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
+                    std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings);
+
+} // namespace detail
+
+} // namespace cageform_examples

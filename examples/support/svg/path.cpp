@@ -1,0 +1,436 @@
+#include "svg/path.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <numbers>
+
+namespace cageform_examples {
+
+std::string to_string(const SvgError& error) {
+    if (error.line == 0) return error.message;
+    std::string where = " (line " + std::to_string(error.line);
+    if (error.column != 0) where += ", column " + std::to_string(error.column);
+    return error.message + where + ")";
+}
+
+SvgError error_in_text(std::string why, std::string_view text, std::size_t position) {
+    const std::string_view before = text.substr(0, position);
+    const std::size_t line_start = before.rfind('\n') + 1; // npos + 1 is zero
+    const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
+    return {std::move(why), line, before.size() - line_start + 1};
+}
+
+std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance) {
+    if (s.is_line) return 1;
+    // A cubic is no farther from its chord than 3/4 of its larger second difference.
+    const double bend = std::max(std::hypot(from.x - 2 * s.p1.x + s.p2.x, from.y - 2 * s.p1.y + s.p2.y),
+                                 std::hypot(s.p1.x - 2 * s.p2.x + s.p3.x, s.p1.y - 2 * s.p2.y + s.p3.y));
+    return std::size_t(std::clamp(std::ceil(std::sqrt(0.75 * bend / tolerance)), 1.0, 1000.0));
+}
+
+std::optional<Affine2> inverse(const Affine2& m) {
+    const double determinant = m.a * m.d - m.b * m.c;
+    const double terms = std::abs(m.a * m.d) + std::abs(m.b * m.c);
+    if (!(std::abs(determinant) > 1e-14 * terms)) return std::nullopt; // all digits cancelled
+    Affine2 r{m.d / determinant, -m.b / determinant, -m.c / determinant, m.a / determinant, 0, 0};
+    const Point2 origin = apply(r, {-m.e, -m.f});
+    r.e = origin.x;
+    r.f = origin.y;
+    const bool in_range = std::isfinite(r.a + r.b + r.c + r.d) && is_finite(origin);
+    return in_range ? std::optional<Affine2>(r) : std::nullopt;
+}
+
+Path transformed(Path path, const Affine2& map) {
+    for (Subpath& subpath : path) {
+        subpath.start = apply(map, subpath.start);
+        for (Segment& s : subpath.segments) {
+            s = {apply(map, s.p1), apply(map, s.p2), apply(map, s.p3), s.is_line};
+        }
+    }
+    return path;
+}
+
+namespace detail {
+
+/// Reads tokens from left to right and remembers the first failure with its place.
+class Scanner {
+public:
+    explicit Scanner(std::string_view text)
+        : text_(text) {}
+
+    bool at_end() const { return at_ >= text_.size(); }
+    char peek(std::size_t ahead = 0) const { return at_ + ahead < text_.size() ? text_[at_ + ahead] : '\0'; }
+    void advance() { ++at_; }
+    std::size_t position() const { return at_; }
+    std::string_view rest() const { return text_.substr(at_); }
+
+    void skip_space() {
+        while (!at_end() && is_space(text_[at_])) ++at_;
+    }
+
+    void skip_separator() { // white space with at most one comma in it
+        skip_space();
+        if (peek() == ',') advance();
+        skip_space();
+    }
+
+    bool starts_number() const {
+        const std::size_t sign = peek() == '+' || peek() == '-' ? 1 : 0;
+        return is_digit(peek(sign)) || (peek(sign) == '.' && is_digit(peek(sign + 1)));
+    }
+
+    bool number(double& value) {
+        if (!starts_number()) return fail("expected a number");
+        const bool negative = peek() == '-';
+        const std::size_t begin = at_ + (negative || peek() == '+' ? 1 : 0);
+        const char* const first = text_.data() + begin;
+        const auto [end, code] = std::from_chars(first, text_.data() + text_.size(), value);
+        if (code == std::errc::result_out_of_range) {
+            // from_chars does not tell too large from too small; the latter is as good as zero
+            if (!below_one({first, static_cast<std::size_t>(end - first)})) {
+                return fail("number out of range");
+            }
+            value = 0;
+        } else if (code != std::errc()) {
+            return fail("expected a number");
+        }
+        at_ = static_cast<std::size_t>(end - text_.data());
+        if (negative) value = -value;
+        return true;
+    }
+
+    bool flag(bool& value) {
+        if (peek() != '0' && peek() != '1') return fail("expected a flag, 0 or 1");
+        value = peek() == '1';
+        advance();
+        return true;
+    }
+
+    std::string_view word() {
+        const std::size_t begin = at_;
+        while (is_letter(peek())) advance();
+        return text_.substr(begin, at_ - begin);
+    }
+
+    bool fail(std::string why) { return fail_at(at_, std::move(why)); }
+
+    bool fail_at(std::size_t position, std::string why) {
+        if (failed_) return false;
+        failed_ = true;
+        error_ = error_in_text(std::move(why), text_, position);
+        return false;
+    }
+
+    const SvgError& error() const { return error_; }
+
+private:
+    static bool below_one(std::string_view digits) {
+        const std::size_t exponent = digits.find_first_of("eE");
+        if (exponent != std::string_view::npos) return digits[exponent + 1] == '-';
+        return digits.substr(0, digits.find('.')).find_first_not_of('0') == std::string_view::npos;
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+    SvgError error_;
+    bool failed_ = false;
+};
+
+/// The `d` attribute, one command at a time.
+class PathReader {
+public:
+    explicit PathReader(std::string_view text)
+        : scan_(text) {}
+
+    SvgResult<Path> read() {
+        for (scan_.skip_space(); !scan_.at_end(); scan_.skip_space()) {
+            if (!read_command()) return scan_.error();
+        }
+        return builder_.take();
+    }
+
+private:
+    bool read_command() {
+        const char letter = scan_.peek();
+        if (std::string_view("MmLlHhVvCcSsQqTtAaZz").find(letter) == std::string_view::npos) {
+            return scan_.fail("expected a command letter");
+        }
+        if (!started_ && letter != 'M' && letter != 'm') return scan_.fail("a path begins with M");
+        const std::size_t begin = scan_.position();
+        scan_.advance();
+        relative_ = letter >= 'a';
+        command_ = relative_ ? static_cast<char>(letter - 'a' + 'A') : letter;
+        if (command_ == 'Z') {
+            builder_.close();
+            forget_controls();
+            return true;
+        }
+        scan_.skip_space();
+        for (std::size_t at = begin;;) {
+            if (!read_arguments()) return false;
+            if (!builder_.finite()) return scan_.fail_at(at, "coordinates out of range");
+            if (command_ == 'M') command_ = 'L'; // further pairs are lines
+            scan_.skip_space();
+            if (scan_.peek() != ',' && !scan_.starts_number()) return true;
+            scan_.skip_separator();
+            at = scan_.position();
+        }
+    }
+
+    bool read_arguments() {
+        const Point2 from = builder_.current();
+        Point2 p;
+        Point2 q;
+        Point2 end;
+        switch (command_) {
+        case 'M':
+            if (!point(end)) return false;
+            started_ = true;
+            builder_.move_to(end);
+            break;
+        case 'L':
+            if (!point(end)) return false;
+            builder_.line_to(end);
+            break;
+        case 'H':
+            if (!scan_.number(p.x)) return false;
+            builder_.line_to({relative_ ? from.x + p.x : p.x, from.y});
+            break;
+        case 'V':
+            if (!scan_.number(p.y)) return false;
+            builder_.line_to({from.x, relative_ ? from.y + p.y : p.y});
+            break;
+        case 'C':
+            if (!point(p) || !next_point(q) || !next_point(end)) return false;
+            return cubic(p, q, end);
+        case 'S':
+            if (!point(q) || !next_point(end)) return false;
+            return cubic(reflected(cubic_control_), q, end);
+        case 'Q':
+            if (!point(p) || !next_point(end)) return false;
+            return quadratic(p, end);
+        case 'T':
+            if (!point(end)) return false;
+            return quadratic(reflected(quadratic_control_), end);
+        default: return arc();
+        }
+        forget_controls();
+        return true;
+    }
+
+    bool cubic(const Point2& p, const Point2& q, const Point2& end) {
+        builder_.cubic_to(p, q, end);
+        forget_controls();
+        cubic_control_ = q;
+        return true;
+    }
+
+    bool quadratic(const Point2& control, const Point2& end) {
+        builder_.quadratic_to(control, end);
+        forget_controls();
+        quadratic_control_ = control;
+        return true;
+    }
+
+    bool arc() {
+        double rx = 0;
+        double ry = 0;
+        double degrees = 0;
+        bool large = false;
+        bool sweep = false;
+        Point2 end;
+        if (!scan_.number(rx) || !next_number(ry) || !next_number(degrees)) return false;
+        scan_.skip_separator();
+        if (!scan_.flag(large)) return false;
+        scan_.skip_separator();
+        if (!scan_.flag(sweep) || !next_point(end)) return false;
+        builder_.arc_to(rx, ry, degrees, large, sweep, end);
+        forget_controls();
+        return true;
+    }
+
+    bool next_number(double& value) {
+        scan_.skip_separator();
+        return scan_.number(value);
+    }
+
+    bool point(Point2& p) {
+        if (!scan_.number(p.x) || !next_number(p.y)) return false;
+        const Point2 from = builder_.current();
+        if (relative_) p = {from.x + p.x, from.y + p.y};
+        return true;
+    }
+
+    bool next_point(Point2& p) {
+        scan_.skip_separator();
+        return point(p);
+    }
+
+    Point2 reflected(const std::optional<Point2>& control) const {
+        const Point2 at = builder_.current();
+        return control ? Point2{2 * at.x - control->x, 2 * at.y - control->y} : at;
+    }
+
+    void forget_controls() {
+        cubic_control_.reset();
+        quadratic_control_.reset();
+    }
+
+    Scanner scan_;
+    PathBuilder builder_;
+    std::optional<Point2> cubic_control_;     // of the command just before, if that was C or S
+    std::optional<Point2> quadratic_control_; // likewise for Q and T
+    char command_ = 'M';
+    bool relative_ = false;
+    bool started_ = false;
+};
+
+} // namespace detail
+
+SvgResult<Path> parse_path_data(std::string_view text) {
+    return detail::PathReader(text).read();
+}
+
+SvgResult<std::vector<double>> parse_numbers(std::string_view text) {
+    detail::Scanner scan(text);
+    std::vector<double> numbers;
+    for (scan.skip_space(); !scan.at_end(); scan.skip_space()) {
+        if (!numbers.empty()) scan.skip_separator();
+        double value = 0;
+        if (!scan.number(value)) return scan.error();
+        numbers.push_back(value);
+    }
+    return numbers;
+}
+
+SvgResult<Affine2> parse_transform(std::string_view text) {
+    detail::Scanner scan(text);
+    Affine2 result;
+    bool comma = false;
+    for (scan.skip_space(); !scan.at_end() || comma; scan.skip_space()) {
+        const std::size_t begin = scan.position();
+        const std::string_view name = scan.word();
+        scan.skip_space();
+        if (name.empty() || scan.peek() != '(') {
+            scan.fail_at(begin, "expected a transform such as translate(1 2)");
+            return scan.error();
+        }
+        scan.advance();
+        std::vector<double> v;
+        for (scan.skip_space(); scan.peek() != ')'; scan.skip_space()) {
+            if (!v.empty()) scan.skip_separator();
+            double value = 0;
+            if (!scan.number(value)) return scan.error();
+            v.push_back(value);
+        }
+        scan.advance();
+
+        const std::size_t n = v.size();
+        const double angle = n > 0 ? std::fmod(v[0], 360.0) * std::numbers::pi / 180 : 0;
+        Affine2 step;
+        if (name == "matrix" && n == 6) {
+            step = {v[0], v[1], v[2], v[3], v[4], v[5]};
+        } else if (name == "translate" && (n == 1 || n == 2)) {
+            step = {1, 0, 0, 1, v[0], n == 2 ? v[1] : 0};
+        } else if (name == "scale" && (n == 1 || n == 2)) {
+            step = {v[0], 0, 0, n == 2 ? v[1] : v[0], 0, 0};
+        } else if (name == "rotate" && (n == 1 || n == 3)) {
+            step = {std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle), 0, 0};
+            if (n == 3) step = compose(compose({1, 0, 0, 1, v[1], v[2]}, step), {1, 0, 0, 1, -v[1], -v[2]});
+        } else if (name == "skewX" && n == 1) {
+            step.c = std::tan(angle);
+        } else if (name == "skewY" && n == 1) {
+            step.b = std::tan(angle);
+        } else {
+            scan.fail_at(begin,
+                         "no transform " + std::string(name) + " with " + std::to_string(n) + " numbers");
+            return scan.error();
+        }
+        result = compose(result, step);
+        scan.skip_space();
+        comma = scan.peek() == ',';
+        if (comma) scan.advance();
+    }
+    const bool in_range = std::isfinite(result.a + result.b + result.c + result.d + result.e + result.f);
+    if (!in_range) return SvgError{"transform out of range", 1, 1};
+    return result;
+}
+
+SvgResult<double> parse_length(std::string_view text, double whole) {
+    struct Unit {
+        std::string_view name;
+        double size;
+    };
+    const std::array<Unit, 10> units = {{{"", 1},
+                                         {"px", 1},
+                                         {"pt", 96.0 / 72},
+                                         {"pc", 16},
+                                         {"mm", 96 / 25.4},
+                                         {"cm", 96 / 2.54},
+                                         {"in", 96},
+                                         {"em", 16},
+                                         {"ex", 8},
+                                         {"%", whole / 100}}};
+    detail::Scanner scan(text);
+    double value = 0;
+    scan.skip_space();
+    if (!scan.number(value)) return scan.error();
+    std::string_view unit = scan.rest();
+    while (!unit.empty() && detail::is_space(unit.back())) unit.remove_suffix(1);
+    for (const Unit& known : units) {
+        if (unit != known.name) continue;
+        if (std::isfinite(value * known.size)) return value * known.size;
+        scan.fail_at(0, "length out of range");
+        return scan.error();
+    }
+    scan.fail("unknown unit \"" + std::string(unit) + "\"");
+    return scan.error();
+}
+
+std::string format_number(double value, int decimals) {
+    std::array<char, 400> buffer{}; // 309 digits before the point, 17 after, sign and point
+    char* const begin = buffer.data();
+    char* const last = begin + buffer.size();
+    if (!(std::abs(value) < 1e15)) return {begin, std::to_chars(begin, last, value).ptr};
+    const auto rounded =
+        std::to_chars(begin, last, value, std::chars_format::fixed, std::clamp(decimals, 0, 17));
+    std::string text(begin, rounded.ptr);
+    if (text.find('.') != std::string::npos) {
+        text.erase(text.find_last_not_of('0') + 1);
+        if (text.back() == '.') text.pop_back();
+    }
+    if (text == "-0") return "0";
+    const auto exact = std::to_chars(begin, last, value);
+    const auto exact_size = static_cast<std::size_t>(exact.ptr - begin);
+    return exact_size < text.size() ? std::string(begin, exact_size) : text;
+}
+
+std::string write_path_data(const Path& path, int decimals) {
+    std::string text;
+    const auto put = [&](const Point2& p) {
+        text += format_number(p.x, decimals) + ' ' + format_number(p.y, decimals) + ' ';
+    };
+    for (const Subpath& subpath : path) {
+        text += 'M';
+        put(subpath.start);
+        Point2 from = subpath.start;
+        for (std::size_t i = 0; i < subpath.segments.size(); ++i) {
+            const Segment& s = subpath.segments[i];
+            const bool closing = subpath.closed && s.is_line && i + 1 == subpath.segments.size();
+            if (closing && !(from == subpath.start)) break;
+            from = s.p3;
+            text += s.is_line ? 'L' : 'C';
+            if (!s.is_line) {
+                put(s.p1);
+                put(s.p2);
+            }
+            put(s.p3);
+        }
+        if (subpath.closed) text += "Z ";
+    }
+    if (!text.empty()) text.pop_back();
+    return text;
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,277 @@
+// What elements refer to: used elements become copies, clip paths, masks and filters are listed.
+
+#include "svg/collector.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace cageform_examples {
+
+namespace detail {
+
+constexpr std::size_t max_svg_copies = 1'000'000; // nodes copied for `use` and shared clip paths
+
+// ---- use ----
+
+pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
+    const std::string reference = reference_of(use);
+    const pugi::xml_node target =
+        reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
+    if (!target) {
+        warn(use, "refers to nothing in this file (\"" + reference + "\") and stays as it is");
+        return {};
+    }
+    bool cyclic = std::find(active_.begin(), active_.end(), target) != active_.end();
+    for (pugi::xml_node node = use; node; node = node.parent()) cyclic = cyclic || node == target;
+    if (cyclic) {
+        fail(use, "uses itself through \"" + reference + '"');
+        return {};
+    }
+    const std::string kind = local_name(target);
+    const bool flat = local_name(use.parent()) == "clipPath";
+    const bool usable =
+        is_shape(kind) || is_fixed(kind) || (!flat && (is_group(kind) || kind == "use" || kind == "symbol"));
+    const bool has_content = std::any_of(use.begin(), use.end(), [](pugi::xml_node child) {
+        const std::string name = local_name(child);
+        return is_shape(name) || is_fixed(name) || is_group(name) || name == "use";
+    });
+    if (!usable || has_content) {
+        warn(use, "cannot be expanded and stays as it is");
+        return {};
+    }
+    if (!count_copies(target) || copies_ + expanded_size(target) > max_svg_copies) {
+        fail(use, "the uses of this file expand to too much");
+        return {};
+    }
+    return target;
+}
+
+std::size_t ShapeCollector::expanded_size(pugi::xml_node top, int depth) {
+    const auto known = expanded_sizes_.find(top.hash_value());
+    if (known != expanded_sizes_.end()) return known->second;
+    if (depth >= max_svg_depth) return 0;  // refused for that
+    expanded_sizes_[top.hash_value()] = 0; // within itself, which is refused too
+    std::size_t size = 0;
+    for (pugi::xml_node node = top; node && size <= max_svg_copies; node = next_node(node, top)) {
+        ++size;
+        const std::string reference = local_name(node) == "use" ? reference_of(node) : std::string();
+        if (!reference.starts_with('#')) continue;
+        if (const auto used = ids_.find(reference.substr(1))) size += expanded_size(used, depth + 1);
+    }
+    return expanded_sizes_[top.hash_value()] = size;
+}
+
+bool ShapeCollector::visit_use(pugi::xml_node use, const Place& parent) {
+    const pugi::xml_node target = used_element(use);
+    if (!target) return !error_;
+    const double x = length(use, "x", parent.viewport.width, 0);
+    const double y = length(use, "y", parent.viewport.height, 0);
+    std::string transform = use.attribute("transform").value();
+    if (x != 0 || y != 0) {
+        transform += transform.empty() ? "" : " ";
+        transform += "translate(" + format_number(x, 17) + ' ' + format_number(y, 17) + ')';
+    }
+    return local_name(use.parent()) == "clipPath" ? replace_use(use, target, transform, parent)
+                                                  : use_to_group(use, target, transform, parent);
+}
+
+namespace {
+
+void drop_use_attributes(pugi::xml_node use) {
+    std::vector<std::string> dropped = {"x", "y", "width", "height"};
+    for (const pugi::xml_attribute attribute : use.attributes()) {
+        if (is_reference(attribute.name())) dropped.emplace_back(attribute.name());
+    }
+    for (const std::string& name : dropped) use.remove_attribute(name.c_str());
+}
+
+} // namespace
+
+bool ShapeCollector::replace_use(pugi::xml_node use, pugi::xml_node target, std::string transform,
+                                 const Place& parent) {
+    drop_use_attributes(use);
+    pugi::xml_node copy = use.parent().insert_copy_after(target, use);
+    drop_ids(copy);
+    transform += std::string(transform.empty() ? "" : " ") + copy.attribute("transform").value();
+    for (const pugi::xml_attribute attribute : use.attributes()) {
+        if (!copy.attribute(attribute.name())) copy.append_copy(attribute);
+    }
+    if (!transform.empty()) set_attribute(copy, "transform", transform);
+    if (use.attribute("id")) ids_.move(attribute_text(use, "id"), copy);
+    use.parent().remove_child(use);
+    return visit(copy, parent);
+}
+
+bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
+                                  const Place& parent) {
+    const std::string kind = local_name(target);
+    const std::string width = use.attribute("width").value();
+    const std::string height = use.attribute("height").value();
+    drop_use_attributes(use);
+    if (!transform.empty()) set_attribute(use, "transform", transform);
+    use.set_name((name_prefix(use) + 'g').c_str());
+    pugi::xml_node copy = use.append_copy(target);
+    drop_ids(copy);
+    share_images(copy);
+    if (kind == "svg" || kind == "symbol") {
+        if (!width.empty()) set_attribute(copy, "width", width);
+        if (!height.empty()) set_attribute(copy, "height", height);
+    }
+    if (kind == "symbol") {
+        for (const char* name : {"x", "y", "refX", "refY"}) copy.remove_attribute(name);
+        copy.set_name((name_prefix(copy) + "svg").c_str());
+        symbols_.insert(copy.hash_value());
+    }
+    active_.push_back(target);
+    const bool good = visit(use, parent);
+    active_.pop_back();
+    return good;
+}
+
+void ShapeCollector::share_images(pugi::xml_node copy) {
+    constexpr std::array place{"x", "y", "width", "height", "preserveAspectRatio"};
+    std::vector<pugi::xml_node> images;
+    for (pugi::xml_node node = copy; node; node = next_node(node, copy)) {
+        if (local_name(node) == "image" && reference_of(node).size() > 1000) images.push_back(node);
+    }
+    for (pugi::xml_node image : images) {
+        std::string key;
+        for (const char* name : place) key += std::string(image.attribute(name).value()) + ' ';
+        key += reference_of(image);
+        pugi::xml_node& shared = images_[key];
+        const std::string prefix = name_prefix(image);
+        if (!shared) {
+            pugi::xml_node root = root_element(document_.xml);
+            shared = root.prepend_child((prefix + "defs").c_str()).append_child((prefix + "image").c_str());
+            ids_.name(shared, "cageform-image");
+            for (const pugi::xml_attribute attribute : image.attributes()) {
+                const std::string_view name = attribute.name();
+                const bool is_place = std::find(place.begin(), place.end(), name) != place.end();
+                if (is_place || is_reference(name)) shared.append_copy(attribute);
+            }
+        }
+        image.set_name((prefix + "use").c_str());
+        for (const char* name : place) image.remove_attribute(name);
+        set_reference(image, attribute_text(shared, "id"));
+        uses_of_images_[image.hash_value()] = shared;
+    }
+}
+
+bool ShapeCollector::count_copies(pugi::xml_node top) {
+    for (pugi::xml_node node = top; node; node = next_node(node, top)) ++copies_;
+    return copies_ <= max_svg_copies;
+}
+
+void ShapeCollector::drop_ids(pugi::xml_node top) {
+    for (pugi::xml_node node = top; node; node = next_node(node, top)) node.remove_attribute("id");
+}
+
+// ---- clip paths, masks and filters ----
+
+bool ShapeCollector::visit_references(pugi::xml_node node, const Values& values, const Place& place,
+                                      std::size_t first) {
+    if (!options_.follow_references) return true;
+    const std::size_t end = drawing.shapes.size();
+    const auto good = [&](const char* property, const char* kind) {
+        const std::string id = referenced_id(text_of(values, property));
+        const pugi::xml_node target = id.empty() ? pugi::xml_node() : ids_.find(id);
+        if (!target || local_name(target) != kind) return true;
+        const auto from_root = inverse(place.to_root);
+        if (!from_root) return true; // nothing of it is drawn
+        Reference reference{node,  target, place.to_root, *from_root, place.viewport, place.style.level,
+                            first, end};
+        if (kind != std::string_view("filter") && !visit_reference(property, id, place, reference)) {
+            return false;
+        }
+        drawing.references.push_back(reference);
+        return true;
+    };
+    return good("clip-path", "clipPath") && good("mask", "mask") && good("filter", "filter");
+}
+
+bool ShapeCollector::visit_reference(const char* property, const std::string& id, const Place& place,
+                                     Reference& reference) {
+    pugi::xml_node target = reference.target;
+    if (std::find(active_.begin(), active_.end(), target) != active_.end()) {
+        return fail(reference.node, "refers to itself through \"#" + id + '"');
+    }
+    const bool clip = local_name(target) == "clipPath";
+    const char* const units = clip ? "clipPathUnits" : "maskContentUnits";
+    const bool of_box = attribute_text(target, units) == "objectBoundingBox";
+    Affine2 to_root = place.to_root;
+    Affine2 unit_square;
+    if (of_box) {
+        const Box box =
+            bounds(drawing.shapes, reference.first, reference.end, reference.level, reference.from_root);
+        if (box.empty() || !(box.width() > 0 && box.height() > 0)) return true; // nothing is drawn
+        unit_square = {box.width(), 0, 0, box.height(), box.x0, box.y0};
+        to_root = compose(to_root, unit_square);
+    }
+    std::vector<Claim>& claims = claims_[target.hash_value()];
+    auto claim =
+        std::find_if(claims.begin(), claims.end(), [&](const Claim& c) { return c.to_root == to_root; });
+    if (claim == claims.end()) {
+        pugi::xml_node content = target;
+        std::string content_id = id;
+        if (!claims.empty() || of_box) {
+            if (!count_copies(target)) {
+                return fail(reference.node, "the clip paths of this file expand to too much");
+            }
+            content = target.parent().insert_copy_after(target, target);
+            drop_ids(content);
+            content_id = ids_.name(content, id);
+        }
+        if (of_box) to_user_space(content, units, unit_square);
+        claims.push_back({to_root, content_id, drawing.shapes.size(), 0});
+        const std::size_t index = claims.size() - 1;
+        if (!visit_content(content, target, place)) return false;
+        std::vector<Claim>& grown = claims_[target.hash_value()];
+        grown[index].end = drawing.shapes.size();
+        claim = grown.begin() + static_cast<std::ptrdiff_t>(index);
+    }
+    reference.first_inside = claim->first;
+    reference.end_inside = claim->end;
+    reference.target = ids_.find(claim->id);
+    if (claim->id != id) {
+        const std::string value = styles_.value(reference.node, property).text;
+        styles_.set(reference.node, property, with_referenced_id(value, claim->id));
+    }
+    return true;
+}
+
+void ShapeCollector::to_user_space(pugi::xml_node content, const char* units, const Affine2& unit_square) {
+    set_attribute(content, units, "userSpaceOnUse");
+    const std::string map = write_transform(unit_square, 17);
+    if (local_name(content) == "clipPath") {
+        const std::string own = content.attribute("transform").value();
+        return set_attribute(content, "transform", own.empty() ? map : map + ' ' + own);
+    }
+    pugi::xml_node group = content.append_child((name_prefix(content) + 'g').c_str());
+    while (content.first_child() != group) group.append_move(content.first_child());
+    set_attribute(group, "transform", map);
+}
+
+bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place) {
+    Place inner;
+    inner.to_root = place.to_root;
+    inner.viewport = place.viewport;
+    inner.depth = place.depth + 1;
+    if (inner.depth >= max_svg_depth) return fail(content, "elements are nested too deeply");
+    std::vector<pugi::xml_node> line;
+    for (pugi::xml_node up = content; up.type() == pugi::node_element; up = up.parent()) line.push_back(up);
+    for (auto up = line.rbegin(); up != line.rend(); ++up) inherit(styles_.values(*up), inner);
+    inner.style.level = place.style.level + 1;
+    const bool clip = local_name(content) == "clipPath";
+    inner.style.clips = place.style.clips || clip;
+    const Values values = styles_.values(content);
+    if (clip && !apply_transform(content, values, inner.to_root)) return false;
+    active_.push_back(target);
+    const std::size_t first = drawing.shapes.size();
+    const bool good = visit_children(content, inner) && visit_references(content, values, inner, first);
+    active_.pop_back();
+    return good;
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

@@ -1,0 +1,322 @@
+#include "svg/text.hpp"
+
+#include "cli/guard.hpp"
+#include "pictures/render.hpp"
+#include "svg/walk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <utility>
+
+namespace cageform_examples {
+
+namespace detail {
+
+namespace {
+
+const char* const number_attribute = "cageform-text";
+
+/// A text that is drawn where it stands.
+struct DrawnText {
+    pugi::xml_node node; // in the document
+    Affine2 to_root;
+    Affine2 from_root;
+    std::size_t first_colour = 0; // of it and the elements in it, in document order
+};
+
+bool is_drawn_in_place(pugi::xml_node text) {
+    for (pugi::xml_node up = text.parent(); up.type() == pugi::node_element; up = up.parent()) {
+        if (!is_group(local_name(up))) return false;
+    }
+    return true;
+}
+
+/// Makes copies of used elements, as the deformation will, so that their texts stand where they are drawn.
+std::optional<SvgError> expand_used_texts(SvgDocument& document, std::vector<std::string>& warnings) {
+    const pugi::xml_node root = root_element(document.xml);
+    const auto has = [&](const char* kind) {
+        return static_cast<bool>(
+            root.find_node([&](pugi::xml_node node) { return local_name(node) == kind; }));
+    };
+    if (!has("text") || !has("use")) return std::nullopt;
+    adapt_style_sheets(document, warnings);
+    const StyleSheets styles(root);
+    IdTable ids(root);
+    std::vector<std::string> given_later; // when the document is deformed
+    const auto drawing = walk(document, styles, ids, {.boxes = true}, given_later);
+    if (!drawing) return drawing.error();
+    return std::nullopt;
+}
+
+/// All texts of a document by their numbers, which they are given in an attribute.
+std::vector<pugi::xml_node> number_texts(SvgDocument& document) {
+    std::vector<pugi::xml_node> texts;
+    const pugi::xml_node root = root_element(document.xml);
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+        if (local_name(node) != "text" || !is_drawn_in_place(node)) continue;
+        set_attribute(node, number_attribute, std::to_string(texts.size()));
+        texts.push_back(node);
+    }
+    return texts;
+}
+
+void append_style(pugi::xml_node node, const std::string& text) {
+    const std::string style = node.attribute("style").value();
+    set_attribute(node, "style", style + (trimmed(style).empty() ? "" : ";") + text);
+}
+
+std::string colour_of(std::size_t number) {
+    std::array<char, 16> text{};
+    std::snprintf(text.data(), text.size(), "#%06x", static_cast<unsigned>(number & 0xffffff));
+    return text.data();
+}
+
+/// The number whose colour_of() cairo writes as rgb(…%,…%,…%); nothing of other colours.
+std::optional<std::size_t> number_of(const std::string& fill) {
+    std::array<double, 3> rgb{};
+    if (std::sscanf(fill.c_str(), "rgb(%lf%%,%lf%%,%lf%%)", &rgb[0], &rgb[1], &rgb[2]) != 3)
+        return std::nullopt;
+    std::size_t number = 0;
+    for (const double percent : rgb) {
+        number = 256 * number + static_cast<std::size_t>(std::lround(std::clamp(percent, 0.0, 100.0) * 2.55));
+    }
+    return number;
+}
+
+/// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of its
+/// own. The picture shows three times the viewBox, in about 4096 pixels.
+void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<DrawnText>& texts) {
+    pugi::xml_node root = root_element(document.xml);
+    std::size_t colour = 1;
+    for (pugi::xml_node node = root; node;) {
+        const std::string kind = local_name(node);
+        const bool text = kind == "text" && node.attribute(number_attribute);
+        pugi::xml_node next = next_node(node, root);
+        if (text) {
+            DrawnText& drawn = texts[node.attribute(number_attribute).as_ullong()];
+            drawn.first_colour = colour;
+            for (pugi::xml_node part = node; part; part = next_node(part, node)) {
+                if (part.type() != pugi::node_element) continue;
+                append_style(
+                    part,
+                    "fill:" + colour_of(colour++) +
+                        "!important;fill-opacity:1!important;stroke:none!important;opacity:1!important");
+            }
+        }
+        const bool keeps = is_group(kind) || kind == "style" || node.type() != pugi::node_element;
+        if (is_group(kind)) {
+            append_style(node, "opacity:1!important;clip-path:none!important;mask:none!important;"
+                               "filter:none!important;overflow:visible!important");
+        }
+        if (text || !keeps || kind == "style") { // not into it
+            pugi::xml_node last = node;
+            while (last != root && !last.next_sibling()) last = last.parent();
+            next = last == root ? pugi::xml_node() : last.next_sibling();
+        }
+        if (!text && !keeps) node.parent().remove_child(node);
+        node = next;
+    }
+    pugi::xml_node outer = document.xml.insert_child_before("svg", root);
+    outer.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
+    const double scale = 4096 / (3 * std::max(view.width, view.height));
+    const Box window{view.x - view.width, view.y - view.height, view.x + 2 * view.width,
+                     view.y + 2 * view.height};
+    const auto write = [](double v) { return format_number(v, 12); };
+    set_attribute(outer, "viewBox",
+                  write(window.x0) + ' ' + write(window.y0) + ' ' + write(window.width()) + ' ' +
+                      write(window.height()));
+    set_attribute(outer, "width", write(scale * window.width()));
+    set_attribute(outer, "height", write(scale * window.height()));
+    set_attribute(outer, "preserveAspectRatio", "none");
+    root = outer.append_move(root);
+    set_attribute(root, "x", write(view.x));
+    set_attribute(root, "y", write(view.y));
+    set_attribute(root, "width", write(view.width));
+    set_attribute(root, "height", write(view.height));
+    set_attribute(root, "viewBox",
+                  write(view.x) + ' ' + write(view.y) + ' ' + write(view.width) + ' ' + write(view.height));
+}
+
+/// What rsvg-convert makes of a document: an SVG of outlines.
+SvgResult<std::string> outlines(const std::string& text) {
+    using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
+    const File in(std::tmpfile(), &std::fclose);
+    const File out(std::tmpfile(), &std::fclose);
+    const SvgError failure{"texts cannot become paths: no temporary file can be written"};
+    if (!in || !out) return failure;
+    if (std::fwrite(text.data(), 1, text.size(), in.get()) != text.size()) return failure;
+    if (std::fflush(in.get()) != 0) return failure;
+    std::rewind(in.get());
+    const std::string fault =
+        run_rsvg({"--unlimited", "--format", "svg"}, fileno(in.get()), fileno(out.get()));
+    if (!fault.empty()) return SvgError{"texts cannot become paths: " + fault};
+    std::rewind(out.get());
+    std::string result;
+    std::array<char, 65536> buffer{};
+    while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), out.get())) {
+        result.append(buffer.data(), size);
+    }
+    if (std::ferror(out.get()) != 0) return failure;
+    return result;
+}
+
+/// Makes groups of a text and the elements in it, with a path where the first of an element's own letters stood.
+void replace_text(const DrawnText& text, const std::map<std::size_t, Path>& letters, double tolerance) {
+    const std::string prefix = name_prefix(text.node);
+    std::size_t colour = text.first_colour;
+    std::vector<pugi::xml_node> parts;
+    for (pugi::xml_node node = text.node; node; node = next_node(node, text.node)) {
+        if (node.type() == pugi::node_element) parts.push_back(node);
+    }
+    for (pugi::xml_node part : parts) {
+        const auto found = letters.find(colour++);
+        pugi::xml_node place;
+        for (pugi::xml_node child = part.first_child(); child;) {
+            const pugi::xml_node next = child.next_sibling();
+            if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
+                if (!place) place = part.insert_child_before((prefix + "path").c_str(), child);
+                part.remove_child(child);
+            }
+            child = next;
+        }
+        if (place && found == letters.end()) part.remove_child(place);
+        if (found != letters.end()) {
+            if (!place) place = part.append_child((prefix + "path").c_str());
+            write_shape(place, write_path_data(transformed(found->second, text.from_root),
+                                               decimals_for(text.to_root, tolerance)));
+        }
+        for (const char* name : {"x", "y", "dx", "dy", "rotate", "textLength", "lengthAdjust", "xml:space"}) {
+            part.remove_attribute(name);
+        }
+        if (local_name(part) != "a") part.set_name((prefix + 'g').c_str());
+    }
+}
+
+/// The texts of a document and their letters, as the renderer draws them.
+struct DrawnTexts {
+    std::vector<DrawnText> texts;         // drawn where they stand
+    std::vector<bool> seen;               // of each: whether it is drawn at all
+    std::map<std::size_t, Path> outlines; // in root user space, by the colours of the elements
+
+    /// The colours of a text that has outlines: first and end, equal where it has none.
+    auto outlines_of(std::size_t n) const {
+        const auto first = outlines.lower_bound(texts[n].first_colour);
+        const auto end =
+            n + 1 < texts.size() ? outlines.lower_bound(texts[n + 1].first_colour) : outlines.end();
+        return std::pair(first, seen[n] ? end : first);
+    }
+};
+
+/// Numbers the texts of a document, in an attribute that stays, and has them drawn. No texts where there are none.
+SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
+    DrawnTexts drawn;
+    for (const pugi::xml_node node : number_texts(document)) drawn.texts.push_back({node, {}, {}, 0});
+    if (drawn.texts.empty()) return drawn;
+    std::vector<std::string> ignored; // the deformation, which walks the same document, gives them again
+
+    SvgDocument probe = copy_of(document); // for the transforms: the walk changes it
+    const StyleSheets styles(root_element(probe.xml));
+    IdTable ids(root_element(probe.xml));
+    const auto drawing = walk(probe, styles, ids, {.boxes = true}, ignored);
+    if (!drawing) return drawing.error();
+    drawn.seen.resize(drawn.texts.size());
+    for (const DrawnShape& shape : drawing->shapes) {
+        const pugi::xml_attribute number = shape.node.attribute(number_attribute);
+        const std::size_t n = number ? number.as_ullong() : drawn.texts.size();
+        if (n >= drawn.texts.size() || drawn.seen[n]) continue;
+        drawn.seen[n] = true;
+        drawn.texts[n].to_root = shape.to_root;
+        drawn.texts[n].from_root = shape.from_root;
+    }
+
+    SvgDocument stripped = copy_of(document);
+    strip_to_texts(stripped, view, drawn.texts);
+    const auto written = outlines(to_text(stripped));
+    if (!written) return SvgError{document.name + ": " + written.error().message};
+    auto picture = parse_svg(*written, "rsvg-convert");
+    if (!picture) return picture.error();
+    const auto size = view_box(*picture);
+    const StyleSheets none(root_element(picture->xml));
+    IdTable its_ids(root_element(picture->xml));
+    const auto outline = walk(*picture, none, its_ids, {.follow_references = false}, ignored);
+    if (!size || !outline) return SvgError{document.name + ": rsvg-convert wrote no outlines"};
+    const Affine2 to_root{
+        3 * view.width / size->width, 0, 0, 3 * view.height / size->height, view.x - view.width,
+        view.y - view.height};
+    for (const DrawnShape& shape : outline->shapes) {
+        const auto colour = number_of(shape.fill);
+        if (!colour) continue;
+        Path path = transformed(shape.path, to_root);
+        Path& all = drawn.outlines[*colour];
+        std::copy_if(path.begin(), path.end(), std::back_inserter(all),
+                     [](const Subpath& subpath) { return !subpath.segments.empty(); });
+    }
+    return drawn;
+}
+
+} // namespace
+
+} // namespace detail
+
+SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings) {
+    using namespace detail;
+    const auto view = view_box(document);
+    if (!view) return view.error();
+    SvgDocument work = copy_of(document);
+    if (const auto error = expand_used_texts(work, warnings)) return *error;
+    adapt_style_sheets(work, {"text", "tspan"}, warnings);
+    auto drawn = draw_texts(work, *view);
+    if (!drawn) return drawn.error();
+    const double tolerance = 2e-5 * std::hypot(view->width, view->height);
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < drawn->texts.size(); ++n) {
+        DrawnText& text = drawn->texts[n];
+        text.node.remove_attribute(number_attribute);
+        const auto [first, end] = drawn->outlines_of(n);
+        if (first != end) {
+            replace_text(text, drawn->outlines, tolerance);
+            ++count;
+        } else if (drawn->seen[n]) {
+            warnings.push_back(label(work, text.node) + ": rsvg-convert draws no letters of it");
+        }
+    }
+    if (count > 0) document = std::move(work);
+    return count;
+}
+
+void measure_texts(SvgDocument& document) {
+    using namespace detail;
+    const auto view = view_box(document);
+    if (!view) return;
+    const auto drawn = draw_texts(document, *view);
+    for (pugi::xml_node text : number_texts(document)) {
+        const std::size_t n = text.attribute(number_attribute).as_ullong();
+        text.remove_attribute(number_attribute);
+        if (!drawn) continue;
+        Box box;
+        const auto [first, end] = drawn->outlines_of(n);
+        for (auto path = first; path != end; ++path) box.add(bounds(path->second, drawn->texts[n].from_root));
+        if (!box.empty()) document.text_boxes[text.hash_value()] = {box.x0, box.y0, box.x1, box.y1};
+    }
+}
+
+SvgResult<SvgDocument> load_figure(const std::string& path, bool text_as_paths) {
+    auto document = load_svg(path);
+    if (!document) return document;
+    if (!text_as_paths) {
+        measure_texts(*document);
+        return document;
+    }
+    std::vector<std::string> warnings;
+    const auto count = text_to_paths(*document, warnings);
+    if (!count) return count.error();
+    for (const std::string& text : warnings) warn(text);
+    return document;
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,495 @@
+#include "svg/collector.hpp"
+#include "svg/curves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cageform_examples {
+
+namespace detail {
+
+std::optional<SvgError> ShapeCollector::collect() {
+    const pugi::xml_node root = root_element(document_.xml);
+    const auto view = view_box(document_);
+    if (!view) return view.error();
+    Place place;
+    place.viewport = {view->width, view->height};
+    const Values values = styles_.values(root);
+    inherit(values, place);
+    if (visit_children(root, place)) visit_references(root, values, place, 0);
+    return error_;
+}
+
+bool ShapeCollector::fail(pugi::xml_node node, const std::string& why) {
+    if (!error_) error_ = error_at(document_, node, why);
+    return false;
+}
+
+bool ShapeCollector::fail_in(pugi::xml_node node, const std::string& attribute, const SvgError& error) {
+    if (!error_) error_ = error_in(document_, node, attribute, error);
+    return false;
+}
+
+void ShapeCollector::warn(pugi::xml_node node, const std::string& why) {
+    warnings.push_back(label(document_, node) + ": " + why);
+}
+
+std::string ShapeCollector::text_of(const Values& values, std::string_view property) {
+    const auto found = values.find(property);
+    return found == values.end() || found->second.text == "inherit" ? std::string() : found->second.text;
+}
+
+void ShapeCollector::inherit(const Values& values, Place& place) {
+    const auto take = [&](std::string_view property, std::string& to) {
+        const std::string text = text_of(values, property);
+        if (!text.empty()) to = text.size() < 1000 ? text : "black"; // every shape has a copy
+    };
+    take("fill", place.style.fill);
+    take("stroke", place.style.stroke);
+    take("text-anchor", place.text_anchor);
+    const auto take_marker = [&](std::string_view property, bool& set) {
+        const std::string text = text_of(values, property);
+        if (!text.empty()) set = !referenced_id(text).empty();
+    };
+    take_marker("marker", place.style.marks_vertices);
+    take_marker("marker", place.style.marks_ends);
+    take_marker("marker-mid", place.style.marks_vertices);
+    take_marker("marker-start", place.style.marks_ends);
+    take_marker("marker-end", place.style.marks_ends);
+    const double diagonal = place.viewport.diagonal();
+    const auto stroke = parse_length(text_of(values, "stroke-width"), diagonal);
+    if (stroke && *stroke >= 0) place.style.stroke_width = *stroke;
+    const auto font = parse_length(text_of(values, "font-size"), place.font_size);
+    if (font && *font > 0) place.font_size = *font;
+    inherit_outline(values, place.style);
+}
+
+void ShapeCollector::inherit_outline(const Values& values, DrawnShape& style) {
+    const auto take = [&](std::string_view property, std::string_view word, bool& is) {
+        const std::string text = text_of(values, property);
+        if (!text.empty()) is = text == word;
+    };
+    take("fill-rule", "evenodd", style.even_odd);
+    take("stroke-linecap", "square", style.has_square_caps);
+    take("visibility", "visible", style.is_visible);
+    const std::string join = text_of(values, "stroke-linejoin");
+    if (!join.empty()) style.has_miters = join != "round" && join != "bevel";
+    const auto limit = parse_length(text_of(values, "stroke-miterlimit"), 1);
+    if (limit && *limit >= 1) style.miter_limit = *limit;
+    const auto opacity = parse_length(text_of(values, "opacity"), 1);
+    if (opacity && *opacity <= 0) style.is_transparent = true; // what it holds too
+}
+
+bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
+    const bool is_shared_image = uses_of_images_.count(node.hash_value()) != 0;
+    const std::string kind = is_shared_image ? "image" : local_name(node);
+    if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
+    if (kind == "use") return visit_use(node, parent);
+    if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
+    if (!is_blank(node.attribute("requiredExtensions").value())) return true; // nobody draws it
+
+    // Pages and hidden layers need not lie in the cage. To be read (a cage, say) a shape may be hidden.
+    const Values values = styles_.values(node);
+    if (options_.follow_references && text_of(values, "display") == "none") {
+        warn(node, "is not displayed and stays as it is");
+        return true;
+    }
+    Place place = parent;
+    ++place.depth;
+    inherit(values, place);
+    if (!apply_transform(node, values, place.to_root)) return false;
+    const std::size_t first = drawing.shapes.size();
+    const bool good = is_shape(kind)   ? add_shape(node, place)
+                      : is_fixed(kind) ? add_fixed(node, kind, place)
+                      : kind == "svg"  ? visit_svg(node, values, place)
+                                       : visit_children(node, place);
+    return good && visit_references(node, values, place, first);
+}
+
+bool ShapeCollector::visit_children(pugi::xml_node node, const Place& place) {
+    for (pugi::xml_node child = node.first_child(); child;) {
+        const pugi::xml_node next = child.next_sibling();
+        if (!visit(child, place)) return false;
+        child = next;
+    }
+    return true;
+}
+
+bool ShapeCollector::apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root) {
+    const auto map = parse_transform(attribute_text(node, "transform"));
+    if (!map) return fail_in(node, "transform", map.error());
+    to_root = compose(to_root, *map);
+    if (!text_of(values, "transform").empty()) warn(node, "a transform in a style is not read");
+    return true;
+}
+
+// ---- nested svg ----
+
+bool ShapeCollector::visit_svg(pugi::xml_node node, const Values& values, Place& place) {
+    const Viewport outer = place.viewport;
+    const double x = length(node, "x", outer.width, 0);
+    const double y = length(node, "y", outer.height, 0);
+    const Viewport size{length(node, "width", outer.width, outer.width),
+                        length(node, "height", outer.height, outer.height)};
+    Affine2 inside{1, 0, 0, 1, x, y};
+    place.viewport = size;
+    if (!enter_view_box(node, inside, place.viewport)) return false;
+    place.to_root = compose(place.to_root, inside);
+    const std::size_t first = drawing.shapes.size();
+    if (error_ || !visit_children(node, place)) return false;
+    if (!options_.follow_references && symbols_.count(node.hash_value()) == 0) return true;
+
+    const std::string overflow = text_of(values, "overflow");
+    const bool clips = overflow != "visible" && overflow != "auto";
+    const auto to_inside = inverse(inside);
+    const auto from_root = inverse(place.to_root);
+    bool cuts = false;
+    Box window;
+    if (options_.follow_references && clips && to_inside && from_root) {
+        for (const Point2& p : Box{x, y, x + size.width, y + size.height}.corners()) {
+            window.add(apply(*to_inside, p));
+        }
+        Box content;
+        for (std::size_t i = first; i < drawing.shapes.size(); ++i) {
+            const DrawnShape& shape = drawing.shapes[i];
+            if (shape.level == place.style.level) content.add(painted_box(shape, *from_root));
+        }
+        cuts = !window.grown(1e-9 * (window.width() + window.height())).contains(content);
+    }
+    if (!cuts && symbols_.count(node.hash_value()) == 0) {
+        if (clips) styles_.set(node, "overflow", "visible");
+        return true;
+    }
+    to_group(node, inside);
+    return !cuts || clip(node, window, place, first);
+}
+
+void ShapeCollector::to_group(pugi::xml_node node, const Affine2& inside) {
+    std::string transform = node.attribute("transform").value();
+    if (!(inside == Affine2())) {
+        transform += (transform.empty() ? "" : " ") + write_transform(inside, 17);
+        set_attribute(node, "transform", transform);
+    }
+    for (const char* name :
+         {"viewBox", "preserveAspectRatio", "x", "y", "width", "height", "refX", "refY", "overflow"}) {
+        node.remove_attribute(name);
+    }
+    node.set_name((name_prefix(node) + 'g').c_str());
+}
+
+bool ShapeCollector::clip(pugi::xml_node group, const Box& box, const Place& place, std::size_t first) {
+    const std::string prefix = name_prefix(group);
+    pugi::xml_node inner = group.append_child((prefix + 'g').c_str());
+    while (group.first_child() != inner) inner.append_move(group.first_child());
+    pugi::xml_node clip_path = group.prepend_child((prefix + "clipPath").c_str());
+    const std::string id = ids_.name(clip_path, "cageform-clip");
+    pugi::xml_node rect = clip_path.append_child((prefix + "rect").c_str());
+    set_attribute(rect, "x", format_number(box.x0, 17));
+    set_attribute(rect, "y", format_number(box.y0, 17));
+    set_attribute(rect, "width", format_number(box.width(), 17));
+    set_attribute(rect, "height", format_number(box.height(), 17));
+    set_attribute(inner, "clip-path", "url(#" + escaped(id) + ')');
+    return visit_references(inner, styles_.values(inner), place, first);
+}
+
+bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewport& viewport) {
+    if (!node.attribute("viewBox")) return true;
+    const auto v = parse_numbers(attribute_text(node, "viewBox"));
+    if (!v || v->size() != 4) return fail(node, "viewBox is not four numbers");
+    const Viewport box{(*v)[2], (*v)[3]};
+    if (!(box.width > 0 && box.height > 0)) return true; // nothing is drawn, so nothing matters
+    double sx = viewport.width / box.width;
+    double sy = viewport.height / box.height;
+    const std::string fit = attribute_text(node, "preserveAspectRatio");
+    const auto says = [&](std::string_view word) { return fit.find(word) != std::string::npos; };
+    if (!says("none")) sx = sy = says("slice") ? std::max(sx, sy) : std::min(sx, sy);
+    const double along_x = says("xMin") ? 0 : says("xMax") ? 1 : 0.5;
+    const double along_y = says("YMin") ? 0 : says("YMax") ? 1 : 0.5;
+    const double x = (viewport.width - sx * box.width) * along_x - sx * (*v)[0];
+    const double y = (viewport.height - sy * box.height) * along_y - sy * (*v)[1];
+    to_root = compose(to_root, {sx, 0, 0, sy, x, y});
+    viewport = box;
+    return true;
+}
+
+// ---- shapes ----
+
+double ShapeCollector::length(pugi::xml_node node, const char* name, double whole, double otherwise) {
+    const auto value = length_of(document_, node, name, whole, otherwise);
+    if (value) return *value;
+    if (!error_) error_ = value.error();
+    return otherwise;
+}
+
+bool ShapeCollector::add_shape(pugi::xml_node node, const Place& place) {
+    auto path = shape_path(document_, node, place.viewport);
+    if (!path) {
+        error_ = path.error();
+        return false;
+    }
+    if (!path->empty()) return add(node, std::move(*path), place);
+    if (local_name(node) == "circle") drawing.flat_circles.push_back(node);
+    return true;
+}
+
+void ShapeCollector::straighten(Path& path) {
+    for (Subpath& subpath : path) {
+        Point2 from = subpath.start;
+        for (Segment& s : subpath.segments) {
+            const Point2 to = s.p3;
+            const double near = 1e-6 * std::hypot(to.x - from.x, to.y - from.y);
+            const bool stops = std::hypot(s.p1.x - from.x, s.p1.y - from.y) <= near &&
+                               std::hypot(s.p2.x - to.x, s.p2.y - to.y) <= near;
+            if (!s.is_line && stops && near > 0) {
+                PathBuilder line;
+                line.move_to(from);
+                line.line_to(to);
+                s = line.take().front().segments.front();
+            }
+            from = to;
+        }
+    }
+}
+
+bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, bool is_box) {
+    straighten(path);
+    const std::optional<Affine2> from_root = inverse(place.to_root);
+    if (!from_root) {
+        warn(node, "has a transform without inverse and stays as it is");
+        return true;
+    }
+    DrawnShape shape = place.style;
+    shape.node = node;
+    shape.to_root = place.to_root;
+    shape.from_root = *from_root;
+    shape.is_box = is_box;
+    shape.path = transformed(std::move(path), place.to_root);
+    if (!in_range(shape.path)) return fail(node, "coordinates out of range");
+    drawing.shapes.push_back(std::move(shape));
+    return true;
+}
+
+bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, const Place& place) {
+    const bool boxes = options_.boxes && !place.style.clips;
+    const auto on_path = [](pugi::xml_node part) { return local_name(part) == "textPath"; };
+    if (boxes && kind == "text" && node.find_node(on_path)) return add_text_paths(node, place);
+    const Box box = boxes ? (kind == "text" ? text_box(node, place) : image_box(node, place)) : Box();
+    if (error_) return false;
+    if (box.empty() && kind == "text" && is_blank(node.text().get()) && !node.child("tspan")) return true;
+    if (box.empty()) {
+        warn(node, "cannot be deformed and stays as it is");
+        return true;
+    }
+    warn(node, kind == "text" ? "keeps its letters, and moves and turns as a whole"
+                              : "is not bent, and moves and turns as a whole");
+    PathBuilder outline;
+    outline.move_to({box.x0, box.y0});
+    for (const Point2& p : box.corners()) {
+        if (!(p == outline.current())) outline.line_to(p);
+    }
+    outline.close();
+    return add(node, outline.take(), place, true);
+}
+
+// ---- text on paths ----
+
+bool ShapeCollector::is_drawn_under(pugi::xml_node node, const Affine2& to_root) const {
+    Affine2 map;
+    for (pugi::xml_node up = node; up.type() == pugi::node_element; up = up.parent()) {
+        const std::string kind = local_name(up);
+        if (up == root_element(document_.xml)) {
+            const auto undone = inverse(to_root); // up to the rounding of products in another order
+            const Affine2 m = undone ? compose(*undone, map) : Affine2{0, 0, 0, 0, 0, 0};
+            return std::abs(m.a - 1) + std::abs(m.b) + std::abs(m.c) + std::abs(m.d - 1) < 1e-9 &&
+                   std::hypot(m.e, m.f) < 1e-9 * (std::abs(to_root.e) + std::abs(to_root.f) + 1);
+        }
+        const bool draws = up == node ? is_shape(kind) : is_group(kind) && kind != "svg";
+        const auto own = parse_transform(attribute_text(up, "transform"));
+        if (!draws || !own || text_of(styles_.values(up), "display") == "none") return false;
+        map = compose(*own, map);
+    }
+    return false;
+}
+
+bool ShapeCollector::add_text_paths(pugi::xml_node text, const Place& place) {
+    std::vector<pugi::xml_node> text_paths;
+    for (pugi::xml_node node = text; node; node = next_node(node, text)) {
+        if (local_name(node) == "textPath") text_paths.push_back(node);
+    }
+    return std::all_of(text_paths.begin(), text_paths.end(),
+                       [&](pugi::xml_node each) { return add_text_path(each, place); });
+}
+
+namespace {
+
+struct PlaceAlong {
+    Point2 at;
+    double length = 0; // along the path
+};
+
+/// Points along a path, in order, and how far along it they are: a step to a new subpath has no length.
+std::vector<PlaceAlong> places_along(const Path& path) {
+    constexpr std::size_t steps = 32; // of a segment
+    std::vector<PlaceAlong> places;
+    double length = 0;
+    for (const Subpath& subpath : path) {
+        Point2 start = subpath.start;
+        places.push_back({start, length});
+        for (const Segment& s : subpath.segments) {
+            for (std::size_t k = 1; k <= steps; ++k) {
+                const Point2 p = place_on(start, s, static_cast<double>(k) / steps);
+                length += std::hypot(p.x - places.back().at.x, p.y - places.back().at.y);
+                places.push_back({p, length});
+            }
+            start = s.p3;
+        }
+    }
+    return places;
+}
+
+/// The part from a length along a path to another, as lines.
+Path part_of(const std::vector<PlaceAlong>& places, double from, double to) {
+    PathBuilder part;
+    bool begun = false;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+        const PlaceAlong &before = places[i - 1], &p = places[i];
+        if (p.length < from || (p.length == before.length && !begun)) continue;
+        if (!begun) part.move_to(before.at);
+        begun = true;
+        part.line_to(p.at);
+        if (p.length >= to) break;
+    }
+    return part.take();
+}
+
+} // namespace
+
+bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place) {
+    const std::string reference = reference_of(text_path);
+    const pugi::xml_node target =
+        reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
+    if (!target || !is_shape(local_name(target))) return true; // nothing is drawn
+    const auto path = shape_path(document_, target, place.viewport);
+    const auto own = parse_transform(attribute_text(target, "transform"));
+    if (!path) error_ = path.error();
+    if (!own) return fail_in(target, "transform", own.error());
+    if (error_) return false;
+    if (path->empty()) return true;
+    Place there = place;
+    there.to_root = compose(place.to_root, *own);
+    there.style.fill = there.style.stroke = "none";
+    there.style.marks_ends = there.style.marks_vertices = false;
+    if (!is_drawn_under(target, there.to_root)) {
+        if (!count_copies(target)) return fail(text_path, "the texts of this file expand to too much");
+        pugi::xml_node text = text_path;
+        while (local_name(text) != "text") text = text.parent();
+        pugi::xml_node defs = text.parent().insert_child_before((name_prefix(text) + "defs").c_str(), text);
+        pugi::xml_node copy = defs.append_copy(target);
+        const std::string id = ids_.name(copy, reference.substr(1));
+        set_reference(text_path, id);
+        if (!add(copy, *path, there)) return false;
+    }
+
+    return add_reach(text_path, *path, there);
+}
+
+bool ShapeCollector::add_reach(pugi::xml_node text_path, const Path& path, Place place) {
+    const std::vector<PlaceAlong> places = places_along(path);
+    const std::string letters = unescaped(trimmed(text_path.text().get()));
+    const double whole = places.back().length;
+    const double width = 0.6 * place.font_size * static_cast<double>(letters.size());
+    const auto offset = parse_length(attribute_text(text_path, "startOffset"), whole);
+    const double at = offset ? *offset : 0;
+    const double from = place.text_anchor == "end"      ? at - width
+                        : place.text_anchor == "middle" ? at - width / 2
+                                                        : at;
+    Path reach = letters.empty() ? part_of(places, 0, whole)
+                                 : part_of(places, std::max(from, 0.0), std::min(from + width, whole));
+    if (reach.empty()) return true;
+    place.style.stroke = "currentColor";
+    place.style.stroke_width = 1.6 * place.font_size;
+    place.style.is_extent = true;
+    return add(text_path, std::move(reach), place);
+}
+
+Box ShapeCollector::image_box(pugi::xml_node node, const Place& place) {
+    const auto shared = uses_of_images_.find(node.hash_value());
+    if (shared != uses_of_images_.end()) node = shared->second;
+    const double x = length(node, "x", place.viewport.width, 0);
+    const double y = length(node, "y", place.viewport.height, 0);
+    const double width = length(node, "width", place.viewport.width, 0);
+    const double height = length(node, "height", place.viewport.height, 0);
+    return width > 0 && height > 0 ? Box{x, y, x + width, y + height} : Box();
+}
+
+Box ShapeCollector::text_box(pugi::xml_node text, const Place& place) {
+    const auto measured = document_.text_boxes.find(text.hash_value());
+    if (measured != document_.text_boxes.end()) {
+        const auto& [x0, y0, x1, y1] = measured->second;
+        return {x0, y0, x1, y1};
+    }
+    Box box;
+    Point2 at;
+    double size = place.font_size;
+    for (pugi::xml_node node = text; node; node = next_node(node, text)) {
+        if (node.type() == pugi::node_element) {
+            const auto x = parse_numbers(attribute_text(node, "x"));
+            const auto y = parse_numbers(attribute_text(node, "y"));
+            const auto font = parse_length(styles_.value(node, "font-size").text, place.font_size);
+            if (x && !x->empty()) at.x = x->front();
+            if (y && !y->empty()) at.y = y->front();
+            if (font && *font > 0) size = *font;
+            continue;
+        }
+        const std::string letters = unescaped(trimmed(node.value()));
+        if (letters.empty()) continue;
+        const double width = 0.6 * size * static_cast<double>(letters.size());
+        const double left = place.text_anchor == "end"      ? at.x - width
+                            : place.text_anchor == "middle" ? at.x - width / 2
+                                                            : at.x;
+        box.add(Box{left, at.y - 0.8 * size, left + width, at.y + 0.2 * size});
+        at.x += width;
+    }
+    return box;
+}
+
+SvgResult<Drawing> walk(SvgDocument& document, const StyleSheets& styles, IdTable& ids,
+                        const WalkOptions& options, std::vector<std::string>& warnings) {
+    ShapeCollector collector(document, styles, ids, options);
+    if (std::optional<SvgError> error = collector.collect()) return *error;
+    warnings.insert(warnings.end(), collector.warnings.begin(), collector.warnings.end());
+    return std::move(collector.drawing);
+}
+
+SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings) {
+    const StyleSheets styles(root_element(document.xml));
+    IdTable ids(root_element(document.xml));
+    auto drawing = walk(document, styles, ids, {}, warnings);
+    if (!drawing) return drawing.error();
+    return std::move(drawing->shapes);
+}
+
+Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
+           const Affine2& map) {
+    Box box;
+    for (std::size_t i = first; i < end; ++i) {
+        if (shapes[i].level == level) box.add(bounds(shapes[i].path, map));
+    }
+    return box;
+}
+
+bool is_painted(const DrawnShape& shape) {
+    return shape.is_box || shape.fill != "none" || shape.stroke != "none";
+}
+
+Box painted_box(const DrawnShape& shape, const Affine2& map) {
+    if (!is_painted(shape)) return {};
+    const Box box = bounds(shape.path, map);
+    const double width = shape.stroke == "none" ? 0 : shape.stroke_width;
+    return box.empty() ? box : box.grown(width / 2 * largest_scale(compose(map, shape.to_root)));
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

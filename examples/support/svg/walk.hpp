@@ -1,0 +1,58 @@
+#pragma once
+
+// The walk over what a document draws.
+
+#include "svg/shapes.hpp"
+#include "svg/style.hpp"
+#include "svg/xml.hpp"
+
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+/// An element whose filter, mask or clip path lies about what it draws: shapes [first, end) of its level.
+struct Reference {
+    pugi::xml_node node;   // that refers
+    pugi::xml_node target; // filter, mask or clipPath
+    Affine2 to_root;
+    Affine2 from_root;
+    Viewport viewport;
+    int level = 0;
+    std::size_t first = 0, end = 0;
+    std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path
+};
+
+/// What a document draws.
+struct Drawing {
+    std::vector<DrawnShape> shapes; // in document order, clip paths and masks after what they belong to
+    std::vector<Reference> references;
+    std::vector<pugi::xml_node> flat_circles; // without a radius, which draw nothing
+};
+
+struct WalkOptions {
+    bool follow_references = true; // list what clip paths and masks hold, leave out what is not displayed
+    bool boxes = false;            // list text and images too, with their boxes
+};
+
+/// Walks a document, which is changed on the way, without changing what it shows: every `use` becomes a
+/// group with a copy. Where references are followed, clip paths and masks needed under several transforms,
+/// or in units of several boxes, are copied.
+SvgResult<Drawing> walk(SvgDocument& document, const StyleSheets& styles, IdTable& ids,
+                        const WalkOptions& options, std::vector<std::string>& warnings);
+
+/// The box of shapes [first, end) that are of this level, after a map.
+Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
+           const Affine2& map);
+
+/// Whether it shows: has a fill or a stroke.
+bool is_painted(const DrawnShape& shape);
+
+/// The box of what is painted of it, strokes included (but for the tips of mitred corners), after a map.
+Box painted_box(const DrawnShape& shape, const Affine2& map);
+
+} // namespace detail
+
+} // namespace cageform_examples

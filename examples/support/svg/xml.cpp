@@ -1,0 +1,189 @@
+#include "svg/xml.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+namespace cageform_examples {
+
+namespace detail {
+
+pugi::xml_node next_node(pugi::xml_node node, pugi::xml_node top) {
+    if (node.first_child()) return node.first_child();
+    while (node != top && !node.next_sibling()) node = node.parent();
+    return node == top ? pugi::xml_node() : node.next_sibling();
+}
+
+pugi::xml_node root_element(pugi::xml_node node) {
+    return node.root().find_child([](pugi::xml_node n) { return n.type() == pugi::node_element; });
+}
+
+std::string name_prefix(pugi::xml_node node) {
+    const std::string_view root = root_element(node).name();
+    return std::string(root.substr(0, root.find(':') + 1)); // npos + 1 is zero
+}
+
+std::string local_name(pugi::xml_node node) {
+    if (node.type() != pugi::node_element) return {};
+    const std::string prefix = name_prefix(node);
+    const std::string_view name = node.name();
+    if (!name.starts_with(prefix)) return {};
+    return std::string(name.substr(prefix.size()));
+}
+
+bool is_blank(std::string_view text) {
+    return std::all_of(text.begin(), text.end(), is_space);
+}
+
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+std::string unescaped(std::string_view raw) {
+    static const std::map<std::string_view, char> entities = {
+        {"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}};
+    std::string text;
+    while (!raw.empty()) {
+        const std::size_t plain = std::min(raw.find('&'), raw.size());
+        text += raw.substr(0, plain);
+        raw.remove_prefix(plain);
+        const std::size_t end = raw.find(';');
+        if (end == std::string_view::npos) return text += raw;
+        const std::string_view name = raw.substr(1, end - 1);
+        const bool hexadecimal = name.starts_with("#x");
+        const std::string_view digits = name.substr(std::min<std::size_t>(hexadecimal ? 2 : 1, name.size()));
+        std::uint32_t code = 0;
+        const auto [stop, failed] =
+            std::from_chars(digits.data(), digits.data() + digits.size(), code, hexadecimal ? 16 : 10);
+        const bool whole = failed == std::errc() && stop == digits.data() + digits.size();
+        if (const auto entity = entities.find(name); entity != entities.end()) {
+            text += entity->second;
+        } else if (name.starts_with('#') && whole && code < 0x80) {
+            text += static_cast<char>(code);
+        } else {
+            text += raw.substr(0, end + 1); // nothing of the grammars here is beyond ASCII
+        }
+        raw.remove_prefix(end + 1);
+    }
+    return text;
+}
+
+std::string attribute_text(pugi::xml_node node, const char* name) {
+    return unescaped(node.attribute(name).value());
+}
+
+void set_attribute(pugi::xml_node node, const char* name, const std::string& raw) {
+    if (!node.attribute(name)) node.append_attribute(name);
+    node.attribute(name).set_value(raw.c_str());
+}
+
+std::string escaped(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        if (c == '&') {
+            result += "&amp;";
+        } else if (c == '<') {
+            result += "&lt;";
+        } else if (c == '"') {
+            result += "&quot;";
+        } else {
+            result += c;
+        }
+    }
+    return result;
+}
+
+void add_class(pugi::xml_node node, const std::string& name) {
+    const std::string old = node.attribute("class").value();
+    if ((' ' + old + ' ').find(' ' + name + ' ') != std::string::npos) return;
+    set_attribute(node, "class", old.empty() ? name : old + ' ' + name);
+}
+
+bool is_reference(std::string_view attribute) {
+    return attribute == "href" || attribute.ends_with(":href");
+}
+
+void set_reference(pugi::xml_node node, const std::string& id) {
+    for (pugi::xml_attribute attribute : node.attributes()) {
+        if (is_reference(attribute.name())) attribute.set_value(('#' + escaped(id)).c_str());
+    }
+}
+
+std::string reference_of(pugi::xml_node node) {
+    if (node.attribute("href")) return attribute_text(node, "href");
+    std::string reference;
+    for (const pugi::xml_attribute attribute : node.attributes()) {
+        if (std::string_view(attribute.name()).ends_with(":href")) reference = unescaped(attribute.value());
+    }
+    return reference;
+}
+
+/// The line of the nearest enclosing element that stood in the file; zero if none is known.
+std::size_t line_of(const SvgDocument& document, pugi::xml_node node) {
+    for (; node; node = node.parent()) {
+        const auto found = document.lines.find(node.hash_value());
+        if (found != document.lines.end()) return found->second;
+    }
+    return 0;
+}
+
+std::string name_and_id(pugi::xml_node node) {
+    const std::string name = node.name();
+    return node.attribute("id") ? name + " \"" + attribute_text(node, "id") + '"' : name;
+}
+
+std::string label(const SvgDocument& document, pugi::xml_node node) {
+    return to_string(SvgError{name_and_id(node), line_of(document, node), 0});
+}
+
+SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why) {
+    return {document.name + ": " + name_and_id(node) + ": " + why, line_of(document, node), 0};
+}
+
+SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
+                  const SvgError& error) {
+    const std::string place = std::to_string(error.line) + ':' + std::to_string(error.column);
+    return error_at(document, node, attribute + " at " + place + ": " + error.message);
+}
+
+IdTable::IdTable(pugi::xml_node root) {
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+        if (node.attribute("id")) nodes_.try_emplace(attribute_text(node, "id"), node);
+    }
+}
+
+pugi::xml_node IdTable::find(const std::string& id) const {
+    const auto found = nodes_.find(id);
+    return found == nodes_.end() ? pugi::xml_node() : found->second;
+}
+
+std::string IdTable::name(pugi::xml_node node, const std::string& stem) {
+    std::size_t& number = next_.try_emplace(stem, 2).first->second;
+    std::string id = stem + '-' + std::to_string(number++);
+    while (nodes_.count(id) != 0) id = stem + '-' + std::to_string(number++);
+    nodes_[id] = node;
+    if (!node.attribute("id")) node.prepend_attribute("id");
+    set_attribute(node, "id", escaped(id));
+    return id;
+}
+
+SvgDocument copy_of(const SvgDocument& document) {
+    SvgDocument copy;
+    copy.name = document.name;
+    copy.xml.reset(document.xml);
+    pugi::xml_node to = copy.xml;
+    for (pugi::xml_node from = document.xml; from && to; from = next_node(from, document.xml)) {
+        const auto line = document.lines.find(from.hash_value());
+        if (line != document.lines.end()) copy.lines[to.hash_value()] = line->second;
+        const auto box = document.text_boxes.find(from.hash_value());
+        if (box != document.text_boxes.end()) copy.text_boxes[to.hash_value()] = box->second;
+        to = next_node(to, copy.xml);
+    }
+    return copy;
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

@@ -1,0 +1,70 @@
+#pragma once
+
+// Elements and attributes of an SVG document: names, ids, text, lines, for the files that work on one.
+
+#include "svg/document.hpp"
+
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+namespace cageform_examples {
+
+namespace detail {
+
+constexpr int max_svg_depth = 1000; // of nested elements; the walk is recursive
+
+/// The node after `node` in document order within `top`, or none.
+pugi::xml_node next_node(pugi::xml_node node, pugi::xml_node top);
+
+/// The element's name without the prefix; empty for what is not SVG's, or no element.
+std::string local_name(pugi::xml_node node);
+
+bool is_blank(std::string_view text);
+
+std::string_view trimmed(std::string_view text);
+
+/// Replaces character references and the five entities of XML; others, from a doctype, are left.
+std::string unescaped(std::string_view raw);
+
+/// Whether an attribute of this name refers to another element or file: href, with a prefix or not.
+bool is_reference(std::string_view attribute);
+
+/// Text as it stands between the quotes of an attribute.
+std::string escaped(std::string_view text);
+
+/// Adds a class to the element's, once.
+void add_class(pugi::xml_node node, const std::string& name);
+
+/// The value of href, or of xlink:href whatever the prefix; empty if there is none.
+std::string reference_of(pugi::xml_node node);
+void set_reference(pugi::xml_node node, const std::string& id); ///< of all attributes that refer
+
+/// Such as: rect "wall" (line 12).
+std::string label(const SvgDocument& document, pugi::xml_node node);
+
+SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why);
+
+/// An error inside an attribute: its line and column are counted in the attribute.
+SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
+                  const SvgError& error);
+
+/// The elements of a document by their ids; of several with the same id the first one counts.
+class IdTable {
+public:
+    explicit IdTable(pugi::xml_node root);
+
+    pugi::xml_node find(const std::string& id) const; ///< nothing if there is none
+    void move(const std::string& id, pugi::xml_node node) { nodes_[id] = node; }
+
+    /// Gives the element an id that is not in use: the stem with a number.
+    std::string name(pugi::xml_node node, const std::string& stem);
+
+private:
+    std::unordered_map<std::string, pugi::xml_node> nodes_;
+    std::unordered_map<std::string, std::size_t> next_; // number of a stem
+};
+
+} // namespace detail
+
+} // namespace cageform_examples

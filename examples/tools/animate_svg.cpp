@@ -1,0 +1,306 @@
+// Animates any SVG figure by a cage and a motion of it.
+//
+//     animate_svg cat.svg --cage cat_cage.svg --clip cat_walk.csv --coordinates harmonic -o walk.svg
+//     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
+//
+// The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser.
+// A frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help tells what a
+// clip file holds.
+
+#include "cli/auto_cage.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/figure_motion.hpp"
+#include "cli/guard.hpp"
+#include "cli/pose_choice.hpp"
+#include "cli/progress_bar.hpp"
+#include "files/atomic_file.hpp"
+#include "files/cage_file.hpp"
+#include "files/clip_file.hpp"
+#include "files/csv.hpp"
+#include "pictures/render.hpp"
+#include "svg/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+/// A line with tufts of grass, which repeat every `period` units; begins `period` before the view.
+pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
+    const auto view = view_box(document);
+    const double left = view->x - period, right = view->x + view->width, step = period / 4;
+    auto root = detail::root_element(document.xml);
+    auto group = root.prepend_child((detail::name_prefix(root) + "g").c_str());
+    group.append_attribute("fill") = "none";
+    group.append_attribute("stroke") = "#7c8f4e";
+    group.append_attribute("stroke-width") = 4;
+    group.append_attribute("stroke-linecap") = "round";
+    Path path{{{left, y}, {{{left, y}, {right, y}, {right, y}, true}}, false}};
+    constexpr std::array<double, 4> heights{16, 9, 13, 6};
+    for (std::size_t i = 0; left + double(i) * step < right; ++i) {
+        const double x = left + (double(i) + 0.5) * step, height = heights[i % 4];
+        for (const double lean : {-0.5, 0.1, 0.6}) {
+            const Point2 tip{x + lean * height, y + 6 - height};
+            path.push_back({{x + 8 * lean, y + 6}, {{tip, tip, tip, true}}, false});
+        }
+    }
+    group.append_child((detail::name_prefix(root) + "path").c_str()).append_attribute("d") =
+        write_path_data(path, 1).c_str();
+    return group;
+}
+
+struct Settings {
+    std::string figure, cage, clip, pose, out, stills; // clip: its name for messages, whatever it comes from
+    PoseChoice operations;
+    double seconds = 2;
+    std::vector<std::string> films;
+    std::size_t width = 800; // of films
+    double rate = 0;         // 0: as fast as what is written can be played
+    std::size_t still_count = 12;
+    bool text_as_paths = false;
+    CoordinatesChoice choice;
+    OutsideChoice outside;
+    DeformOptions options;
+};
+
+std::size_t still_count_of(const Settings& settings) {
+    return settings.stills.empty() ? 0 : settings.still_count;
+}
+
+std::string still_path(const Settings& settings, std::size_t n) {
+    return settings.stills + (n < 9 ? "0" : "") + std::to_string(n + 1) + ".svg";
+}
+
+/// From rest to a pose and back, every vertex on a straight line.
+ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
+    ClipFile clip{pose.name == cage.name ? "the pose" : pose.name, seconds, {}, {}, {}};
+    constexpr auto ease = cageform::KeyKind::bezier;
+    for (std::size_t i = 0; i < cage.vertices.size(); ++i) {
+        const Point2 &rest = cage.vertices[i], &there = pose.vertices[i];
+        clip.controls.push_back({"vertex " + std::to_string(i),
+                                 {{i, 1}},
+                                 rest,
+                                 {{0, {}, ease},
+                                  {seconds / 2, {there.x - rest.x, there.y - rest.y, 0}, ease},
+                                  {seconds, {}, ease}}});
+    }
+    return clip;
+}
+
+SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
+    if (!settings.clip.empty()) return load_clip(settings.clip, cage.vertices.size());
+    const auto pose =
+        read_pose(settings.pose, settings.operations, cage, CageWord::of(settings.cage).is_auto);
+    if (!pose) return pose.error();
+    return clip_to(*pose, cage, settings.seconds);
+}
+
+/// The number of frames of a clip, and the way of its ground.
+struct Plan {
+    std::size_t frames = 0;
+    double passed = 0; // what the ground passes by in the clip's length
+};
+
+SvgResult<Plan> plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view) {
+    const double frames = std::max(1.0, std::round(file.length * settings.rate));
+    const double most = settings.films.empty() ? 1e5 : 3600;
+    if (!(frames <= most))
+        return SvgError{settings.clip + ": its length takes " + detail::short_number(frames) + " frames; " +
+                        (settings.films.empty() ? "" : "a film has ") + std::to_string(int(most)) +
+                        " at most, a smaller --rate takes fewer"};
+    const double passed = file.ground ? file.ground->speed * file.length : 0;
+    if (passed != 0 && !(std::fabs(passed) >= 1e-3 * view.width && std::fabs(passed) <= 1e3 * view.width))
+        return SvgError{settings.clip + ": in the clip's length the ground passes by " +
+                        detail::short_number(passed) +
+                        " units; from a thousandth to a thousand times the picture's width is drawn"};
+    return Plan{std::size_t(frames), passed};
+}
+
+/// The cage's vertices in all frames. A late layer has a player of its own, so that every player goes forth a frame at
+/// a time.
+std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& clip, const ClipFile& file,
+                                          std::size_t frames, std::size_t vertices) {
+    std::vector<std::vector<Point2>> poses;
+    std::vector<cageform::Vec<double, 2>> pose(vertices);
+    for (std::size_t layer = 0; layer <= file.late.size(); ++layer) {
+        auto cursor = clip.make_cursor();
+        const double late = layer == 0 ? 0 : file.late[layer - 1].seconds;
+        for (std::size_t f = 0; f < frames; ++f) {
+            clip.sample(double(f) * file.length / double(frames) - late, cursor, pose);
+            auto& points = poses.emplace_back();
+            for (const auto& p : pose) points.push_back({p[0], p[1]});
+        }
+    }
+    return poses;
+}
+
+int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
+            const ClipFile& file) {
+    const auto view = view_box(document);
+    if (!view) return fail(to_string(view.error()));
+    const auto plan = plan_of(settings, file, *view);
+    if (!plan) return fail(to_string(plan.error()));
+    const auto& [frames, passed] = *plan;
+    const auto clip = make_clip(file, cage.vertices);
+    if (!clip) return fail(to_string(clip.error()));
+    std::vector<std::filesystem::path> outputs_asked(settings.films.begin(), settings.films.end());
+    outputs_asked.emplace_back(settings.out);
+    for (std::size_t n = 0; n < still_count_of(settings); ++n)
+        outputs_asked.emplace_back(still_path(settings, n));
+    if (const auto why = fault_of_outputs(outputs_asked)) return fail(*why);
+    FigureControl control = control_of(settings.choice, cage);
+    control.pose_name = settings.clip;
+    control.frames = frames;
+    control.poses = poses_of(*clip, file, frames, cage.vertices.size());
+    DeformOptions options = settings.options;
+    for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
+    if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view->width, view->height);
+    auto moved = move_figure(document, settings.figure, control, settings.outside, options);
+    if (!moved) return fail(to_string(moved.error()));
+    const std::string fault = pose_faults(control, cage);
+    if (!fault.empty()) warn(fault);
+
+    AnimatedSvg& drawing = moved->drawing;
+    pugi::xml_node ground;
+    if (file.ground)
+        ground =
+            draw_ground(drawing.document, file.ground->y, passed != 0 ? std::fabs(passed) : view->width / 8);
+    const auto text_of_frame = [&, passed = passed, frames = frames](std::size_t f) {
+        drawing.show(f);
+        if (ground) {
+            const double x = passed * double(f) / double(frames);
+            detail::set_attribute(ground, "transform", "translate(" + format_number(x, 2) + ')');
+        }
+        return to_text(drawing.document);
+    };
+    OutputFiles outputs;
+    // Stills and films first, by their places; then what moves.
+    const std::size_t stills = still_count_of(settings);
+    for (std::size_t n = 0; n < stills; ++n)
+        outputs.add(still_path(settings, n)).write(text_of_frame(n * frames / stills));
+    if (!settings.films.empty()) {
+        ProgressBar bar("frames");
+        const auto tell = bar.callback();
+        std::deque<Film> films;
+        for (const std::string& path : settings.films)
+            films.emplace_back(outputs, path, double(frames) / file.length, int(settings.width));
+        for (std::size_t f = 0; f < frames && !outputs.error(); ++f) {
+            const std::string text = text_of_frame(f);
+            for (Film& film : films) film.add_frame(text);
+            if (tell) tell(double(f + 1) / double(frames));
+        }
+        for (Film& film : films) film.finish();
+        if (const auto error = outputs.error()) return fail(*error);
+    }
+    if (!settings.out.empty()) {
+        drawing.show(0);
+        drawing.play(file.length);
+        if (ground) {
+            ground.remove_attribute("transform");
+            AnimatedSvg::append_animation(ground, "transform", "translate", file.length,
+                                          "0 0;" + format_number(passed, 2) + " 0");
+        }
+        outputs.add(settings.out).write(to_text(drawing.document));
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::cout << printable(settings.out.empty() ? settings.films.front() : settings.out) << ": " << frames
+              << " frames of " << file.length << " s, " << drawing.report.segments << " segments, "
+              << drawing.report.points << " points bound, clip of " << clip->bytes() << " bytes\n";
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Animates an SVG figure by a cage and a motion of it.");
+    line.set_examples({"cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg",
+                       "cat.svg --cage cat_cage.svg --clip cat_walk.csv -o walk.gif --fit"});
+    Settings settings;
+    line.add("figure", settings.figure, "the SVG file to animate").required();
+    line.add("--cage", settings.cage,
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points" +
+                 std::string(auto_cage_help))
+        .required();
+    CommandOption clip = line.add("--clip", settings.clip, "its motion: a CSV file of controls and keys");
+    line.add("--pose", settings.pose,
+             "instead of a motion: to this moved cage and back; or operations, or with --cage auto nothing: "
+             "half the figure bends and returns")
+        .excludes(clip);
+    settings.operations.add_options(line);
+    line.add("--seconds", settings.seconds, "to the pose and back")
+        .range(0.01, 1000.0)
+        .show_default()
+        .excludes(clip);
+    line.add("-o,--output", settings.out,
+             "the file to write: an SVG that browsers play, or, by ffmpeg where it is installed, a GIF, an "
+             "animated PNG "
+             "or a video")
+        .required()
+        .ends_with({".svg", ".gif", ".apng", ".png", ".mp4"});
+    line.add("--rate", settings.rate,
+             "frames a second written; a browser goes straight between them; 0: 60, of films alone 25")
+        .check([](const std::string& text) {
+            const double rate = std::strtod(text.c_str(), nullptr);
+            return rate == 0 || (rate >= 1 && rate <= 240) ? "" : text + " is not 0 nor from 1 to 240";
+        })
+        .show_default();
+    line.add("--flatness", settings.options.tolerance,
+             "how far curves may miss the shape, in user units; 0: a five-thousandth of the picture's "
+             "diagonal")
+        .range(0.0, 1e100)
+        .show_default();
+    line.add_flag("--fit", settings.options.fit,
+                  "grow the viewBox and the size of the picture to what moves, in all frames");
+    line.add_flag(
+        "--text-as-paths", settings.text_as_paths,
+        "deform the outlines of letters (as rsvg-convert draws them); else a text moves as a whole");
+    line.add("--stills", settings.stills, "also write frames to files that begin so: 01.svg, 02.svg, …");
+    line.add("--still-count", settings.still_count, "how many, equally far apart")
+        .range(1, 99)
+        .show_default();
+    const auto add_film = [&](const std::string& name, const std::string& help,
+                              const std::vector<std::string>& endings) {
+        line.add_text(
+                "--" + name, [&](const std::string& path) { settings.films.push_back(path); },
+                "also write " + help + ", by ffmpeg where it is installed")
+            .ends_with(endings);
+    };
+    add_film("gif", "a GIF of the frames", {".gif"});
+    add_film("apng", "an animated PNG", {".png", ".apng"});
+    add_film("mp4", "a video", {".mp4"});
+    line.add("--width", settings.width, "of these, in pixels").range(16, 8192).show_default();
+    settings.outside.add_option(line);
+    settings.choice.in_plane = settings.choice.with_normals = true;
+    settings.choice.add_options(line);
+    line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + clip_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (!settings.clip.empty() && !settings.operations.operations.empty())
+        return fail("--clip, or operations such as --turn, but not both");
+    if (ending_of(settings.out) != ".svg") {
+        settings.films.insert(settings.films.begin(), settings.out);
+        settings.out.clear();
+    }
+    if (settings.rate == 0) settings.rate = settings.out.empty() ? 25 : 60;
+    const auto document = load_figure(settings.figure, settings.text_as_paths);
+    if (!document) return fail(to_string(document.error()));
+    settings.outside.cage_is_made = CageWord::of(settings.cage).is_auto;
+    const bool is_first_look =
+        settings.clip.empty() && settings.pose.empty() && settings.operations.operations.empty();
+    settings.options.fit = settings.options.fit || is_first_look;
+    const auto cage = load_or_make_cage(settings.cage, *document);
+    if (!cage) return fail(to_string(cage.error()));
+    const auto file = read_clip(settings, *cage);
+    if (!file) return fail(to_string(file.error()));
+    settings.clip = file->name;
+    return animate(settings, *document, *cage, *file);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("animate_svg", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,295 @@
+// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file: points and
+// normals, triangles, and a motion of the cage (cageform/binding/figure.hpp, support/files/figure_parts.hpp).
+//
+//     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
+//               -o character.figure
+//
+// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all weights put
+// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth of the cage;
+// not with Green coordinates, whose faces turn with no bound, so that they need a motion.
+//
+// The engine's client (engine/ogre_client.cpp) maps that file and plays it.
+
+#include "cli/auto_cage.hpp"
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/pose_choice.hpp"
+#include "cli/progress_bar.hpp"
+#include "files/atomic_file.hpp"
+#include "files/clip_file.hpp"
+#include "files/csv.hpp"
+#include "files/figure_parts.hpp"
+
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+namespace {
+
+using namespace cageform_examples;
+using cageform::Status;
+using cageform::WeightFormat;
+
+struct Arguments {
+    std::string figure, cage, labels, out;
+    MotionChoice moves;
+    std::optional<WeightFormat> format;
+    std::size_t largest = 0;
+    double distance = 0; // share of the figure's size; 0: no promise
+    bool report = false;
+    OutsideChoice outside;
+    CoordinatesChoice choice;
+};
+
+const char* name_of(WeightFormat format) {
+    switch (format) {
+    case WeightFormat::scalar: return "float";
+    case WeightFormat::half: return "half";
+    case WeightFormat::int16: return "int16";
+    case WeightFormat::int8: return "int8";
+    }
+    return "";
+}
+
+/// The mean of the normals of the faces around every vertex, by area.
+std::vector<Point3> normals_of(const ObjFile& figure) {
+    const auto& p = figure.vertices;
+    std::vector<Point3> normals(p.size());
+    for (const auto& [a, b, c] : figure.triangles) {
+        for (const auto i : {a, b, c}) normals[i] = normals[i] + cross(p[b] - p[a], p[c] - p[a]);
+    }
+    return normals;
+}
+
+/// The curves of x, y and z of every vertex. Fails where single precision does not hold them.
+SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip& clip) {
+    std::vector<cageform::PiecewiseCubic<float>> curves;
+    std::vector<double> values(clip.keys.size());
+    for (std::size_t n = 0; n < 3 * clip.keys[0].places.size(); ++n) {
+        for (std::size_t k = 0; k < values.size(); ++k) values[k] = clip.keys[k].places[n / 3][n % 3];
+        std::vector<cageform::CubicPiece<float>> pieces;
+        const auto curve = curve_through(clip, values);
+        for (const auto& [begin, c0, c1, c2, c3] : curve.pieces()) {
+            pieces.push_back({float(begin), float(c0), float(c1), float(c2), float(c3)});
+            for (const double number : {c0, c1, c2, c3}) {
+                if (std::isfinite(float(number))) continue;
+                return SvgError{clip.name + ": vertex " + std::to_string(n / 3 + 1) +
+                                " moves too fast after " + std::to_string(begin) +
+                                " s: single precision does not hold its curve"};
+            }
+        }
+        curves.emplace_back(std::move(pieces), float(clip.length));
+    }
+    return curves;
+}
+
+constexpr double of_vectors =
+    10; ///< as much may be lost of unit vectors (FigurePackOptions::tangent_tolerance)
+
+/// What a packing has lost. Warns where that is much.
+std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
+                          const SampledPoses& poses, bool is_vector, bool has_faces) {
+    StoredLoss loss;
+    loss.largest = report.distance.value;
+    loss.mean = report.mean_distance;
+    loss.vertex = report.distance.point;
+    loss.size = is_vector ? 1 : report.size;
+    if (is_vector) loss.size_of = "the length of vectors that carry normals";
+    loss.poses = report.poses;
+    loss.reach = report.reach;
+    loss.has_vectors = has_faces;
+    if (report.distance_pose < poses.times.size()) loss.time = poses.times[report.distance_pose];
+    const std::string text = describe(loss);
+    if (loss.share() > StoredLoss::worth_a_warning * (is_vector ? of_vectors : 1))
+        warn(figure.name + ": what is packed is off by " + text + "; --max-distance bounds it" +
+             (report.poses == 0 && has_faces ? " over a motion" : ""));
+    return text;
+}
+
+/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without area.
+SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
+                                                const PoseClip& clip, const SampledPoses& poses) {
+    std::vector<double> numbers;
+    std::vector<std::string> warnings;
+    for (std::size_t p = 0; p < poses.times.size(); ++p) {
+        std::vector<Point3> pose(clip.keys[0].places.size());
+        for (std::size_t n = 0; n < 3 * pose.size(); ++n)
+            pose[n / 3][n % 3] = poses.numbers[3 * pose.size() * p + n];
+        std::string warning;
+        const auto handles = pose_of_handles(binding, pose, name_of_pose(clip, poses.times[p]), warning);
+        if (!handles) return handles.error();
+        if (!warning.empty()) warnings.push_back(std::move(warning));
+        cageform::append_pose(numbers, *handles);
+    }
+    print_warnings(warnings);
+    return numbers;
+}
+
+/// Binds, packs and writes. `labels` are of the cage's vertices, or none.
+int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+                const std::vector<std::string>& labels) {
+    if (const auto why = fault_of_outputs({given.out})) return fail(*why);
+    const auto coordinates = make_coordinates<float>(given.choice, cage);
+    warn_of_closed_gaps(cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) note(coordinates->note);
+    std::vector<cageform::PiecewiseCubic<float>> curves;
+    PoseClip motion;
+    SampledPoses poses;
+    auto clip_given = given.moves.motion(cage);
+    if (!clip_given) return fail(to_string(clip_given.error()));
+    if (!clip_given->keys.empty()) {
+        motion = std::move(*clip_given);
+        auto made = curves_of(motion);
+        if (!made) return fail(to_string(made.error()));
+        curves = std::move(*made);
+        poses = sample_poses(motion);
+    }
+    cageform::BindOptions bind_options;
+    bind_options.outside = given.outside.policy(*coordinates);
+    const std::vector<Point3> normals = normals_of(figure);
+    cageform::FigureBindResult<float, 3> bound;
+    {
+        ProgressBar bar("binding");
+        bound =
+            coordinates->bind_figure({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
+    }
+    const cageform::BindReport& of_points = bound.report.points;
+    if (bound.report.status != Status::ok) {
+        const bool fault_of_points = of_points.status != Status::ok;
+        return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
+    }
+    warn_of_coarse_grid(cage.name, of_points.solver);
+    const auto outside =
+        given.outside.judge(*coordinates, of_points, figure.vertices, figure.name, cage.name);
+    if (!outside.fault.empty()) return fail(outside.fault);
+    if (!outside.warning.empty()) warn(outside.warning);
+    if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
+        warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
+             " vertices, first " + name_points(figure.vertices, still));
+    }
+    if (!labels.empty()) {
+        auto of_handles = labels; // faces have none
+        of_handles.resize(bound.figure.points.handle_count());
+        const Status status = bound.figure.set_labels(of_handles);
+        if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
+    }
+    cageform::FigurePackOptions options;
+    options.weights.format = given.format;
+    options.weights.largest = given.largest;
+    const auto posed = poses_of_handles(bound.figure.points, motion, poses);
+    if (!posed) return fail(to_string(posed.error()));
+    options.weights.poses = *posed;
+    const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    options.weights.tolerance = given.distance * size;
+    const std::vector<std::byte> clip = clip_part(curves);
+    const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
+                                              {"CLIP", clip}};
+    options.parts = parts;
+    cageform::FigurePackResult<float, 3> made;
+    {
+        ProgressBar bar("packing");
+        made = cageform::pack_figure(bound.figure, options, {.progress = bar.callback()});
+    }
+    const auto& [packed, report] = made;
+    const std::pair<const char*, const cageform::PackReport&> reports[] = {
+        {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
+    for (const auto& [name, part] : reports) {
+        const bool is_vector = &part != &report.points;
+        if (part.status == Status::format_too_coarse) {
+            std::ostringstream least;
+            least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size);
+            return fail(figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
+                        " is within reach: a larger --max-distance, or another --format");
+        }
+        if (part.status != Status::ok) return fail(cageform::to_string(part.status));
+        const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
+        if (!given.report) continue;
+        std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
+                  << name_of(part.format) << ", " << part.weights_per_point << " weights a point\n  off by "
+                  << loss << "\n  sum of changes of a point's weights at most " << part.error.value
+                  << ", mean " << part.mean_error << '\n';
+    }
+    if (report.status != Status::ok) return fail(cageform::to_string(report.status));
+    if (given.report && !labels.empty()) {
+        std::cout << "labels: of "
+                  << labels.size() - std::size_t(std::count(labels.begin(), labels.end(), "")) << " of "
+                  << labels.size() << " vertices of the cage\n";
+    }
+    AtomicFile out(given.out);
+    out.write({reinterpret_cast<const char*>(packed.bytes().data()), packed.bytes().size()});
+    if (const auto error = out.commit()) return fail(*error);
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Binds an OBJ figure to a cage and packs what a game needs of it into one file.");
+    line.set_examples({"character.obj --cage auto:112 -o character.figure",
+                       "character.obj --cage character_cage.obj --clip character_clip.csv --max-distance "
+                       "0.001 -o character.figure"});
+    Arguments given;
+    std::string format;
+    line.add("figure", given.figure, "the OBJ file to bind").required();
+    line.add("--cage", given.cage,
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
+                 std::string(auto_cage_help))
+        .required();
+    given.moves.add_options(line);
+    line.add("--labels", given.labels, "names of the cage's vertices, kept in the file: a text file");
+    line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
+    given.choice.with_normals = given.choice.in_space = true;
+    given.choice.add_options(line);
+    given.outside.add_option(line);
+    line.add("--largest", given.largest,
+             "weights of its place that a vertex keeps at least, 4 or more; 0: all")
+        .show_default();
+    line.add("--max-distance", given.distance,
+             "no vertex farther from where all weights put it, as a share of the figure's size, in the "
+             "poses of the motion, or in all that bend by up to a tenth of the cage; unit vectors that "
+             "carry normals may change by ten times as much; of green over a motion alone. 0: no bound")
+        .range(0.0, 1.0)
+        .show_default();
+    line.add("--format", format, "of weights: float, half, int16 or int8")
+        .one_of({"float", "half", "int16", "int8"})
+        .show_default("float; with --max-distance, the one of the fewest bytes");
+    line.add_flag("--report", given.report, "print sizes and errors");
+    line.set_footer(obj_format + std::string("\n") + pose_clip_format + "\n" + pose_operations_format + "\n" +
+                    labels_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (given.choice.name == "barycentric")
+        return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
+    if (given.choice.name == "harmonic" &&
+        given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
+        return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
+    if (given.choice.takes_normals() && given.distance > 0 && !given.moves.is_given())
+        return fail("--max-distance with --coordinates green is kept over a motion: --clip, --pose, or "
+                    "operations such as --turn");
+    for (const WeightFormat known :
+         {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
+        if (format == name_of(known)) given.format = known;
+    }
+
+    const auto figure = load_obj(given.figure);
+    if (!figure) return fail(to_string(figure.error()));
+    if (figure->faces.empty()) return fail(figure->name + ": holds no faces, so it has no normals");
+    const auto cage = load_or_make_cage(given.cage, *figure);
+    if (!cage) return fail(to_string(cage.error()));
+    for (const auto* file : {&*figure, &*cage}) {
+        if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
+    }
+    std::vector<std::string> labels;
+    if (!given.labels.empty()) {
+        auto read = read_labels(given.labels, cage->vertices.size());
+        if (!read) return fail(to_string(read.error()));
+        labels = std::move(*read);
+    }
+    return bind_figure(given, *figure, *cage, labels);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("bind_mesh", [&] { return run_program(argc, argv); });
+}

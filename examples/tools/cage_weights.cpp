@@ -1,0 +1,257 @@
+// The coordinates of points as numbers: the tool to compare with other implementations.
+//
+//     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
+//
+// A cage in the plane is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines with empty lines
+// between them: loops (outer first, then holes) and, for harmonic coordinates, cells inside. These come in any
+// place, each headed by a line of its own:
+//
+//     # chain          edges from each point to the next; two points or more
+//     # point 12.5     one point; everything within the radius follows it
+//
+// A point of a chain that equals a vertex given before is that vertex. A cage in space is an OBJ of a closed
+// mesh. Points have "x,y" a line, or "x,y,z" in space.
+//
+// sibson and sibson-c1 take points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an SVG or
+// the vertices of an OBJ (site_file.hpp).
+//
+// The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
+// weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
+// ones of chains and points, of green then the edges (or faces); --labels names those of vertices. Points are read,
+// bound and written in batches, so a file may have any length.
+
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/progress_bar.hpp"
+#include "files/atomic_file.hpp"
+#include "files/cage_file.hpp"
+#include "files/csv.hpp"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <functional>
+#include <iostream>
+#include <set>
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Settings {
+    std::string cage_path, points_path, labels_path, out_path, scalar = "double", outside = "extend",
+                                                               linear_precision = "restore";
+    bool report = false;
+    CoordinatesChoice choice;
+};
+
+/// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails where two
+/// have one name.
+SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles,
+                                   std::size_t vertices) {
+    std::vector<std::string> labels;
+    if (!labels_path.empty()) {
+        auto read = read_labels(labels_path, vertices);
+        if (!read) return read.error();
+        labels = std::move(*read);
+    }
+    labels.resize(handles);
+    std::string text = "status";
+    std::set<std::string> names{text};
+    for (std::size_t h = 0; h < handles; ++h) {
+        const std::string name = labels[h].empty() ? "w" + std::to_string(h) : labels[h];
+        if (!names.insert(name).second)
+            return SvgError{labels_path + ": two columns would have the name " + detail::quoted(name)};
+        text += ',';
+        if (name.find_first_of(",\"") == std::string::npos) {
+            text += name;
+            continue;
+        }
+        text += '"'; // as RFC 4180 has it
+        for (const char c : name) text += c == '"' ? "\"\"" : std::string(1, c);
+        text += '"';
+    }
+    return text + '\n';
+}
+
+/// Says what is wrong with the cage, or with the sites.
+using Describe = std::function<std::string(const cageform::BindReport&)>;
+
+template <class T, std::size_t D>
+int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Describe& describe_faults) {
+    PointReader<D, T> reader(settings.points_path);
+    if (!reader.error().empty()) return fail(reader.error());
+    const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
+    cageform::BindReport total;
+    total.cage = coordinates.cage_report;
+    total.status = total.cage.status;
+    if (total.status != cageform::Status::ok) return refuse(total);
+    const std::size_t handles = coordinates.handles;
+    auto header = header_line(settings.labels_path, handles, handles - coordinates.vectors);
+    if (!header) return fail(to_string(header.error()));
+    std::string text = std::move(*header);
+    AtomicFile out(settings.out_path);
+    if (const auto error = out.error()) return fail(*error);
+
+    cageform::BindOptions options;
+    options.outside = settings.outside == "extend" ? cageform::OutsidePoints::extend
+                      : settings.outside == "keep" ? cageform::OutsidePoints::keep_in_place
+                                                   : cageform::OutsidePoints::nearest_boundary;
+    options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
+                                                                      : cageform::LinearPrecision::leave;
+    warn_of_closed_gaps(settings.cage_path, coordinates.cage_report);
+    if (!coordinates.note.empty()) note(coordinates.note);
+    const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
+    const bool weights_outside =
+        settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
+    ProgressBar bar("binding");
+    const auto progress = bar.callback();
+    std::vector<std::array<double, D>> numbers;
+    std::vector<std::conditional_t<D == 2, Point2, Point3>> points;
+    std::vector<cageform::PointState> states;
+    // A first round without points checks the cage even where there are none.
+    bool more = true, first = true;
+    while (more) {
+        more = reader.read(numbers, batch);
+        if (!reader.error().empty()) return fail(reader.error());
+        if (first && numbers.size() == batch && !coordinates.closed_form) { // there may be more batches
+            const auto evaluation = coordinates.solve({.progress = progress});
+            total.status = evaluation.status;
+            total.solver = evaluation.solver;
+            if (evaluation.status != cageform::Status::ok) return refuse(total);
+            total.seconds = evaluation.solver.seconds;
+        }
+        points.clear();
+        for (const auto& p : numbers)
+            points.push_back(std::bit_cast<std::conditional_t<D == 2, Point2, Point3>>(p));
+        const auto [binding, report] = coordinates.bind(points, options);
+        if (report.status != cageform::Status::ok) return refuse(report);
+        if (first) {
+            total.solver = report.solver;
+            warn_of_coarse_grid(settings.cage_path, total.solver);
+        }
+        first = false;
+        states.assign(points.size(), cageform::PointState::inside);
+        for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
+        for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;
+        for (const std::size_t i : report.not_finite) states[i] = cageform::PointState::not_finite;
+        for (const std::size_t i : report.unreached) states[i] = cageform::PointState::unreached;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto state = states[i];
+            const bool known = state == cageform::PointState::inside ||
+                               state == cageform::PointState::on_boundary ||
+                               (state == cageform::PointState::outside && weights_outside);
+            text += to_string(state);
+            for (std::size_t h = 0; h < binding.handle_count(); ++h) {
+                text += ',';
+                if (!known) {
+                    text += "nan";
+                    continue;
+                }
+                std::array<char, 32> digits;
+                const auto end = std::to_chars(digits.begin(), digits.end(), double(binding.weight(i, h)),
+                                               std::chars_format::general, 17);
+                text.append(digits.data(), end.ptr);
+            }
+            text += '\n';
+        }
+        out.write(text);
+        text.clear();
+        if (settings.report)
+            add_batch(total, report, total.points);
+        else
+            total.points += report.points;
+        if (progress) progress(reader.fraction());
+    }
+    if (total.points == 0) return fail(settings.points_path + ": holds no points");
+    if (const auto error = out.commit()) return fail(*error);
+    if (settings.report) std::cout << describe(total);
+    return 0;
+}
+
+/// Reads sites.
+template <class T, std::size_t D>
+int run_with_sites(const Settings& settings) {
+    const auto sites = load_sites<D>(settings.cage_path);
+    if (!sites) return fail(to_string(sites.error()));
+    if (const auto why = single_precision_fault(*sites); !why.empty() && sizeof(T) == 4) return fail(why);
+    return run(settings, *make_coordinates<T>(settings.choice, *sites),
+               [&](const auto& report) { return describe_site_faults(*sites, report); });
+}
+
+/// Reads the cage, or sites.
+template <class T>
+int run(const Settings& settings) {
+    if (settings.choice.takes_sites()) {
+        const auto dimension = site_dimension(settings.cage_path);
+        if (!dimension) return fail(to_string(dimension.error()));
+        return *dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
+    }
+    if (settings.cage_path.ends_with(".obj")) {
+        if (settings.choice.takes_polygons())
+            return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");
+        const auto file = load_mesh_cage(settings.cage_path);
+        if (!file) return fail(to_string(file.error()));
+        if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
+            return fail(to_string(*fault));
+        return run(settings, *make_coordinates<T>(settings.choice, *file),
+                   [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); });
+    }
+    const auto file = load_cage(settings.cage_path);
+    if (!file) return fail(to_string(file.error()));
+    for (std::size_t i = 0; i < file->vertices.size() && sizeof(T) == 4; ++i) {
+        for (const double x : {file->vertices[i].x, file->vertices[i].y}) {
+            const std::string why = detail::single_precision_fault(x);
+            if (!why.empty() && std::isfinite(x))
+                return fail(settings.cage_path + ": vertex " + std::to_string(i) + ": " + why);
+        }
+    }
+    return run(settings, *make_coordinates<T>(settings.choice, *file),
+               [&](const auto& report) { return describe_faults(settings.cage_path, report); });
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Writes the cage coordinates of points.");
+    line.set_examples(
+        {"--cage cat_cage.svg --points points.csv -o weights.csv",
+         "--cage character_cage.obj --points places.csv --coordinates harmonic -o weights.csv"});
+    Settings settings;
+    line.add("--cage", settings.cage_path,
+             "in the plane a CSV or an SVG, in space an OBJ of a closed mesh; of sibson and sibson-c1 points")
+        .required();
+    line.add("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space").required();
+    line.add("--labels", settings.labels_path, "names of the cage's vertices, for the columns: a text file");
+    line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required().ends_with({".csv"});
+    line.set_footer(cage_formats + std::string("\n") + obj_format + "\n" + site_formats +
+                    "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
+                    "of chains and points, or to those given instead of a cage, as they come in the\n"
+                    "file; of green then to the edges, in the order of the vertices they begin at (or to\n"
+                    "the faces): to normals of their length (the root of their area). nan where a point\n"
+                    "has no weights.\n"
+                    "\n" +
+                    labels_format);
+    line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
+    line.add("--outside", settings.outside,
+             "points outside: extend (where the coordinates are defined), keep or nearest")
+        .one_of({"extend", "keep", "nearest"})
+        .show_default();
+    line.add("--linear-precision", settings.linear_precision,
+             "restore or leave what weights miss of it: a solver's, and those about interior points")
+        .one_of({"restore", "leave"})
+        .show_default();
+    line.add_flag("--report", settings.report, "print the bind report");
+    settings.choice.in_plane = settings.choice.with_sites = settings.choice.with_normals = true;
+    settings.choice.in_space = true;
+    settings.choice.add_options(line);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("cage_weights", [&] { return run_program(argc, argv); });
+}

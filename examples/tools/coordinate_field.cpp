@@ -1,0 +1,348 @@
+// Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage. Or of the field
+// that has given values at the cage's vertices, linear between them: by harmonic coordinates, the solution of Laplace's
+// equation.
+//
+//     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
+//     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png
+
+#include "cli/auto_cage.hpp"
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "cli/progress_bar.hpp"
+#include "files/cage_file.hpp"
+#include "pictures/field_plot.hpp"
+
+#include <cageform/papers/detail/rasterise.hpp>
+
+#include <iostream>
+#include <limits>
+#include <memory>
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Arguments {
+    std::string cage, out, zoom, classes;
+    std::size_t vertex = 0;
+    std::vector<double> values; // of the field, at every vertex: 1 at `vertex`, or any
+    bool is_coordinate = true;
+    bool y_up = false;
+    FieldStyle style;
+    SurfaceView view;
+    CoordinatesChoice choice;
+
+    std::string name() const {
+        return choice.name + (is_coordinate ? " coordinate of vertex " + std::to_string(vertex)
+                                            : " interpolation of values");
+    }
+    /// The value on an edge, at a share of the way from vertex i to vertex j.
+    double on_edge(std::size_t i, std::size_t j, double t) const {
+        return (1 - t) * values[i] + t * values[j];
+    }
+};
+
+/// "v0,v1,…", a number for each vertex.
+SvgResult<std::vector<double>> parse_values(const std::string& text, const CageFile& cage) {
+    std::vector<double> values;
+    std::string_view rest = text;
+    for (bool more = true; more;) {
+        const std::size_t end = std::min(rest.find(','), rest.size());
+        const std::string why =
+            detail::parse_number(detail::trim(rest.substr(0, end)), values.emplace_back());
+        if (!why.empty()) return SvgError{"--values: " + why};
+        if (!std::isfinite(values.back())) return SvgError{"--values: a value is not finite"};
+        more = end < rest.size();
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    if (values.size() != cage.vertices.size()) {
+        return SvgError{"--values: " + std::to_string(values.size()) + " of them, and " + cage.name +
+                        " has " + std::to_string(cage.vertices.size()) + " vertices"};
+    }
+    return values;
+}
+
+/// The field, ready to be sampled.
+class CoordinateField {
+public:
+    CoordinateField(const Arguments& given, const CageFile& cage)
+        : coordinates_(make_coordinates<double>(given.choice, cage)) {
+        for (std::size_t i = 0; i < given.values.size(); ++i) {
+            if (given.values[i] != 0) terms_.emplace_back(i, given.values[i]);
+        }
+    }
+
+    /// Empty, or why there is no field.
+    std::string solve(const std::string& cage_path) {
+        if (coordinates_->cage_report.status != cageform::Status::ok)
+            return describe_faults(cage_path, coordinates_->cage_report);
+        ProgressBar bar("coordinate field");
+        const auto evaluation = coordinates_->solve({.progress = bar.callback()});
+        return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
+    }
+
+    /// The values at points, not a number outside. Of the weights only one column is kept, so points are bound in parts.
+    SvgResult<std::vector<double>>
+    at(std::span<const Point2> points, const std::string& cage_path,
+       cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
+        constexpr std::size_t most = 16384;
+        std::vector<double> values(points.size());
+        for (std::size_t first = 0; first < points.size(); first += most) {
+            const auto part = points.subspan(first, std::min(most, points.size() - first));
+            const auto [binding, bound] = coordinates_->bind(
+                part, {.outside = outside, .linear_precision = cageform::LinearPrecision::leave});
+            if (bound.status != cageform::Status::ok) return SvgError{describe_faults(cage_path, bound)};
+            for (std::size_t i = 0; i < part.size(); ++i) {
+                for (const auto& [vertex, value] : terms_)
+                    values[first + i] += value * binding.weight(i, vertex);
+            }
+            for (const auto* list : {&bound.outside, &bound.unreached}) {
+                if (list == &bound.outside && outside == cageform::OutsidePoints::nearest_boundary) continue;
+                for (const std::size_t i : *list)
+                    values[first + i] = std::numeric_limits<double>::quiet_NaN();
+            }
+        }
+        return values;
+    }
+
+private:
+    std::vector<std::pair<std::size_t, double>> terms_; // vertices with their values, where not 0
+    std::unique_ptr<AnyCoordinates<double, 2>> coordinates_;
+};
+
+/// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not interpolate
+/// piece by piece their limits from inside.
+SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
+                                              const CoordinateField& field, const PlaneBox& box) {
+    std::vector<PlaneLine> lines;
+    const std::size_t pieces = given.choice.takes_normals() ? 32 : 1;
+    cage.for_each_edge([&](std::size_t i, std::size_t j) {
+        const Point2 &a = cage.vertices[i], &b = cage.vertices[j];
+        const auto part = clip_segment(a, b, box);
+        if (!part) return;
+        for (std::size_t n = 0; n < pieces; ++n) {
+            PlaneLine& line = lines.emplace_back();
+            for (const std::size_t end : {n, n + 1}) {
+                const double s = double(end) / double(pieces), t = (1 - s) * (*part)[0] + s * (*part)[1];
+                line.points.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+                line.values.push_back(given.on_edge(i, j, t));
+            }
+        }
+    });
+    if (pieces == 1) return lines;
+    std::vector<Point2> points;
+    for (const PlaneLine& line : lines) points.insert(points.end(), line.points.begin(), line.points.end());
+    const auto values = field.at(points, given.cage, cageform::OutsidePoints::nearest_boundary);
+    if (!values) return values.error();
+    for (std::size_t n = 0; n < lines.size(); ++n)
+        lines[n].values.assign(values->begin() + std::ptrdiff_t(2 * n),
+                               values->begin() + std::ptrdiff_t(2 * n + 2));
+    return lines;
+}
+
+/// The map of the field over a box, seen at twice the pixels and halved, under the boundary's values.
+SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                            const PlaneBox& box) {
+    const double scale = 2 * double(given.style.size) / box.extent();
+    const std::size_t width = 2 * std::size_t(std::ceil(box.width() * scale / 2));
+    const std::size_t height = 2 * std::size_t(std::ceil(box.height() * scale / 2));
+    const auto row = [&](double y) { return given.y_up ? double(height) - y : y; };
+    const auto to_picture = [&](const Point2& p) {
+        return Point2{(p.x - box.low.x) * scale, row((p.y - box.low.y) * scale)};
+    };
+    std::vector<Point2> points;
+    points.reserve(width * height);
+    for (std::size_t y = 0; y < height; ++y) {
+        for (std::size_t x = 0; x < width; ++x)
+            points.push_back(
+                {(double(x) + 0.5) / scale + box.low.x, row(double(y) + 0.5) / scale + box.low.y});
+    }
+    const auto values = field.at(points, given.cage);
+    if (!values) return values.error();
+    const auto [least, largest] = least_and_largest(*values);
+    std::cout << given.name() << ": " << least << " to " << largest << '\n';
+
+    Picture fine = draw_field(*values, width, given.style);
+    const auto boundary = boundary_of(given, cage, field, box);
+    if (!boundary) return boundary.error();
+    for (const PlaneLine& line : *boundary) {
+        const int pieces = given.choice.takes_normals() ? 2 : 64;
+        const auto at = [&](double t) {
+            const Point2 &a = line.points[0], &b = line.points[1];
+            return to_picture({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+        };
+        for (int k = 0; k < pieces; ++k) {
+            const double t = double(k) / pieces;
+            const double value = line.values[0] + t * (line.values[1] - line.values[0]);
+            fine.line(at(t), at(t + 1.0 / pieces), 14, boundary_hue(given.style.share(value)));
+        }
+    }
+    if (given.is_coordinate) {
+        const Point2 at = to_picture(cage.vertices[given.vertex]);
+        fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
+        double value = 1;
+        if (given.choice.takes_normals()) {
+            const auto limit = field.at(std::span(&cage.vertices[given.vertex], 1), given.cage,
+                                        cageform::OutsidePoints::nearest_boundary);
+            if (!limit) return limit.error();
+            value = limit->front();
+        }
+        fine.line(at, at, 24, boundary_hue(given.style.share(value)));
+    }
+    return with_colour_bar(fine.halved(), std::min(least, given.style.zero),
+                           std::max(largest, given.style.one), given.style);
+}
+
+SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                                   const PlaneBox& box) {
+    std::vector<std::vector<Point2>> loops;
+    for (const CageBlock& block : cage.blocks) {
+        if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
+    }
+    FieldSurface surface;
+    surface.mesh = cut_by_lattice(loops, box, std::clamp<std::size_t>(given.style.size / 4, 16, 400));
+    auto values = field.at(surface.mesh.places, given.cage);
+    if (!values) return values.error();
+    surface.values = std::move(*values);
+    auto boundary = boundary_of(given, cage, field, box);
+    if (!boundary) return boundary.error();
+    surface.boundary = std::move(*boundary);
+    surface.y_up = given.y_up;
+    return draw_surface(surface, given.view, given.style);
+}
+
+/// The cells of the papers' grid: what the boundary passes, what is inside, what is outside.
+Picture draw_classes(const Arguments& given, const CageFile& cage) {
+    const auto polygon = cage.polygon<double>();
+    const std::size_t resolution = given.choice.resolution != 0 ? given.choice.resolution : 128;
+    const auto domain = cageform::grid::rasterise(
+        polygon, cageform::grid::lattice_about(cageform::bounds_of(polygon.vertices()), resolution));
+    const auto& [columns, rows] = domain.lattice.cells;
+    const double scale =
+        2 * double(given.style.size) / double(std::max(columns, rows)); // pixels a cell, twice
+    Picture fine(2 * std::size_t(std::ceil(double(columns) * scale / 2)),
+                 2 * std::size_t(std::ceil(double(rows) * scale / 2)));
+    const auto to_picture = [&](const Point2& p) {
+        const double y = (p.y - domain.lattice.origin[1]) / domain.lattice.spacing * scale;
+        return Point2{(p.x - domain.lattice.origin[0]) / domain.lattice.spacing * scale,
+                      given.y_up ? double(fine.height()) - y : y};
+    };
+    for (std::size_t y = 0; y < fine.height(); ++y) {
+        const double from_below = given.y_up ? double(fine.height() - 1 - y) : double(y);
+        const std::size_t row = std::min(std::size_t((from_below + 0.5) / scale), rows - 1);
+        for (std::size_t x = 0; x < fine.width(); ++x) {
+            const std::size_t column = std::min(std::size_t((double(x) + 0.5) / scale), columns - 1);
+            using Tag = cageform::grid::CellTag;
+            const Tag tag = domain.tags[row * columns + column];
+            fine.at(x, y) = tag == Tag::boundary   ? Colour{0.95f, 0.65f, 0.25f}
+                            : tag == Tag::interior ? Colour{0.68f, 0.82f, 0.95f}
+                                                   : Colour{0.97f, 0.97f, 0.95f};
+        }
+    }
+    constexpr Colour grey{0.8f, 0.8f, 0.8f};
+    const double right = double(fine.width()), bottom = double(fine.height());
+    for (std::size_t k = 0; k <= columns; ++k)
+        fine.line({double(k) * scale, 0}, {double(k) * scale, bottom}, 1, grey);
+    for (std::size_t k = 0; k <= rows; ++k)
+        fine.line({0, double(k) * scale}, {right, double(k) * scale}, 1, grey);
+    cage.for_each_edge([&](std::size_t i, std::size_t j) {
+        fine.line(to_picture(cage.vertices[i]), to_picture(cage.vertices[j]), 4, {0.1f, 0.1f, 0.1f});
+    });
+    return fine.halved();
+}
+
+SvgResult<CageFile> cage_about(const std::string& figure, const std::string& word) {
+    if (!CageWord::of(word).is_auto) return load_cage(word);
+    if (figure.empty()) return SvgError{"--cage " + word + " takes a --figure, around which it is made"};
+    const auto document = load_svg(figure);
+    return document ? load_or_make_cage(word, *document) : document.error();
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
+                     "are positive, blue is negative, green is the "
+                     "value on the boundary.");
+    line.set_examples(
+        {"--cage cat_cage.svg --vertex 8 --coordinates harmonic -o field.png",
+         "--cage rectangle.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png"});
+    Arguments given;
+    std::string figure;
+    line.add("--cage", given.cage,
+             "an SVG or CSV file" + std::string(auto_cage_help) + " around the --figure")
+        .required();
+    line.add("--figure", figure, "an SVG file, for --cage auto");
+    const CommandOption vertex = line.add("--vertex", given.vertex, "whose coordinate, from 0");
+    std::string values;
+    CommandOption of_values = line.add(
+        "--values", values, "v0,v1,...: instead of a coordinate the field of these values at the vertices");
+    of_values.excludes(vertex);
+    line.add("-o,--output", given.out, "the PNG file to write").required().ends_with({".png"});
+    given.style.add_options(line);
+    line.add("--zoom", given.zoom, "x,y,width,height: only this part of the plane, in the cage's units")
+        .check(box_fault);
+    line.add("--classes", given.classes,
+             "a PNG file to draw the papers' grid to, with --resolution cells, else 128: orange are those "
+             "that "
+             "the boundary passes, blue those inside")
+        .ends_with({".png"});
+    line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
+    given.view.add_options(line);
+    given.choice.in_plane = given.choice.with_normals = true;
+    given.choice.add_options(line);
+    line.set_footer(cage_formats);
+    if (const auto code = line.parse(argc, argv)) return *code;
+
+    const auto cage = cage_about(figure, given.cage);
+    if (!cage) return fail(to_string(cage.error()));
+    given.cage = cage->name;
+    if (!given.classes.empty() && cage->has_cells())
+        return fail("--classes: " + given.cage +
+                    ": the papers' grid is of cages without chains and points inside");
+    given.is_coordinate = vertex.is_given();
+    if (vertex.is_given() == of_values.is_given()) return fail("--vertex or --values says what to draw");
+    if (given.vertex >= cage->vertices.size()) {
+        return fail("there is no vertex " + std::to_string(given.vertex) + ": " + given.cage + " has " +
+                    std::to_string(cage->vertices.size()));
+    }
+    given.values.assign(cage->vertices.size(), 0.0);
+    given.values[given.vertex] = 1;
+    given.style.set_range(0, 1);
+    if (of_values.is_given()) {
+        if (given.choice.takes_normals())
+            return fail("--values: " + given.choice.name + " coordinates do not interpolate at the vertices");
+        auto parsed = parse_values(values, *cage);
+        if (!parsed) return fail(to_string(parsed.error()));
+        given.values = std::move(*parsed);
+        const auto [least, largest] = least_and_largest(given.values);
+        given.style.set_range(least, largest > least ? largest : least + 1);
+    }
+    PlaneBox around;
+    for (const Point2& p : cage->vertices) around.add(p);
+    const double margin = 0.04 * around.extent(); // for the cage's outline
+    const PlaneBox wide{{around.low.x - margin, around.low.y - margin},
+                        {around.high.x + margin, around.high.y + margin}};
+    const auto zoomed = parse_box(given.zoom);
+    CoordinateField field(given, *cage);
+    if (const std::string why = field.solve(given.cage); !why.empty()) return fail(why);
+
+    OutputFiles outputs;
+    const auto map = draw_map(given, *cage, field, zoomed.value_or(wide));
+    if (!map) return fail(to_string(map.error()));
+    map->write_png(outputs.add(given.out));
+    if (!given.classes.empty()) draw_classes(given, *cage).write_png(outputs.add(given.classes));
+    if (!given.view.path.empty()) {
+        const auto surface = draw_as_surface(given, *cage, field, zoomed.value_or(around));
+        if (!surface) return fail(to_string(surface.error()));
+        surface->write_png(outputs.add(given.view.path));
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("coordinate_field", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,231 @@
+// Deforms any SVG figure by a cage and a pose of it.
+//
+//     deform_svg cat.svg --cage auto -o first_look.svg --png
+//     deform_svg cat.svg --cage cat_cage.svg --pose cat_pose_step.svg --coordinates harmonic -o step.svg --png
+//     deform_svg cat.svg --cage auto:24 --turn 5-10:-30 -o tail.svg
+//
+// Curves and long lines are refined until they follow the deformed shape, since straight lines and control
+// points do not map to it. Everything that is not geometry stays: styles, gradients, groups, identifiers.
+//
+// Cages of CSV files may have chains and points inside (see cage_weights.cpp), which harmonic coordinates
+// honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
+// Coordinates of points without a cage, sibson and sibson-c1, take the circles of an SVG or the lines of a CSV.
+
+#include "cli/auto_cage.hpp"
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/figure_motion.hpp"
+#include "cli/guard.hpp"
+#include "cli/pose_choice.hpp"
+#include "files/base64.hpp"
+#include "files/cage_file.hpp"
+#include "pictures/cage_picture.hpp"
+#include "pictures/render.hpp"
+#include "svg/document.hpp"
+#include "svg/text.hpp"
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+/// All that bounds what a document draws.
+SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
+    const auto all = shapes(figure);
+    if (!all) return all.error();
+    std::vector<Point2> points;
+    for (const SvgShape& shape : *all) {
+        for (const Subpath& subpath : shape.path) {
+            points.push_back(subpath.start);
+            for (const Segment& s : subpath.segments) points.insert(points.end(), {s.p1, s.p2, s.p3});
+        }
+    }
+    return points;
+}
+
+/// The values of --cage and --pose, and the operations in place of a pose.
+struct CagePaths {
+    std::string cage, pose;
+    PoseChoice operations;
+};
+
+/// The control that moves the figure, and the pose to be drawn.
+struct Control {
+    FigureControl control;
+    CageFile drawn;
+    std::string fault; // of the pose, to warn of
+};
+
+SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& paths,
+                              const SiteChoice& of_sites, const SvgDocument& figure) {
+    if (paths.pose.empty()) return SvgError{"--pose is required, of points"};
+    auto posed =
+        load_posed_sites<2>(paths.cage, paths.pose, of_sites, [&] { return control_points(figure); });
+    if (!posed) return posed.error();
+    auto& [sites, pose, weights] = *posed;
+    Control result;
+    result.drawn.vertices = pose.points;
+    for (std::size_t i = 0; i < pose.points.size(); ++i) {
+        result.drawn.blocks.push_back({CageBlock::Kind::point, 0, {pose.points[i]}});
+        result.drawn.handles.push_back({i});
+    }
+    FigureControl& control = result.control;
+    control.coordinates = make_coordinates<double>(choice, sites);
+    control.name = paths.cage;
+    control.pose_name = paths.pose;
+    control.poses = {std::move(pose.points)};
+    control.weights = std::move(weights);
+    control.weights_name = of_sites.weights;
+    control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
+        return describe_site_faults(known, report);
+    };
+    return result;
+}
+
+SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
+                                const SiteChoice& of_sites, const SvgDocument& figure,
+                                const std::string& figure_path) {
+    if (choice.takes_sites()) return read_sites(choice, paths, of_sites, figure);
+    const auto cage = load_or_make_cage(paths.cage, figure);
+    if (!cage) return cage.error();
+    const bool is_made = CageWord::of(paths.cage).is_auto;
+    auto pose = read_pose(paths.pose, paths.operations, *cage, is_made);
+    if (!pose) return pose.error();
+    Control result{control_of(choice, *cage), std::move(*pose), {}};
+    result.control.pose_name = !paths.pose.empty() ? paths.pose : is_made ? figure_path : paths.cage;
+    result.control.poses = {result.drawn.vertices};
+    result.fault = pose_faults(result.control, *cage);
+    return result;
+}
+
+/// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the document.
+void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& view) {
+    auto root = document.xml.document_element();
+    auto filter = root.prepend_child("filter");
+    filter.append_attribute("id") = "white-at-rest";
+    for (const char* name : {"x", "y"}) filter.append_attribute(name) = "0";
+    for (const char* name : {"width", "height"}) filter.append_attribute(name) = "1";
+    const auto step = [&](const char* name,
+                          const std::vector<std::pair<const char*, std::string>>& attributes) {
+        auto element = filter.append_child(name);
+        for (const auto& [key, value] : attributes) element.append_attribute(key) = value.c_str();
+        return element;
+    };
+    const double radius = std::hypot(view.width, view.height) / 500;
+    step("feMorphology", {{"in", "SourceAlpha"},
+                          {"operator", "dilate"},
+                          {"radius", format_number(radius, 3)},
+                          {"result", "wide"}});
+    step("feFlood", {{"flood-color", "#888888"}});
+    step("feComposite", {{"in2", "wide"}, {"operator", "in"}, {"result", "rim"}});
+    step("feFlood", {{"flood-color", "#ffffff"}});
+    step("feComposite", {{"in2", "SourceAlpha"}, {"operator", "in"}, {"result", "white"}});
+    auto merge = step("feMerge", {});
+    for (const char* layer : {"rim", "white"})
+        merge.append_child("feMergeNode").append_attribute("in") = layer;
+
+    auto image = root.insert_child_after("image", filter);
+    image.append_attribute("x") = view.x;
+    image.append_attribute("y") = view.y;
+    image.append_attribute("width") = view.width;
+    image.append_attribute("height") = view.height;
+    image.append_attribute("filter") = "url(#white-at-rest)";
+    image.append_attribute("href") = ("data:image/svg+xml;base64," + base64(rest)).c_str();
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients and "
+        "patterns follow by the affine map nearest to what moves their shape.");
+    line.set_examples({"icon.svg --cage auto -o look.svg --png --show-cage",
+                       "icon.svg --cage auto --turn 5-10:-30 --move 3:0,12 -o pose.svg --png --fit"});
+    std::string figure_path, out_path;
+    CagePaths paths;
+    auto& [cage_path, pose_path, operations] = paths;
+    bool png = false, show_cage = false, show_lines = false, show_rest = false, report = false,
+         text_as_paths = false;
+    int png_width = 900;
+    CoordinatesChoice choice;
+    OutsideChoice outside;
+    SiteChoice of_sites;
+    DeformOptions options;
+    line.add("figure", figure_path, "the SVG file to deform").required();
+    line.add("--cage", cage_path,
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; "
+             "of sibson and sibson-c1 points" +
+                 std::string(auto_cage_help))
+        .required();
+    line.add(
+        "--pose", pose_path,
+        "the moved cage: the same blocks, vertex by vertex, or points; or operations, or with --cage auto "
+        "nothing: half the figure bends, and the picture grows to it");
+    operations.add_options(line);
+    line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
+    line.add_flag("--png", png, "also render it, to the same name with .png");
+    line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
+    outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
+    outside.add_option(line);
+    of_sites.add_options(line);
+    line.add_flag(
+        "--text-as-paths", text_as_paths,
+        "deform the outlines of letters (as rsvg-convert draws them); else a text moves as a whole");
+    line.add_flag("--fit", options.fit, "grow the viewBox and the size of the picture to what has moved");
+    line.add("--flatness", options.tolerance,
+             "how far curves may miss the deformed shape, in user units; 0: invisibly little")
+        .range(0.0, 1e100)
+        .show_default();
+    line.add_flag("--show-cage", show_cage,
+                  "draw the posed cage over the figure, with the numbers of its vertices");
+    line.add_flag("--show-cage-lines", show_lines, "draw the posed cage without numbers").rarely_needed();
+    line.add_flag("--show-rest", show_rest, "draw the figure at rest under it, in white");
+    line.add_flag("--report", report, "print the bind report and what became of the shapes");
+    choice.add_options(line);
+    line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + site_formats + "\n" +
+                    site_weights_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
+
+    if (pose_path.empty() && operations.operations.empty()) options.fit = true;
+    auto document = load_figure(figure_path, text_as_paths);
+    if (!document) return fail(to_string(document.error()));
+    const auto posed = read_control(choice, paths, of_sites, *document, figure_path);
+    if (!posed) return fail(to_string(posed.error()));
+    const std::string png_path = png ? png_of(out_path).string() : "";
+    if (const auto fault = fault_of_outputs({out_path, png_path})) return fail(*fault);
+
+    const std::string rest = show_rest ? to_text(*document) : "";
+    const auto rest_view = view_box(*document);
+    outside.cage_is_made = CageWord::of(cage_path).is_auto;
+    auto moved = move_figure(*document, figure_path, posed->control, outside, options);
+    if (!moved) return fail(to_string(moved.error()));
+    if (!posed->fault.empty()) warn(posed->fault);
+    document = std::move(moved->drawing.document);
+    if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
+    if (show_cage || show_lines) {
+        const auto view = view_box(*document);
+        const double diagonal = view ? std::hypot(view->width, view->height) : 100;
+        draw_cage(*document, posed->drawn.blocks, diagonal, "#c2377a");
+        if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
+    }
+    OutputFiles outputs;
+    AtomicFile& svg = outputs.add(out_path);
+    svg.write(to_text(*document));
+    if (png) add_png(outputs, svg, png_width);
+    if (const auto error = outputs.commit()) return fail(*error);
+    if (report) {
+        const DeformReport& deformed = moved->drawing.report;
+        std::cout << "shapes: " << deformed.shapes << ", segments written: " << deformed.segments
+                  << ", points bound: " << deformed.points << " in " << deformed.batches
+                  << " batches\nfirst batch:\n"
+                  << describe(moved->bound);
+    }
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("deform_svg", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,645 @@
+// Writes an OBJ figure that moves with its cage as glTF 2.0, for engines and viewers that know no cages.
+//
+//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb
+//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
+//
+// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most,
+// chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose what the left out
+// weights did; the file's normals do not turn, as no joint does. The loss of places, edges and normals of the surface
+// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as a share of
+// the figure's size.
+//
+// --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones depend linearly on
+// the pose, and so do the curves between poses, so positions are those of the clone at all times.
+//
+// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as files or by operations
+// such as --twist, and back. Either way it is
+// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every material of it a
+// primitive with the colours and the texture that its MTL file gives.
+
+#include "cli/auto_cage.hpp"
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/pose_choice.hpp"
+#include "cli/progress_bar.hpp"
+#include "files/atomic_file.hpp"
+#include "files/csv.hpp"
+#include "files/gltf_file.hpp"
+
+#include <cageform/binding/smooth_skin_weights.hpp>
+#include <cageform/clone/clone.hpp>
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+using cageform::Binding;
+using cageform::SkinWeights;
+using cageform::Status;
+using Use = GltfDocument::Use;
+
+struct Arguments {
+    std::string figure, cage, labels, out;
+    MotionChoice moves;
+    std::string weights = "float";
+    OutsideChoice outside{.can_extend = false};
+    std::size_t influences = 0; // 0: morph targets
+    double threshold = 0;
+    double distance = 0; // share of the figure's size; 0: no promise
+    bool morph = false, report = false;
+    CoordinatesChoice choice;
+};
+
+/// All that is read.
+struct Scene {
+    ObjFile figure, cage;
+    ObjParts parts; // of the figure
+    std::vector<GltfMesh> meshes;
+    PoseClip clip;                   // without keys: no motion
+    std::vector<std::string> labels; // of the cage's vertices, empty where one has none; or none at all
+};
+
+/// A skin as the file stores it.
+SkinWeights stored(const SkinWeights& skin, const std::string& weights) {
+    SkinWeights result = skin;
+    const auto take = [&](const auto& integers) {
+        using Integer = typename std::decay_t<decltype(integers)>::value_type;
+        for (std::size_t n = 0; n < integers.size(); ++n)
+            result.weights[n] = float(integers[n]) / float(std::numeric_limits<Integer>::max());
+    };
+    if (weights == "unorm8") take(cageform::to_normalised<std::uint8_t>(skin));
+    if (weights == "unorm16") take(cageform::to_normalised<std::uint16_t>(skin));
+    return result;
+}
+
+/// The largest distances between the vertices of a figure as it ought to be and as it is.
+class LossMeter {
+public:
+    explicit LossMeter(const ObjFile& figure)
+        : distances_(figure.vertices.size(), 0.0) {
+        loss_.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    }
+
+    /// Over all poses in which no vertex of the cage bends farther.
+    void set_reach(double reach) { loss_.reach = reach; }
+    void raise(std::size_t i, double distance, std::optional<double> time) {
+        distances_[i] = std::max(distances_[i], distance);
+        if (distance <= loss_.largest) return;
+        loss_.largest = distance;
+        loss_.vertex = i;
+        loss_.time = time;
+    }
+    void add_pose(std::span<const Point3> a, std::span<const Point3> b, double time) {
+        ++loss_.poses;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const Point3 d = a[i] - b[i];
+            raise(i, std::hypot(d[0], d[1], d[2]), time);
+        }
+    }
+    StoredLoss loss() const {
+        StoredLoss loss = loss_;
+        for (const double distance : distances_) loss.mean += distance / double(distances_.size());
+        return loss;
+    }
+
+private:
+    StoredLoss loss_;
+    std::vector<double> distances_; // the largest of every vertex
+};
+
+/// One of the poses.
+cageform::StridedPoints<const double, 3> pose_of(const SampledPoses& poses, std::size_t p) {
+    const std::size_t numbers = poses.numbers.size() / poses.times.size();
+    return {poses.numbers.data() + p * numbers, numbers / 3};
+}
+
+/// The distances between a skin and the clone: of places, edges and normals of the surface.
+struct SkinLoss {
+    StoredLoss places;
+    double edge = 0;       // the largest difference between an edge as it ought to be and as it is
+    double edge_share = 0; // the largest such difference as a share of the edge itself
+    double turn = 0; // by which 99 % of the normals at vertices are wrong at most, in degrees; of a motion
+    double largest_turn = 0;
+};
+
+constexpr double worth_a_warning_of_turns = 10; // degrees, of 99 % of the normals
+
+/// "edges by at most 0.0041 (0.1 % of the figure's size, 4 % of the edge), …".
+std::string describe_surface(const SkinLoss& loss) {
+    std::ostringstream text;
+    text.precision(3);
+    text << "edges by at most " << loss.edge << " (" << 100 * loss.edge / loss.places.size << " % of "
+         << loss.places.size_of;
+    if (loss.places.poses == 0) {
+        text << ')';
+    } else {
+        text << "), or " << 100 * loss.edge_share << " % of an edge; normals by at most " << loss.largest_turn
+             << " degrees, 99 % of them by " << loss.turn << " at most";
+    }
+    return text.str();
+}
+
+/// The normals at the vertices of a figure whose vertices are at `places`, not of unit length.
+std::vector<Point3> normals_of(const ObjFile& figure, std::span<const Point3> places) {
+    std::vector<Point3> normals(places.size());
+    for (const ObjFace& face : figure.faces) {
+        const Point3 area = detail::area_vector(face, places);
+        for (const ObjCorner& corner : face.corners) normals[corner.vertex] = normals[corner.vertex] + area;
+    }
+    return normals;
+}
+
+double length(const Point3& v) {
+    return std::hypot(v[0], v[1], v[2]);
+}
+
+/// Compares a pose of the figure as it ought to be and as it is; angles of normals are appended to `turns`.
+void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> played,
+                 SkinLoss& loss, std::vector<float>& turns) {
+    for (const auto& triangle : figure.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
+            const Point3 edge = right[b] - right[a];
+            const double difference = length(played[b] - played[a] - edge), own = length(edge);
+            loss.edge = std::max(loss.edge, difference);
+            if (own > 1e-9 * loss.places.size) loss.edge_share = std::max(loss.edge_share, difference / own);
+        }
+    }
+    const auto before = normals_of(figure, right), after = normals_of(figure, played);
+    constexpr double degrees = 180 / 3.14159265358979323846;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (!(length(before[i]) > 0) || !(length(after[i]) > 0)) continue;
+        turns.push_back(
+            float(degrees * std::atan2(length(cross(before[i], after[i])), dot(before[i], after[i]))));
+    }
+}
+
+/// The differences between the figure as bound and as it is played from a skin, over the motion. Without a motion, over
+/// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
+SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
+    LossMeter meter(scene.figure);
+    SkinLoss loss;
+    if (scene.clip.keys.empty()) {
+        const double reach =
+            0.1 * cageform::bounds_of(std::span<const Point3>(scene.cage.vertices)).diagonal();
+        meter.set_reach(reach);
+        const auto change = [&](std::size_t i, std::size_t h) {
+            return played.weight(i, h) - bound.weight(i, h);
+        };
+        for (std::size_t i = 0; i < bound.point_count(); ++i) {
+            double error = 0;
+            for (std::size_t h = 0; h < bound.handle_count(); ++h) error += std::fabs(change(i, h));
+            meter.raise(i, reach * error, {});
+        }
+        for (const auto& triangle : scene.figure.triangles) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                double error = 0;
+                for (std::size_t h = 0; h < bound.handle_count(); ++h)
+                    error += std::fabs(change(triangle[k], h) - change(triangle[(k + 1) % 3], h));
+                loss.edge = std::max(loss.edge, reach * error);
+            }
+        }
+        loss.places = meter.loss();
+        return loss;
+    }
+    loss.places = meter.loss(); // the size
+    const SampledPoses poses = sample_poses(scene.clip);
+    std::vector<Point3> a(bound.point_count()), b(a);
+    std::vector<float> turns;
+    for (std::size_t p = 0; p < poses.times.size(); ++p) {
+        const auto pose = pose_of(poses, p);
+        if (clone(bound, pose, a) != Status::ok || clone(played, pose, b) != Status::ok) continue;
+        meter.add_pose(a, b, poses.times[p]);
+        add_surface(scene.figure, a, b, loss, turns);
+    }
+    loss.places = meter.loss();
+    if (!turns.empty()) {
+        const auto at = turns.begin() + std::ptrdiff_t(0.99 * double(turns.size() - 1));
+        std::nth_element(turns.begin(), at, turns.end());
+        loss.turn = double(*at);
+        loss.largest_turn = double(*std::max_element(at, turns.end()));
+    }
+    return loss;
+}
+
+std::string stem(const std::string& path) {
+    return std::filesystem::path(path).stem().string();
+}
+
+/// Appends an animation of one sampler a channel; `track` gives that of a node.
+struct Channel {
+    std::size_t node;
+    const char* path;
+    std::vector<double> values; // of every key
+    std::size_t components;
+};
+std::string add_animation(GltfDocument& document, const PoseClip& clip, std::span<const Channel> channels) {
+    GltfJson animation = {{"name", stem(clip.name)}};
+    std::size_t input = 0;
+    for (const Channel& channel : channels) {
+        const auto track = gltf_track(clip, channel.values, channel.components);
+        if (track.status != Status::ok) return clip.name + ": " + cageform::to_string(track.status);
+        if (&channel == channels.data()) {
+            std::vector<std::array<float, 1>> times;
+            for (const float time : track.times) times.push_back({time});
+            input = document.add(times, Use::other, true);
+        }
+        std::size_t output = 0;
+        if (channel.components == 3 && std::string_view(channel.path) == "translation") {
+            std::vector<std::array<float, 3>> values;
+            for (std::size_t i = 0; i < track.values.size(); i += 3)
+                values.push_back({track.values[i], track.values[i + 1], track.values[i + 2]});
+            output = document.add(values, Use::other);
+        } else {
+            std::vector<std::array<float, 1>> values;
+            for (const float value : track.values) values.push_back({value});
+            output = document.add(values, Use::other);
+        }
+        animation["samplers"].push_back(
+            {{"input", input}, {"interpolation", "CUBICSPLINE"}, {"output", output}});
+        animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
+                                         {"target", {{"node", channel.node}, {"path", channel.path}}}});
+    }
+    document.append("animations", std::move(animation));
+    return {};
+}
+
+std::array<double, 3> rounded(const Point3& p) { // as the buffers have it
+    return {double(float(p[0])), double(float(p[1])), double(float(p[2]))};
+}
+
+/// A node for every mesh, the first of the document. Returns their numbers.
+std::vector<std::size_t> add_mesh_nodes(GltfDocument& document, const Scene& scene, bool has_skin) {
+    std::vector<std::size_t> nodes;
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        GltfJson node = {{"name", scene.meshes[m].name}, {"mesh", m}};
+        if (has_skin) node["skin"] = 0;
+        nodes.push_back(document.append("nodes", std::move(node)));
+    }
+    return nodes;
+}
+
+/// A skin: nodes are the meshes, the cage and its vertices.
+std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments& given,
+                     const SkinWeights& skin, bool with_still) {
+    const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
+    if (joints > 65536) return scene.cage.name + ": more vertices than glTF has joints";
+    const auto add_meshes = [&]<class Weight>(const std::vector<Weight>& weights) {
+        for (const GltfMesh& mesh : scene.meshes) {
+            GltfJson attributes = gltf_attributes(document, mesh, scene.figure);
+            const std::span<const Weight> all(weights);
+            if (joints <= 256)
+                add_skin_attributes<std::uint8_t>(document, attributes, mesh, skin, all, handles);
+            else
+                add_skin_attributes<std::uint16_t>(document, attributes, mesh, skin, all, handles);
+            document.append(
+                "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
+        }
+    };
+    if (given.weights == "unorm8")
+        add_meshes(cageform::to_normalised<std::uint8_t>(skin));
+    else if (given.weights == "unorm16")
+        add_meshes(cageform::to_normalised<std::uint16_t>(skin));
+    else
+        add_meshes(skin.weights);
+
+    std::vector<std::size_t> roots = add_mesh_nodes(document, scene, true);
+    const std::size_t root_node = roots.size(), first_joint = root_node + 1;
+    roots.push_back(root_node);
+    GltfJson root = {{"name", stem(scene.cage.name)}};
+    GltfJson list;
+    for (std::size_t j = 0; j < joints; ++j) list.push_back(first_joint + j);
+    root["children"] = list;
+    document.append("nodes", std::move(root));
+    std::vector<std::array<float, 16>> inverse;
+    for (std::size_t j = 0; j < joints; ++j) {
+        const auto at = j < handles ? rounded(scene.cage.vertices[j]) : std::array<double, 3>{};
+        std::string name = j < handles ? "handle " + std::to_string(j) : "still";
+        if (j < scene.labels.size() && !scene.labels[j].empty()) name = scene.labels[j];
+        document.append("nodes", {{"name", name}, {"translation", at}});
+        inverse.push_back(
+            {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(at[0]), -float(at[1]), -float(at[2]), 1});
+    }
+    document.append("skins", {{"inverseBindMatrices", document.add(inverse, Use::other)},
+                              {"skeleton", root_node},
+                              {"joints", std::move(list)}});
+    document.append("scenes", {{"nodes", roots}});
+    if (scene.clip.keys.empty()) return {};
+
+    std::vector<Channel> channels;
+    for (std::size_t j = 0; j < handles; ++j) {
+        Channel channel{first_joint + j, "translation", {}, 3};
+        for (const PoseKey& key : scene.clip.keys) {
+            for (std::size_t axis = 0; axis < 3; ++axis) channel.values.push_back(key.places[j][axis]);
+        }
+        channels.push_back(std::move(channel));
+    }
+    return add_animation(document, scene.clip, channels);
+}
+
+/// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how far that is
+/// from the vectors of a moving face.
+SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
+    PoseClip motion = scene.clip;
+    std::vector<std::string> warnings;
+    for (PoseKey& key : motion.keys) {
+        std::string warning;
+        auto posed = pose_of_handles(binding, key.places, name_of_pose(scene.clip, key.time), warning);
+        if (!posed) return posed.error();
+        if (!warning.empty()) warnings.push_back(std::move(warning));
+        key.places = std::move(*posed);
+    }
+    print_warnings(warnings);
+    if (binding.handle_view().vector_count() == 0) return motion;
+    const SampledPoses exact = sample_poses(scene.clip), linear = sample_poses(motion);
+    std::vector<Point3> a(binding.point_count()), b(a), handles(binding.handle_count());
+    LossMeter meter(scene.figure);
+    for (std::size_t p = 0; p < exact.times.size(); ++p) {
+        if (pose_handles(binding, pose_of(exact, p), handles).status == Status::ok &&
+            clone(binding, handles, a) == Status::ok && clone(binding, pose_of(linear, p), b) == Status::ok)
+            meter.add_pose(a, b, exact.times[p]);
+    }
+    const StoredLoss loss = meter.loss();
+    if (loss.share() > StoredLoss::worth_a_warning) {
+        warn(scene.figure.name + ": between the keys targets are off by " + describe(loss) +
+             "; more keys bring them nearer");
+    }
+    return motion;
+}
+
+/// Morph targets: one for every key whose pose is not that at rest.
+std::string add_targets(GltfDocument& document, const Scene& scene, const Arguments& given,
+                        const Binding<double, 3>& binding) {
+    const auto difference = [](std::vector<std::array<float, 3>> a,
+                               const std::vector<std::array<float, 3>>& b) {
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) a[i][k] -= b[i][k];
+        }
+        return a;
+    };
+    GltfJson names, zeros;
+    const auto motion = clip_of_handles(scene, binding);
+    if (!motion) return motion.error().message;
+    std::vector<std::size_t> keys;           // of the targets
+    std::vector<std::vector<Point3>> places; // of the figure there
+    for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
+        if (scene.clip.keys[k].places == scene.cage.vertices) continue;
+        std::vector<Point3>& moved = places.emplace_back(scene.figure.vertices.size());
+        const Status status = clone(binding, motion->keys[k].places, moved);
+        if (status != Status::ok) return scene.clip.name + ": " + cageform::to_string(status);
+        for (const Point3& p : moved) {
+            if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
+                return scene.figure.name + ": a vertex has moved beyond all numbers";
+        }
+        keys.push_back(k);
+        names.push_back(given.moves.poses.empty() ? "key " + std::to_string(k)
+                                                  : stem(given.moves.poses[k - 1]));
+        zeros.push_back(0.0);
+    }
+    if (keys.empty()) return scene.clip.name + ": every pose is that at rest";
+    for (const GltfMesh& mesh : scene.meshes) {
+        const auto rest = gltf_positions(mesh, scene.figure.vertices);
+        const auto rest_normals = gltf_normals(mesh, scene.figure, scene.figure.vertices);
+        GltfJson targets;
+        for (const auto& moved : places) {
+            const auto shift = difference(gltf_positions(mesh, moved), rest);
+            const auto turn = difference(gltf_normals(mesh, scene.figure, moved), rest_normals);
+            targets.push_back({{"POSITION", document.add(shift, Use::vertices, true)},
+                               {"NORMAL", document.add(turn, Use::vertices)}});
+        }
+        const GltfJson attributes = gltf_attributes(document, mesh, scene.figure);
+        document.append("meshes", {{"name", mesh.name},
+                                   {"primitives", gltf_primitives(document, mesh, attributes, targets)},
+                                   {"weights", zeros},
+                                   {"extras", {{"targetNames", names}}}});
+    }
+    const auto nodes = add_mesh_nodes(document, scene, false);
+    document.append("scenes", {{"nodes", nodes}});
+    std::vector<Channel> channels;
+    for (const std::size_t node : nodes) {
+        Channel& channel = channels.emplace_back(Channel{node, "weights", {}, keys.size()});
+        for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
+            for (const std::size_t key : keys) channel.values.push_back(key == k ? 1.0 : 0.0);
+        }
+    }
+    return add_animation(document, scene.clip, channels);
+}
+
+constexpr std::size_t joint_set = 4, most_joints = 16;
+
+/// A skin of so many joints a vertex, and what it loses.
+cageform::SkinWeightsResult make_skin(const Arguments& given, const Scene& scene,
+                                      const Binding<double, 3>& bound, std::size_t influences,
+                                      SkinLoss& loss) {
+    ProgressBar bar("weights, " + std::to_string(influences) + " joints");
+    auto made = cageform::smooth_skin_weights(bound, scene.figure.triangles,
+                                              {.influences = influences, .threshold = given.threshold},
+                                              {.progress = bar.callback()});
+    Binding<double, 3> played;
+    if (made.report.status == Status::ok)
+        made.report.status = skin_to_binding(bound, stored(made.skin, given.weights), played);
+    if (made.report.status == Status::ok) loss = loss_of(scene, bound, played);
+    return made;
+}
+
+/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where none does, of the
+/// most.
+cageform::SkinWeightsResult make_near_skin(const Arguments& given, const Scene& scene,
+                                           const Binding<double, 3>& bound, std::size_t influences,
+                                           SkinLoss& loss) {
+    for (;; influences += joint_set) {
+        auto made = make_skin(given, scene, bound, influences, loss);
+        if (made.report.status != Status::ok || influences + joint_set > most_joints ||
+            loss.places.share() <= given.distance)
+            return made;
+    }
+}
+
+/// Which skin would keep the distance that one of `influences` joints does not.
+std::string what_would_do(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
+                          std::size_t influences) {
+    if (influences >= most_joints) return "a larger --max-distance or --morph";
+    SkinLoss loss;
+    const std::size_t next = influences / joint_set * joint_set + joint_set;
+    const auto made = make_near_skin(given, scene, bound, next, loss);
+    if (made.report.status == Status::ok && loss.places.share() <= given.distance)
+        return "--skin " + std::to_string(made.skin.influences) + " would do";
+    return "not even --skin " + std::to_string(most_joints) + " keeps it; a larger --max-distance or --morph";
+}
+
+/// Binds the figure and writes what was asked for.
+int export_figure(const Arguments& given, const Scene& scene) {
+    const ObjFile &figure = scene.figure, &cage = scene.cage;
+    if (const auto why = fault_of_outputs({given.out})) return fail(*why);
+    const auto coordinates = make_coordinates<double>(given.choice, cage);
+    warn_of_closed_gaps(cage.name, coordinates->cage_report);
+    if (!coordinates->note.empty()) note(coordinates->note);
+    cageform::BindOptions options;
+    options.outside = given.outside.policy(*coordinates);
+    cageform::BindResult<double, 3> bound;
+    {
+        ProgressBar bar("binding");
+        bound = coordinates->bind(figure.vertices, options, {.progress = bar.callback()});
+    }
+    const auto& report = bound.report;
+    if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
+    warn_of_coarse_grid(cage.name, report.solver);
+    const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
+    if (!outside.fault.empty()) return fail(outside.fault);
+    if (!outside.warning.empty()) warn(outside.warning);
+    if (given.report) std::cout << describe(report);
+
+    GltfDocument document;
+    document.json["scene"] = 0;
+    print_warnings(scene.parts.warnings);
+    print_warnings(add_materials(document, scene.parts, !scene.meshes[0].texture.empty()));
+    std::string why;
+    if (given.morph) {
+        why = add_targets(document, scene, given, bound.binding);
+    } else {
+        SkinLoss loss;
+        const bool searches = given.influences == 0;
+        const cageform::SkinWeightsResult made =
+            searches ? make_near_skin(given, scene, bound.binding, joint_set, loss)
+                     : make_skin(given, scene, bound.binding, given.influences, loss);
+        const auto& skin = made.report;
+        if (skin.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(skin.status));
+        const std::string is_off = "a skin of " + std::to_string(made.skin.influences) +
+                                   " joints a vertex is off by " + describe(loss.places);
+        if (given.distance > 0 && loss.places.share() > given.distance) {
+            return fail(figure.name + ": " + is_off + ": " +
+                        what_would_do(given, scene, bound.binding, made.skin.influences));
+        }
+        if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
+            warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
+                 (made.skin.influences < most_joints ? "; more joints lose less, and --max-distance bounds it"
+                                                     : "; --morph loses nothing"));
+        }
+        if (!skin.not_reproduced.empty()) {
+            warn(std::to_string(made.skin.influences) + " weights are too few for " +
+                 std::to_string(skin.not_reproduced.size()) + " vertices of " + figure.name +
+                 ", which affine poses will move otherwise, by up to " +
+                 detail::short_number(skin.reproduction_error.value) + ", first " +
+                 name_points(figure.vertices, skin.not_reproduced));
+        }
+        if (given.report) {
+            std::cout << "skin: " << made.skin.influences << " weights at most, " << skin.mean_influences
+                      << " in the mean\n"
+                      << "largest sum |w - w0|: " << skin.weight_error.value << " at point "
+                      << skin.weight_error.point << ", mean " << skin.mean_weight_error << '\n'
+                      << "not reproduced: " << skin.not_reproduced.size()
+                      << "; largest |sum w c - p|: " << skin.reproduction_error.value << "\noff by "
+                      << describe(loss.places) << '\n'
+                      << describe_surface(loss) << "\ntime: " << skin.seconds << " s\n";
+        }
+        why = add_skin(document, scene, given, made.skin, !skin.without_weights.empty());
+    }
+    if (!why.empty()) return fail(why);
+
+    const bool binary = std::filesystem::path(given.out).extension() != ".gltf";
+    if (document.bytes() > 0x7fffffff) return fail(given.out + ": would be larger than the format allows");
+    const std::string text = document.text(binary);
+    if (const auto error = write_file_atomically(given.out, text)) return fail(*error);
+    const auto count = [](std::size_t n, const char* thing) {
+        return std::to_string(n) + ' ' + thing + (n == 1 ? ", " : "s, ");
+    };
+    std::size_t vertices = 0;
+    for (const GltfMesh& mesh : scene.meshes) vertices += mesh.corners.size();
+    std::cout << printable(given.out) << ": " << count(scene.meshes.size(), "object")
+              << count(scene.parts.materials.size(), "material") << vertices << " vertices, "
+              << figure.triangles.size() << " triangles, "
+              << (given.morph ? std::to_string(document.json["meshes"][0]["weights"].size()) + " targets"
+                              : std::to_string(document.json["skins"][0]["joints"].size()) + " joints")
+              << ", " << text.size() << " bytes\n";
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
+    line.set_examples(
+        {"character.obj --cage auto --turn 5-9:30,z --skin 16 -o character.glb",
+         "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
+    Arguments given;
+    line.add("figure", given.figure, "the OBJ file").required();
+    line.add("--cage", given.cage,
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
+                 std::string(auto_cage_help))
+        .required();
+    given.moves.add_options(line);
+    const CommandOption labels =
+        line.add("--labels", given.labels,
+                 "of a skin: names of the joints, which are the cage's vertices: a text file");
+    const CommandOption skin =
+        line.add("--skin", given.influences, "a skin of at most so many joints a vertex").range(1, 16);
+    const CommandOption distance =
+        line.add("--max-distance", given.distance,
+                 "of a skin: no vertex farther from where all weights put it, as a share of the figure's "
+                 "size, in the poses of the motion, or in all that bend by up to a tenth of the cage; "
+                 "without --skin, 4, 8, 12 or 16 joints, as few as do. 0: no bound")
+            .range(0.0, 1.0)
+            .show_default();
+    line.add_flag("--morph", given.morph, "morph targets, one a pose")
+        .excludes(skin)
+        .excludes(distance)
+        .excludes(labels);
+    line.add("--weights", given.weights, "of a skin: float, unorm8 or unorm16 (normalised integers)")
+        .one_of({"float", "unorm8", "unorm16"})
+        .show_default();
+    line.add("--threshold", given.threshold, "of a skin: lesser weights are left out")
+        .range(0.0, 1.0)
+        .show_default();
+    line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
+        .required()
+        .ends_with({".glb", ".gltf"});
+    given.choice.with_normals = given.choice.in_space = true;
+    given.choice.add_options(line);
+    given.outside.add_option(line);
+    line.add_flag("--report", given.report, "print the bind report, and what the skin loses");
+    line.set_footer(
+        obj_format +
+        std::string("Vertices keep the order of the file: a vertex that needs several normals or\n"
+                    "texture coordinates is there once more, behind all others.\n\n") +
+        pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (!given.morph && given.influences == 0 && given.distance == 0)
+        return fail("--skin, --max-distance or --morph says what to write");
+    if (!given.morph && given.choice.takes_normals())
+        return fail("--coordinates green: joints carry no normals of faces; --morph writes targets");
+    if (given.morph && !given.moves.is_given())
+        return fail("morph targets are made of poses: --clip, --pose, or operations such as --turn");
+
+    Scene scene;
+    auto figure = load_obj(given.figure);
+    if (!figure) return fail(to_string(figure.error()));
+    scene.parts = read_parts(*figure);
+    auto meshes = gltf_meshes(*figure, scene.parts);
+    if (!meshes) return fail(to_string(meshes.error()));
+    auto cage = load_or_make_cage(given.cage, *figure);
+    if (!cage) return fail(to_string(cage.error()));
+    if (!given.labels.empty()) {
+        auto read = read_labels(given.labels, cage->vertices.size());
+        if (!read) return fail(to_string(read.error()));
+        scene.labels = std::move(*read);
+    }
+    auto motion = given.moves.motion(*cage);
+    if (!motion) return fail(to_string(motion.error()));
+    scene.clip = std::move(*motion);
+    scene.figure = std::move(*figure);
+    scene.cage = std::move(*cage);
+    scene.meshes = std::move(*meshes);
+    for (const auto* file : {&scene.figure, &scene.cage}) { // glTF's numbers
+        if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
+    }
+    return export_figure(given, scene);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("export_gltf", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,199 @@
+// Makes a cage of few vertices around any figure.
+//
+//     make_cage cat.svg --vertices 24 -o cat_cage.svg --picture cat_numbers.svg --png
+//     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
+//     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
+//
+// The cage holds all that the figure paints, at the margin's distance, and passes every check of the library. deform_svg and
+// the other programs make the same cage by themselves where they are told --cage auto.
+
+#include "cli/auto_cage.hpp"
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/view_choice.hpp"
+#include "files/csv.hpp"
+#include "pictures/cage_picture.hpp"
+#include "pictures/mesh_picture.hpp"
+#include "pictures/render.hpp"
+#include "svg/text.hpp"
+
+#include <cmath>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Arguments {
+    std::string figure, out, picture;
+    ViewChoice view;
+    bool png = false;
+    cageform::MakeCageOptions options;
+};
+
+/// "2.5%" or "0.025" as a share.
+std::string parse_margin(const std::string& word, double& margin) {
+    const bool is_share = word.ends_with('%');
+    const std::string number = is_share ? word.substr(0, word.size() - 1) : word;
+    if (const std::string why = detail::parse_number(number, margin); !why.empty()) return why;
+    if (is_share) margin /= 100;
+    if (!is_share && margin >= 1)
+        return "a margin is a share of the figure's diagonal: " + word + "% or, as a number, " +
+               detail::short_number(margin / 100) + "?";
+    if (!(margin > 0 && margin < 10))
+        return "a margin is a share of the figure's diagonal, such as 2.5% or 0.025";
+    return {};
+}
+
+/// "x" or "y=12.5".
+std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror) {
+    if (word.empty() || word[0] < 'x' || word[0] > 'z' || (word.size() > 1 && word[1] != '='))
+        return "an axis, x, y or z, or with its place x=12.5";
+    mirror.axis = std::size_t(word[0] - 'x');
+    if (word.size() == 1) return {};
+    double place = 0;
+    if (const std::string why = detail::parse_number(std::string_view(word).substr(2), place); !why.empty())
+        return why;
+    if (!std::isfinite(place)) return "its place is not finite";
+    mirror.place = place;
+    return {};
+}
+
+/// What the picture shows: all of the cage.
+ViewBox view_about(const CageFile& cage, const ViewBox& view) {
+    Point2 low{view.x, view.y}, high{view.x + view.width, view.y + view.height};
+    for (const Point2& p : cage.vertices) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    return {low.x, low.y, high.x - low.x, high.y - low.y};
+}
+
+int cage_in_plane(const Arguments& given) {
+    if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
+    const auto figure = load_figure(given.figure);
+    if (!figure) return fail(to_string(figure.error()));
+    const auto view = view_box(*figure);
+    if (!view) return fail(to_string(view.error()));
+    const auto made = make_cage_for(*figure, given.options);
+    if (!made) return fail(to_string(made.error()));
+    print_warnings(warnings_of(made->report, given.options));
+    OutputFiles outputs;
+    if (!given.out.empty()) {
+        const SvgResult<std::string> text = given.out.ends_with(".csv")
+                                                ? to_csv(made->cage)
+                                                : to_svg(made->cage, view_about(made->cage, *view));
+        if (!text) return fail(given.out + ": " + to_string(text.error()));
+        outputs.add(given.out).write(*text);
+    }
+    if (!given.picture.empty()) {
+        const auto picture = draw_pose(made->cage, made->cage, &*figure, given.picture);
+        if (!picture) return fail(to_string(picture.error()));
+        AtomicFile& file = outputs.add(given.picture);
+        file.write(to_text(*picture));
+        if (given.png) add_png(outputs, file, 1200);
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::cout << describe(made->report, 2);
+    return 0;
+}
+
+int cage_in_space(const Arguments& given) {
+    if (given.options.holes) return fail("--holes is for figures in the plane; in space tunnels stay anyway");
+    if (given.png) return fail("--png: in space the picture is a .png file as it is");
+    const auto figure = load_obj(given.figure);
+    if (!figure) return fail(to_string(figure.error()));
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    ProgressBar bar("making the cage");
+    const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
+    if (!made) return fail(to_string(made.error()));
+    print_warnings(warnings_of(made->report, given.options));
+    OutputFiles outputs;
+    if (!given.out.empty()) outputs.add(given.out).write(made->cage.text);
+    if (!given.picture.empty()) {
+        const std::array<MeshScene, 2> scenes{
+            {{{figure->vertices, figure->triangles}, {made->cage.vertices, made->cage.triangles}},
+             {{made->cage.vertices, made->cage.triangles}, {}}}};
+        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::cout << describe(made->report, 3);
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
+                     "parts, or a mesh, with holes or "
+                     "in pieces as it may be.");
+    line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
+                       "character.obj --vertices 112 -o cage.obj --picture cage.png"});
+    Arguments given;
+    auto& options = given.options;
+    line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
+    line.add("--vertices", options.vertices, "of the cage; 24 unless told, in space 112").range(3, 1000000);
+    line.add_text(
+            "--margin", [&](const std::string& word) { (void)parse_margin(word, options.margin); },
+            "distance from the figure, as a share of its diagonal: 2.5% unless told, in space 2%")
+        .check([](const std::string& word) {
+            double margin = 0;
+            return parse_margin(word, margin);
+        });
+    line.add_text(
+            "--mirror",
+            [&](const std::string& word) {
+                options.mirror.emplace();
+                (void)parse_mirror(word, *options.mirror);
+            },
+            "make the cage its own mirror image across an axis: x, y, z, or with its place x=12.5")
+        .check([](const std::string& word) {
+            cageform::MirrorPlane mirror;
+            return parse_mirror(word, mirror);
+        });
+    line.add_text(
+            "--cage", [&](const std::string& word) { options.shape = CageWord::of(word).shape; },
+            "auto, following the figure, unless told; hull: about its convex hull; box: its bounds")
+        .one_of({"auto", "hull", "box"});
+    bool parts = false;
+    line.add_flag("--parts", parts, "a loop for each part of the figure; else bridges join the parts");
+    line.add_flag("--holes", options.holes, "keep what the figure encloses and leaves free as holes");
+    line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: no tunnels through the cage");
+    line.add("--regular", options.regular, "what even angles and lengths are worth against a tight fit")
+        .range(0.0, 1000.0)
+        .show_default();
+    line.add("-o,--output", given.out, "the cage to write: .svg or .csv; in space .obj")
+        .ends_with({".svg", ".csv", ".obj"});
+    line.add("--picture", given.picture,
+             "draw the figure in its cage, in the plane with the numbers of the vertices, to an .svg file; "
+             "in space to "
+             "a .png file")
+        .ends_with({".svg", ".png"});
+    given.view.add_options(line);
+    line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (options.shape == cageform::CageShape::box && options.vertices != 0)
+        return fail(
+            "--vertices: --cage box has 8 vertices, in the plane 4; --cage hull and auto take a number");
+    options.one_cage = !parts;
+    if (given.out.empty() && given.picture.empty())
+        return fail("nothing to write: give -o, --picture or both");
+    if (given.png && given.picture.empty()) return fail("--png is for --picture");
+    const bool in_space = given.figure.ends_with(".obj");
+    for (const std::string& path : {given.out, given.picture}) {
+        const bool is_of_space = path.ends_with(".obj") || path.ends_with(".png");
+        if (!path.empty() && is_of_space != in_space)
+            return fail(path +
+                        (in_space
+                             ? ": of a figure in space the cage is an .obj file, the picture a .png file"
+                             : ": of a figure in the plane the cage is an .svg or .csv file, the picture an "
+                               ".svg file"));
+    }
+    return in_space ? cage_in_space(given) : cage_in_plane(given);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("make_cage", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,385 @@
+// Makes a figure to deform: a puppet in the shape of a T, a cage of 112 vertices, a pose and a dance of the cage.
+//
+//     make_character out
+//
+// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a dance of the
+// cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface
+// nets (support/pictures/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
+
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "files/atomic_file.hpp"
+#include "files/clip_file.hpp"
+#include "pictures/plot.hpp"
+#include "pictures/surface_nets.hpp"
+
+#include <cageform/cage/triangle_mesh.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Point = cageform::Vec<double, 3>;
+
+using Mesh = cageform_examples::ImplicitMesh;
+using cageform_examples::ball;
+using cageform_examples::carve;
+using cageform_examples::ellipsoid;
+using cageform_examples::fail;
+using cageform_examples::join;
+using cageform_examples::length;
+using cageform_examples::limb;
+
+/// 0 up to `from`, 1 beyond `to`, smooth between; `to` may be the lesser.
+double ramp(double from, double to, double x) {
+    const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+// ---- the puppet ----
+
+double puppet(const Point& at) {
+    const Point p{std::fabs(at[0]), at[1], at[2]}; // left and right are alike
+    // Trunk.
+    double body = ellipsoid(p, {0, 0.9, 0}, {0.21, 0.14, 0.145});
+    body = join(body, ellipsoid(p, {0, 1.06, 0.015}, {0.195, 0.23, 0.15}), 0.06);
+    body = join(body, ellipsoid(p, {0, 1.28, 0}, {0.205, 0.15, 0.13}), 0.06);
+    body = join(body, limb(p, {0, 1.36, 0}, {0, 1.54, 0}, 0.085, 0.07), 0.05);
+    // Legs, feet.
+    body = join(body, limb(p, {0.15, 0.83, 0}, {0.178, 0.46, 0.005}, 0.1, 0.078), 0.04);
+    body = join(body, limb(p, {0.178, 0.46, 0.005}, {0.186, 0.12, -0.01}, 0.078, 0.064), 0.03);
+    body = join(body, limb(p, {0.186, 0.066, -0.035}, {0.196, 0.07, 0.15}, 0.062, 0.07), 0.04);
+    // Arms, hands with a thumb.
+    body = join(body, limb(p, {0.2, 1.325, 0}, {0.545, 1.325, -0.005}, 0.082, 0.066), 0.06);
+    body = join(body, limb(p, {0.545, 1.325, -0.005}, {0.8, 1.325, 0}, 0.066, 0.05), 0.03);
+    body = join(body, ellipsoid(p, {0.895, 1.325, 0}, {0.105, 0.055, 0.072}), 0.03);
+    body = join(body, limb(p, {0.85, 1.335, 0.04}, {0.88, 1.345, 0.105}, 0.03, 0.027), 0.03);
+    // Buttons.
+    for (const Point& button : {Point{0, 1.31, 0.128}, Point{0, 1.185, 0.147}, Point{0, 1.06, 0.164}})
+        body = join(body, ellipsoid(p, button, {0.036, 0.036, 0.022}), 0.008);
+    // Head: nose, ears, eyes; a smile carved in.
+    double head = ellipsoid(p, {0, 1.71, 0.005}, {0.175, 0.19, 0.168});
+    head = join(head, ball(p, {0, 1.695, 0.175}, 0.034), 0.02);
+    head = join(head, ellipsoid(p, {0.177, 1.7, -0.005}, {0.032, 0.052, 0.035}), 0.02);
+    head = join(head, ball(p, {0.068, 1.757, 0.143}, 0.031), 0.01);
+    const double smile = std::hypot(std::hypot(p[0], p[1] - 1.705) - 0.088, p[2] - 0.155) - 0.018;
+    head = carve(head, std::max(smile, p[1] - 1.66), 0.012);
+    return join(body, head, 0.03);
+}
+
+// ---- the cage: a sheet of cells around the outline, with a front and a back ----
+
+/// A point of the sheet on the puppet's left; the right is its mirror image.
+struct SheetPoint {
+    int column; // from the middle outwards, from 1
+    int row;    // from the ground upwards
+    double x, y, front, back;
+};
+constexpr std::array<SheetPoint, 28> sheet{{
+    {1, 0, 0.088, -0.03, 0.255, -0.135}, {2, 0, 0.3, -0.03, 0.255, -0.135},  // sole
+    {1, 1, 0.09, 0.155, 0.245, -0.13},   {2, 1, 0.295, 0.155, 0.245, -0.13}, // ankle
+    {1, 2, 0.078, 0.38, 0.115, -0.12},   {2, 2, 0.282, 0.38, 0.115, -0.12},  // under the knee
+    {1, 3, 0.066, 0.54, 0.12, -0.12},    {2, 3, 0.285, 0.54, 0.12, -0.12},   // above the knee
+    {1, 4, 0.035, 0.71, 0.15, -0.155},   {2, 4, 0.285, 0.71, 0.13, -0.14},   // crotch
+    {1, 5, 0.09, 1, 0.225, -0.17},       {2, 5, 0.265, 1, 0.165, -0.14},     // waist
+    {1, 6, 0.1, 1.215, 0.2, -0.16},      {2, 6, 0.265, 1.215, 0.14, -0.125}, // armpit
+    {1, 7, 0.11, 1.45, 0.14, -0.14},     {2, 7, 0.27, 1.435, 0.11, -0.11},   // shoulder
+    {3, 6, 0.385, 1.225, 0.1, -0.1},     {3, 7, 0.385, 1.425, 0.1, -0.1},    // upper arm
+    {4, 6, 0.49, 1.235, 0.095, -0.095},  {4, 7, 0.49, 1.415, 0.095, -0.095}, // before the elbow
+    {5, 6, 0.6, 1.24, 0.09, -0.09},      {5, 7, 0.6, 1.41, 0.09, -0.09},     // behind it
+    {6, 6, 0.79, 1.25, 0.14, -0.095},    {6, 7, 0.79, 1.4, 0.14, -0.095},    // wrist
+    {7, 6, 1.025, 1.255, 0.15, -0.095},  {7, 7, 1.025, 1.395, 0.15, -0.095}, // finger tips
+    {1, 8, 0.235, 1.5, 0.235, -0.195},   {1, 9, 0.225, 1.935, 0.22, -0.195}, // chin, crown
+}};
+
+struct Cage {
+    Mesh mesh;
+    std::vector<SheetPoint> origin; // of every vertex; x and column are negative on the right
+};
+
+Cage make_cage() {
+    Cage cage;
+    std::map<std::pair<int, int>, std::uint32_t> front; // by column and row; the back vertex is the next one
+    for (const int side : {1, -1}) {
+        for (SheetPoint p : sheet) {
+            p.column *= side;
+            p.x *= side;
+            front[{p.column, p.row}] = std::uint32_t(cage.mesh.vertices.size());
+            cage.mesh.vertices.push_back({p.x, p.y, p.front});
+            cage.mesh.vertices.push_back({p.x, p.y, p.back});
+            cage.origin.insert(cage.origin.end(), 2, p);
+        }
+    }
+    // Two triangles, cut so that both sides of the figure mirror each other.
+    const auto add = [&](std::array<std::uint32_t, 4> quad, bool other) {
+        const std::size_t first = other ? 1 : 0;
+        for (const std::size_t k : {first + 1, first + 2})
+            cage.mesh.faces.push_back({quad[first], quad[k % 4], quad[(k + 1) % 4]});
+    };
+    std::set<std::pair<std::uint32_t, std::uint32_t>> ways; // along the cells' edges, counter-clockwise
+    for (const auto& [at, corner] : front) {
+        const auto [column, row] = at;
+        const int next = column == -1 ? 1 : column + 1;
+        const auto right = front.find({next, row}), upper = front.find({column, row + 1}),
+                   across = front.find({next, row + 1});
+        if (right == front.end() || upper == front.end() || across == front.end()) continue;
+        if (column == -1 && row < 4) continue; // between the legs
+        const std::array<std::uint32_t, 4> cell{corner, right->second, across->second, upper->second};
+        add(cell, column > 0);
+        add({cell[3] + 1, cell[2] + 1, cell[1] + 1, cell[0] + 1}, column > 0);
+        for (std::size_t k = 0; k < 4; ++k) ways.insert({cell[k], cell[(k + 1) % 4]});
+    }
+    for (const auto& [from, to] : ways) {
+        if (!ways.contains({to, from})) add({to, from, from + 1, to + 1}, cage.origin[from].x > 0);
+    }
+    return cage;
+}
+
+// ---- the pose: joints that turn what lies beyond them ----
+
+Point rotated(const Point& p, const Point& centre, std::size_t axis, double degrees) {
+    const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    Point q = p;
+    q[u] = centre[u] + c * (p[u] - centre[u]) - s * (p[v] - centre[v]);
+    q[v] = centre[v] + s * (p[u] - centre[u]) + c * (p[v] - centre[v]);
+    return q;
+}
+
+/// Turns of the joints, in degrees; of two, the left one comes first.
+struct Joints {
+    struct Arm {
+        double shoulder, elbow; // up, about z
+        double forward;         // of the forearm, about y
+    };
+    struct Leg {
+        double hip, knee; // about x: negative is forward, positive back
+        double aside;     // of the hip, about z: positive to the figure's left
+    };
+    std::array<Arm, 2> arms;
+    std::array<Leg, 2> legs;
+    std::array<double, 2> head;  // about y, about z
+    std::array<double, 3> chest; // about y, x, z
+    Point shift{};               // of the whole figure
+};
+
+/// It waves and steps.
+constexpr Joints waving{
+    {{{30, 66, 0}, {50, -10, 45}}}, {{{5, 6, 4}, {-66, 80, 0}}}, {24, 9}, {14, 5, -7}, {}};
+
+/// Where a vertex of the cage goes. Near a joint it turns by part of the angle, so the cage bends smoothly;
+/// the outer joints come first, and the inner ones take them along.
+Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
+    constexpr std::size_t x = 0, y = 1, z = 2; // axes
+    const double out = std::fabs(origin.x), side = origin.x < 0 ? -1 : 1;
+    const std::size_t of_side = origin.x > 0 ? 0 : 1;
+    Point p = rest;
+    if (origin.row == 6 || origin.row == 7) {
+        const double forearm = ramp(0.44, 0.66, out), arm = ramp(0.2, 0.42, out);
+        const Point elbow{side * 0.545, 1.325, 0}, shoulder{side * 0.23, 1.325, 0};
+        const auto& turn = joints.arms[of_side];
+        p = rotated(p, elbow, y, turn.forward * forearm);
+        p = rotated(p, elbow, z, turn.elbow * forearm);
+        p = rotated(p, shoulder, z, turn.shoulder * arm);
+    }
+    if (origin.row <= 4) {
+        const double shin = ramp(0.6, 0.32, origin.y), thigh = ramp(0.88, 0.56, origin.y);
+        const Point knee{side * 0.178, 0.46, 0}, hip{side * 0.15, 0.83, 0};
+        const auto& turn = joints.legs[of_side];
+        p = rotated(p, knee, x, turn.knee * shin);
+        p = rotated(p, hip, x, turn.hip * thigh);
+        p = rotated(p, hip, z, turn.aside * thigh);
+    }
+    const double head = ramp(1.43, 1.54, origin.y), chest = ramp(0.82, 1.4, origin.y);
+    p = rotated(p, {0, 1.5, 0}, y, joints.head[0] * head);
+    p = rotated(p, {0, 1.5, 0}, z, joints.head[1] * head);
+    p = rotated(p, {0, 0.9, 0}, y, joints.chest[0] * chest);
+    p = rotated(p, {0, 0.9, 0}, x, joints.chest[1] * chest);
+    return rotated(p, {0, 0.9, 0}, z, joints.chest[2] * chest) + joints.shift;
+}
+
+constexpr double dance_length = 2.4; // seconds
+
+/// It steps from one foot to the other, which is lifted; one hand waves above, the other swings below, and they
+/// change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
+Joints dancing(double part) {
+    const double angle = 2 * std::numbers::pi * part;
+    const double sway = std::cos(angle); // 1: on the left foot
+    const auto lift = [&](double of) { return ramp(0.1, 1, of) * (1 - 0.15 * std::cos(2 * angle)); };
+    Joints joints{};
+    for (const std::size_t i : {0u, 1u}) {
+        const double side = i == 0 ? 1 : -1;
+        const double up = 0.5 + 0.5 * std::sin(angle) * side; // of the hand
+        const double wave = std::sin(3 * angle) * up * up;
+        joints.arms[i].shoulder = side * (-48 + 74 * up);
+        joints.arms[i].elbow = side * (54 * up + 18 * wave);
+        joints.arms[i].forward = -side * 42 * (1 - up);
+        const double raised = lift(-side * sway), bent = lift(side * sway);
+        joints.legs[i].hip = -58 * raised - 7 * bent;
+        joints.legs[i].knee = 74 * raised + 14 * bent;
+        joints.legs[i].aside = -5 * sway;
+    }
+    joints.head = {-16 * std::sin(angle), 8 * sway};
+    joints.chest = {13 * std::sin(angle), 4 - 2 * std::cos(2 * angle), -7 * sway};
+    joints.shift = {0.06 * sway, -0.012 * (1 - std::cos(2 * angle)), 0};
+    return joints;
+}
+
+// ---- the bones ----
+
+/// Those of both sides and of the middle, as skin_mesh takes them. The left arm is bent.
+std::string bones_text() {
+    std::string text = "# The puppet's bones\n"
+                       "name,parent,head x,y,z,tail x,y,z,turn about x,y,z (degrees)\n"
+                       "hips,,0,0.86,0,0,1.02,0,0,0,0\n"
+                       "chest,hips,0,1.02,0,0,1.38,0,0,0,0\n"
+                       "neck,chest,0,1.38,0,0,1.54,0,0,0,0\n"
+                       "head,neck,0,1.54,0,0,1.82,0,0,12,0\n";
+    for (const int side : {1, -1}) {
+        const auto add = [&](const char* name, const char* parent, const Point& head, const Point& tail,
+                             const Point& turn) {
+            const char* of_side = side > 0 ? "left " : "right ";
+            const bool from_middle =
+                std::string_view(parent) == "chest" || std::string_view(parent) == "hips";
+            text += std::string(of_side) + name + ',' + (from_middle ? "" : of_side) + parent;
+            const double turns = side > 0 ? 1 : 0;
+            for (const double x : {side * head[0], head[1], head[2], side * tail[0], tail[1], tail[2],
+                                   turns * turn[0], turns * turn[1], turns * turn[2]})
+                text += ',' + cageform_examples::text_of("%g", x);
+            text += '\n';
+        };
+        add("shoulder", "chest", {0.06, 1.34, 0}, {0.2, 1.325, 0}, {});
+        add("upper arm", "shoulder", {0.2, 1.325, 0}, {0.545, 1.325, -0.005}, {0, 0, 20});
+        add("forearm", "upper arm", {0.545, 1.325, -0.005}, {0.8, 1.325, 0}, {0, 0, 75});
+        add("hand", "forearm", {0.8, 1.325, 0}, {0.95, 1.325, 0}, {});
+        add("thigh", "hips", {0.15, 0.83, 0}, {0.178, 0.46, 0.005}, {});
+        add("shin", "thigh", {0.178, 0.46, 0.005}, {0.186, 0.1, -0.02}, {});
+        add("foot", "shin", {0.186, 0.066, -0.02}, {0.196, 0.07, 0.15}, {});
+    }
+    return text;
+}
+
+// ---- the files ----
+
+/// The mesh as OBJ text; with normals, a vertex and its normal share their number.
+std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Point>& normals) {
+    std::string text = std::string("# ") + heading + "\n";
+    std::array<char, 128> line;
+    const auto append = [&](const char* format, auto... values) {
+        const int size = std::snprintf(line.data(), line.size(), format, values...);
+        text.append(line.data(), std::size_t(size));
+    };
+    for (const Point& p : mesh.vertices) append("v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
+    for (const Point& n : normals) append("vn %.5f %.5f %.5f\n", n[0], n[1], n[2]);
+    for (const auto& [a, b, c] : mesh.faces) {
+        if (normals.empty())
+            append("f %u %u %u\n", a + 1, b + 1, c + 1);
+        else
+            append("f %u//%u %u//%u %u//%u\n", a + 1, a + 1, b + 1, b + 1, c + 1, c + 1);
+    }
+    return text;
+}
+
+/// Whether a mesh can serve as a cage; where not, why.
+bool is_sound(const Mesh& mesh, const char* what) {
+    const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
+    if (report.status != cageform::Status::ok)
+        fail(std::string(what) + ": " + cageform::to_string(report.status));
+    return report.status == cageform::Status::ok;
+}
+
+int run_program(int argc, char** argv) {
+    cageform_examples::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
+                                        "files, a dance of the cage, and bones.");
+    line.set_examples({"out", "."});
+    std::string folder;
+    line.add("folder", folder,
+             "where character.obj, character_cage.obj, character_pose.obj, character_clip.csv and "
+             "character.bones.csv are written")
+        .required();
+    if (const auto code = line.parse(argc, argv)) return *code;
+
+    const Mesh figure =
+        cageform_examples::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
+    std::vector<Point> normals;
+    for (const Point& p : figure.vertices) {
+        const Point g = cageform_examples::slope(puppet, p);
+        normals.push_back((1 / length(g)) * g);
+    }
+    const Cage cage = make_cage();
+    Mesh pose = cage.mesh;
+    for (std::size_t i = 0; i < pose.vertices.size(); ++i)
+        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i], waving);
+    cageform_examples::PoseClip dance{"the dance", dance_length, {}};
+    constexpr std::size_t keys = 24;
+    for (std::size_t k = 0; k < keys; ++k) {
+        const double part = double(k) / keys;
+        auto& key = dance.keys.emplace_back();
+        key.time = part * dance_length;
+        for (std::size_t i = 0; i < cage.mesh.vertices.size(); ++i)
+            key.places.push_back(posed(cage.mesh.vertices[i], cage.origin[i], dancing(part)));
+    }
+
+    if (!is_sound(figure, "the figure") || !is_sound(cage.mesh, "the cage") || !is_sound(pose, "the pose"))
+        return 1;
+    const auto motion = cageform_examples::make_clip<double>(dance);
+    auto cursor = motion.make_cursor();
+    for (std::size_t k = 0; k < 2 * keys; ++k) { // at the keys and halfway between
+        Mesh now = cage.mesh;
+        motion.sample(double(k) / double(2 * keys) * dance_length, cursor, now.vertices);
+        if (!is_sound(now, "the dance")) return 1;
+    }
+    cageform_examples::ObjFile shell;
+    shell.vertices = cage.mesh.vertices;
+    shell.triangles = cage.mesh.faces;
+    const auto coordinates = cageform_examples::make_coordinates<double>({}, shell);
+    const auto outside = coordinates->bind(figure.vertices).report.outside;
+    if (!outside.empty()) {
+        const Point& p = figure.vertices[outside.front()];
+        return fail(std::to_string(outside.size()) + " vertices of the figure lie outside the cage, first (" +
+                    std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")");
+    }
+
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return fail("cannot make the folder " + folder + ": " + error.message());
+    cageform_examples::OutputFiles outputs;
+    std::string summary;
+    const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
+        const auto path = std::filesystem::path(folder) / name;
+        outputs.add(path).write(text);
+        summary += cageform_examples::printable(path.string()) + ": " + holds + '\n';
+    };
+    const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
+                                const std::vector<Point>& vertex_normals) {
+        write(name, obj_text(heading, mesh, vertex_normals),
+              std::to_string(mesh.vertices.size()) + " vertices, " + std::to_string(mesh.faces.size()) +
+                  " faces");
+    };
+    write_mesh("character.obj", "A puppet, made by make_character", figure, normals);
+    write_mesh("character_cage.obj", "The puppet's cage", cage.mesh, {});
+    write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
+    write("character_clip.csv", cageform_examples::pose_clip_text(dance, "A dance of the puppet's cage"),
+          std::to_string(keys) + " poses of the cage in 2.4 s");
+    write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
+    if (const auto failure = outputs.commit()) return fail(*failure);
+    std::cout << summary;
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return cageform_examples::guarded("make_character", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,152 @@
+// Poses a cage by its vertices' numbers: operations, in the order given, and a picture of the numbers.
+//
+//     pose_cage cat_cage.svg --picture numbers.svg
+//     pose_cage cat_cage.svg --turn 7-11:-30@775,400 --move 15-20:20,40 -o pose.svg --picture numbers.svg
+//     pose_cage character_cage.obj --bend 'x>0:xy,0.2,0.3,-60' -o pose.obj --picture pose.png
+
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/pose_choice.hpp"
+#include "pictures/cage_picture.hpp"
+#include "pictures/field_plot.hpp"
+#include "pictures/render.hpp"
+#include "svg/document.hpp"
+
+#include <filesystem>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+/// Such as ".svg", whatever its letters are.
+std::string ending_of(const std::string& path) {
+    std::string ending = std::filesystem::path(path).extension().string();
+    for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+    return ending;
+}
+
+struct Arguments {
+    std::string cage, out, picture, figure;
+    bool png = false;
+    PoseChoice choice;
+};
+
+/// The pose, after a word on how many vertices have moved and where they were.
+template <std::size_t D>
+SvgResult<std::vector<cageform::Vec<double, D>>> posed(const Arguments& given,
+                                                       const std::vector<cageform::Vec<double, D>>& rest) {
+    auto pose = given.choice.posed(rest);
+    if (!pose) return pose;
+    std::size_t moved = 0;
+    for (std::size_t i = 0; i < rest.size(); ++i) moved += (*pose)[i] == rest[i] ? 0 : 1;
+    std::cout << printable(given.cage) << ": " << moved << " of " << rest.size()
+              << " vertices moved; at rest";
+    const auto box = cageform::bounds_of(std::span(rest)); // for selections by place
+    for (std::size_t k = 0; k < D; ++k)
+        std::cout << (k == 0 ? " " : ", ") << "xyz"[k] << " from " << detail::short_number(box.lower[k])
+                  << " to " << detail::short_number(box.upper[k]);
+    std::cout << '\n';
+    return pose;
+}
+
+/// Of the cage's document; of a CSV file its bounds.
+SvgResult<ViewBox> view_of(const CageFile& cage) {
+    if (cage.name.ends_with(".csv")) {
+        PlaneBox box;
+        for (const Point2& p : cage.vertices) box.add(p);
+        return ViewBox{box.low.x, box.low.y, box.width(), box.height()};
+    }
+    const auto document = load_svg(cage.name);
+    if (!document) return document.error();
+    return view_box(*document);
+}
+
+int pose_in_plane(const Arguments& given) {
+    const auto cage = load_cage(given.cage);
+    if (!cage) return fail(to_string(cage.error()));
+    const bool is_svg = ending_of(given.out) == ".svg";
+    if (ending_of(given.out) == ".obj")
+        return fail("-o " + given.out + ": the cage lies in the plane: .svg or .csv");
+    if (is_svg && cage->has_cells())
+        return fail("-o " + given.out + ": " + given.cage + " has chains or points, which a .csv file holds");
+    if (ending_of(given.picture) == ".png")
+        return fail("--picture " + given.picture + ": in the plane an .svg file, with --png also that");
+    SvgDocument below;
+    if (!given.figure.empty()) {
+        auto figure = load_svg(given.figure);
+        if (!figure) return fail(to_string(figure.error()));
+        below = std::move(*figure);
+    }
+    const auto moved = posed<2>(given, cage->places());
+    if (!moved) return fail(to_string(moved.error()));
+    const CageFile pose = moved_cage(*cage, *moved);
+    OutputFiles outputs;
+    if (!given.out.empty()) {
+        const auto view = view_of(pose);
+        if (!view) return fail(to_string(view.error()));
+        const SvgResult<std::string> text = is_svg ? to_svg(pose, *view) : to_csv(pose);
+        if (!text) return fail(given.out + ": " + to_string(text.error()));
+        outputs.add(given.out).write(*text);
+    }
+    if (!given.picture.empty()) {
+        const auto picture = draw_pose(*cage, pose, given.figure.empty() ? nullptr : &below, given.picture);
+        if (!picture) return fail(to_string(picture.error()));
+        AtomicFile& file = outputs.add(given.picture);
+        file.write(to_text(*picture));
+        if (given.png) add_png(outputs, file, 1200);
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+int pose_in_space(const Arguments& given) {
+    const auto cage = load_mesh_cage(given.cage);
+    if (!cage) return fail(to_string(cage.error()));
+    if (!given.out.empty() && ending_of(given.out) != ".obj")
+        return fail("-o " + given.out + ": the cage lies in space: .obj");
+    if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
+        return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    const auto pose = posed<3>(given, cage->vertices);
+    if (!pose) return fail(to_string(pose.error()));
+    OutputFiles outputs;
+    if (!given.out.empty()) outputs.add(given.out).write(to_text(*cage, *pose));
+    if (!given.picture.empty()) draw_pose(*cage, *pose).write_png(outputs.add(given.picture));
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Poses a cage: moves, turns, scales, bends and twists vertices by their numbers or "
+                     "places, in the order "
+                     "given, and draws the numbers.");
+    line.set_examples(
+        {"cage.svg --figure icon.svg --picture numbers.svg",
+         "cage.svg --turn 7-11:-30@v6,12 --move 3:20,40 -o pose.svg --picture pose_numbers.svg"});
+    Arguments given;
+    line.add("cage", given.cage, "an SVG or CSV file, or in space an OBJ file").required();
+    given.choice.add_options(line);
+    line.add("-o,--output", given.out, "the pose to write: .svg or .csv; in space .obj")
+        .ends_with({".svg", ".csv", ".obj"});
+    line.add("--picture", given.picture,
+             "draw the pose and the numbers of its vertices over the cage at rest, to an .svg file; in space "
+             "a .png file")
+        .ends_with({".svg", ".png"});
+    line.add("--figure", given.figure, "an SVG file that the picture shows below");
+    line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
+    line.set_footer(pose_operations_format + std::string("\n") + cage_formats + "\n" + obj_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (given.out.empty() && given.picture.empty())
+        return fail("nothing to write: give -o, --picture or both");
+    if (given.picture.empty() && (given.png || !given.figure.empty()))
+        return fail("--png and --figure are for --picture");
+    return given.cage.ends_with(".obj") ? pose_in_space(given) : pose_in_plane(given);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("pose_cage", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,401 @@
+// Weights of bones for any OBJ figure, and the figure moved by them.
+//
+//     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
+//
+// Writes a skin with the skeleton for engines and viewers (glTF 2.0), which turns from rest into the pose of the bones
+// file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface (fields/skin.hpp).
+
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/view_choice.hpp"
+#include "files/atomic_file.hpp"
+#include "files/gltf_file.hpp"
+#include "pictures/mesh_picture.hpp"
+
+#include <cageform/binding/bind_bones.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/fields/skin.hpp>
+
+#include <iostream>
+#include <numbers>
+
+namespace {
+
+using namespace cageform_examples;
+using cageform::Status;
+using Move = cageform::Transform<double, 3>;
+using Use = GltfDocument::Use;
+
+constexpr const char* bones_format =
+    "A bones file has a line for every bone: name,parent,x,y,z of its head, x,y,z of\n"
+    "its tail, and of its pose x,y,z: an axis through the head, as long as the turn\n"
+    "in degrees; 0,0,0 is no turn. Parents stand before their children, a bone\n"
+    "without one leaves the field empty. Lines that begin with # are skipped.\n";
+
+constexpr std::size_t no_parent = ~std::size_t{0};
+
+struct Bone {
+    std::string name;
+    std::size_t parent = no_parent;
+    cageform::BoneSegment segment{};
+    Point3 turn{}; // degrees
+};
+
+struct Arguments {
+    std::string figure, bones, out, picture, red, blue;
+    std::string weights = "heat";
+    std::size_t influences = 4;
+    bool sees_through = false, report = false;
+    ViewChoice view;
+};
+
+// ---- the bones ----
+
+/// A line's bone; the reason where there is none.
+std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bone& bone) {
+    std::vector<std::string_view> fields;
+    for (bool more = true; more;) {
+        const std::size_t end = std::min(line.find(','), line.size());
+        fields.push_back(detail::trim(line.substr(0, end)));
+        more = end < line.size();
+        line.remove_prefix(std::min(end + 1, line.size()));
+    }
+    if (fields.size() != 11)
+        return std::to_string(fields.size()) +
+               " columns, where a bone has 11: " + "name,parent,x,y,z,x,y,z,x,y,z";
+    const auto number_of = [&](std::string_view name) {
+        const auto at =
+            std::find_if(bones.begin(), bones.end(), [&](const Bone& b) { return b.name == name; });
+        return at == bones.end() ? no_parent : std::size_t(at - bones.begin());
+    };
+    bone.name = fields[0];
+    if (bone.name.empty()) return "the bone has no name";
+    if (number_of(fields[0]) != no_parent) return "there are two bones " + detail::quoted(fields[0]);
+    if (!fields[1].empty() && (bone.parent = number_of(fields[1])) == no_parent)
+        return "the parent " + detail::quoted(fields[1]) + " does not stand before its child";
+    std::array<Point3*, 3> places{&bone.segment.head, &bone.segment.tail, &bone.turn};
+    for (std::size_t n = 0; n < 9; ++n) {
+        double& number = (*places[n / 3])[n % 3];
+        std::string why = detail::parse_number(fields[2 + n], number);
+        if (why.empty()) why = detail::single_precision_fault(number); // glTF's numbers
+        if (!why.empty()) return "column " + std::to_string(3 + n) + ": " + why;
+    }
+    return {};
+}
+
+SvgResult<std::vector<Bone>> load_bones(const std::string& path) {
+    const auto file = read_file(path);
+    if (!file) return file.error();
+    std::vector<Bone> bones;
+    std::string_view text = *file, line;
+    for (std::size_t number = 1; take_line(text, line); ++number) {
+        line = detail::trim(line);
+        if (line.empty() || line.front() == '#' || line.starts_with("name,parent,")) continue;
+        Bone bone;
+        const std::string why = parse_bone(line, bones, bone);
+        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+        bones.push_back(std::move(bone));
+    }
+    if (bones.empty()) return SvgError{path + ": holds no bones"};
+    return bones;
+}
+
+/// A turn of a share of the pose's angle, as x, y, z, w.
+std::array<double, 4> quaternion(const Bone& bone, double share) {
+    const double degrees = std::hypot(bone.turn[0], bone.turn[1], bone.turn[2]);
+    const double half = share * degrees * std::numbers::pi / 360;
+    const double factor = degrees > 0 ? std::sin(half) / degrees : 0;
+    return {factor * bone.turn[0], factor * bone.turn[1], factor * bone.turn[2], std::cos(half)};
+}
+
+/// Where the pose takes the bones: each turns about its head, and its parent takes it along.
+std::vector<Move> pose_of(const std::vector<Bone>& bones) {
+    std::vector<Move> moves;
+    for (const Bone& bone : bones) {
+        const auto [x, y, z, w] = quaternion(bone, 1);
+        Move own{{{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+                   {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+                   {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}},
+                 {}};
+        own.translation = bone.segment.head - own.turn(bone.segment.head);
+        if (bone.parent != no_parent) {
+            const Move& parent = moves[bone.parent];
+            for (auto& column : own.columns) column = parent.turn(column);
+            own.translation = parent.turn(own.translation) + parent.translation;
+        }
+        moves.push_back(own);
+    }
+    return moves;
+}
+
+// ---- the skin ----
+
+/// Why there are no weights, naming the culprit.
+std::string why_not(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones,
+                    const cageform::SurfaceSkinReport& report) {
+    if (report.mesh.mesh.status != Status::ok) {
+        cageform::BindReport faults;
+        faults.status = report.mesh.mesh.status;
+        faults.cage = report.mesh.mesh;
+        std::string text = describe_mesh_faults(figure.name, faults);
+        if (const std::size_t at = text.find("the cage"); at != std::string::npos)
+            text.replace(at, 8, "the mesh");
+        return text;
+    }
+    if (report.status == Status::cells_unreached) {
+        return figure.name + ": no bone moves the part of the mesh about " +
+               name_points(figure.vertices, {report.solver.culprit}) +
+               (given.weights == "heat" && !given.sees_through
+                    ? ", whose vertices do not see their nearest bones"
+                    : "");
+    }
+    return (report.status == Status::value_not_finite ? bones[report.solver.culprit].name : figure.name) +
+           ": " + cageform::to_string(report.status);
+}
+
+/// The figure posed, by linear blend skinning.
+SvgResult<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bone>& bones,
+                                     std::span<const double> weights) {
+    std::vector<Move> frames;
+    for (const Bone& bone : bones) frames.push_back({{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, bone.segment.head});
+    const auto bound = cageform::bind_bones(figure.vertices, std::span<const Move>(frames), weights);
+    std::vector<Point3> handles(bound.binding.handle_count()), moved(figure.vertices.size());
+    Status status = bound.report.status;
+    const std::vector<Move> moves = pose_of(bones);
+    if (status == Status::ok) status = pose_bones(bound.binding, std::span<const Move>(moves), handles);
+    if (status == Status::ok) status = clone(bound.binding, handles, moved);
+    if (status != Status::ok) return SvgError{figure.name + ": " + cageform::to_string(status)};
+    return moved;
+}
+
+/// The turn into the pose and back in two seconds, of the bones from node `first` on.
+void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size_t first) {
+    GltfJson animation = {{"name", "pose"}};
+    constexpr std::size_t keys = 17; // turns are linear between them, and nearly even
+    std::vector<std::array<float, 1>> times;
+    for (std::size_t k = 0; k < keys; ++k) times.push_back({2 * float(k) / float(keys - 1)});
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+        if (bones[b].turn == Point3{}) continue;
+        std::vector<std::array<float, 4>> turns;
+        for (std::size_t k = 0; k < keys; ++k) {
+            const double share = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * double(k) / double(keys - 1));
+            const auto q = quaternion(bones[b], share);
+            turns.push_back({float(q[0]), float(q[1]), float(q[2]), float(q[3])});
+        }
+        const std::size_t input = animation.contains("samplers")
+                                      ? animation["samplers"][0]["input"].get<std::size_t>()
+                                      : document.add(times, Use::other, true);
+        animation["samplers"].push_back({{"input", input}, {"output", document.add(turns, Use::other)}});
+        animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
+                                         {"target", {{"node", first + b}, {"path", "rotation"}}}});
+    }
+    if (animation.contains("channels")) document.append("animations", std::move(animation));
+}
+
+/// The document: the meshes, the bones as nodes, the skin, and the turn into the pose.
+SvgResult<std::string> gltf_text(const ObjFile& figure, const ObjParts& parts,
+                                 const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
+                                 const cageform::SkinWeights& skin, bool binary) {
+    GltfDocument document;
+    document.json["asset"]["generator"] = "cageform skin_mesh";
+    document.json["scene"] = 0;
+    print_warnings(parts.warnings);
+    print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
+    GltfJson roots;
+    for (const GltfMesh& mesh : meshes) {
+        GltfJson attributes = gltf_attributes(document, mesh, figure);
+        add_skin_attributes<std::uint16_t, float>(document, attributes, mesh, skin, skin.weights, 0);
+        const std::size_t index = document.append(
+            "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
+        roots.push_back(document.append("nodes", {{"name", mesh.name}, {"mesh", index}, {"skin", 0}}));
+    }
+    const std::size_t first = meshes.size();
+    GltfJson joints;
+    std::vector<std::array<float, 16>> inverse;
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+        const auto single = [](const Point3& p) {
+            return Point3{double(float(p[0])), double(float(p[1])), double(float(p[2]))};
+        };
+        const Point3 head = single(bones[b].segment.head);
+        const Point3 at =
+            bones[b].parent == no_parent ? head : head - single(bones[bones[b].parent].segment.head);
+        GltfJson node = {{"name", bones[b].name}, {"translation", {at[0], at[1], at[2]}}};
+        for (std::size_t c = b + 1; c < bones.size(); ++c) {
+            if (bones[c].parent == b) node["children"].push_back(first + c);
+        }
+        document.append("nodes", std::move(node));
+        joints.push_back(first + b);
+        if (bones[b].parent == no_parent) roots.push_back(first + b);
+        inverse.push_back(
+            {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(head[0]), -float(head[1]), -float(head[2]), 1});
+    }
+    document.append("skins",
+                    {{"inverseBindMatrices", document.add(inverse, Use::other)}, {"joints", joints}});
+    document.append("scenes", {{"nodes", roots}});
+
+    add_turns(document, bones, first);
+    if (document.bytes() > 0x7fffffff)
+        return SvgError{figure.name + ": the file would be larger than glTF allows"};
+    return document.text(binary);
+}
+
+/// The bone of a name; without one, `otherwise`.
+SvgResult<std::size_t> bone_named(const Arguments& given, const std::vector<Bone>& bones,
+                                  const std::string& name, std::size_t otherwise) {
+    if (name.empty()) return otherwise;
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+        if (bones[b].name == name) return b;
+    }
+    return SvgError{given.bones + ": there is no bone " + detail::quoted(name)};
+}
+
+int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
+    // Painted without a name: the bone that turns the most, and its parent.
+    std::size_t turned = 0;
+    const auto angle = [&](std::size_t b) { return dot(bones[b].turn, bones[b].turn); };
+    for (std::size_t b = 1; b < bones.size(); ++b) turned = angle(b) > angle(turned) ? b : turned;
+    const auto blue = bone_named(given, bones, given.blue, turned);
+    if (!blue) return fail(to_string(blue.error()));
+    const auto red =
+        bone_named(given, bones, given.red, bones[*blue].parent == no_parent ? *blue : bones[*blue].parent);
+    if (!red) return fail(to_string(red.error()));
+
+    const ObjParts parts = read_parts(figure);
+    const auto meshes = gltf_meshes(figure, parts);
+    if (!meshes) return fail(to_string(meshes.error()));
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    std::vector<cageform::BoneSegment> segments;
+    for (const Bone& bone : bones) segments.push_back(bone.segment);
+    cageform::SurfaceSkinOptions options;
+    if (given.sees_through) options.visibility = cageform::BoneVisibility::ignored;
+    const auto weights = [&] {
+        ProgressBar bar("weights");
+        const cageform::Running running{.progress = bar.callback()};
+        return given.weights == "heat"
+                   ? cageform::bone_heat(figure.vertices, figure.triangles, segments, options, running)
+                   : cageform::harmonic_skin(figure.vertices, figure.triangles, segments, options, running);
+    };
+    cageform::SurfaceSkin<double> made = weights();
+    if (made.report.status == Status::cage_not_closed && !given.sees_through) {
+        note(figure.name +
+             ": the mesh is not closed, so that nothing is inside it: every vertex sees its nearest "
+             "bone, as with --see-through");
+        options.visibility = cageform::BoneVisibility::ignored;
+        made = weights();
+    }
+    const auto& report = made.report;
+    if (report.status != Status::ok) return fail(why_not(given, figure, bones, report));
+    for (const std::size_t b : report.idle_bones) {
+        warn(given.bones + ": " + bones[b].name +
+             " is nearest to no vertex that it could move: all its weights are 0");
+    }
+    const auto skin = cageform::skin_weights(std::span<const double>(made.weights), bones.size(),
+                                             {.influences = given.influences});
+    if (skin.report.status != Status::ok)
+        return fail(given.bones + ": " + cageform::to_string(skin.report.status));
+    // The picture shows the weights that are written.
+    const std::size_t most = skin.skin.influences;
+    std::vector<double> written(made.weights.size(), 0.0);
+    for (std::size_t n = 0; n < skin.skin.weights.size(); ++n)
+        written[n / most * bones.size() + skin.skin.joints[n]] += double(skin.skin.weights[n]);
+    const auto right = posed(figure, bones, made.weights), moved = posed(figure, bones, written);
+    if (!right || !moved) return fail(to_string(right ? moved.error() : right.error()));
+    StoredLoss loss;
+    loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    loss.poses = 1;
+    for (std::size_t i = 0; i < moved->size(); ++i) {
+        const Point3 d = (*moved)[i] - (*right)[i];
+        const double off = std::hypot(d[0], d[1], d[2]);
+        loss.mean += off / double(moved->size());
+        if (off > loss.largest) loss.vertex = i;
+        loss.largest = std::max(loss.largest, off);
+    }
+    if (loss.share() > StoredLoss::worth_a_warning) {
+        warn(figure.name + ": a skin of " + std::to_string(most) + " bones a vertex is off by " +
+             describe(loss) + "; a larger --skin loses less");
+    }
+    const auto text = gltf_text(figure, parts, *meshes, bones, skin.skin,
+                                std::filesystem::path(given.out).extension() != ".gltf");
+    if (!text) return fail(to_string(text.error()));
+
+    OutputFiles outputs;
+    outputs.add(given.out).write(*text);
+    if (!given.picture.empty()) {
+        std::vector<Colour> paint;
+        constexpr Colour clay{0.93f, 0.93f, 0.9f}, of_red{0.85f, 0.15f, 0.12f}, of_blue{0.12f, 0.25f, 0.85f};
+        for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
+            const auto share = [&](std::size_t b) { return float(written[i * bones.size() + b]); };
+            const float r = *red == *blue ? 0 : share(*red), b = share(*blue);
+            const float rest = std::max(1 - r - b, 0.0f);
+            paint.push_back({rest * clay.r + r * of_red.r + b * of_blue.r,
+                             rest * clay.g + r * of_red.g + b * of_blue.g,
+                             rest * clay.b + r * of_red.b + b * of_blue.b});
+        }
+        const std::array<MeshScene, 2> scenes{
+            {{{figure.vertices, figure.triangles, paint}, {}}, {{*moved, figure.triangles, paint}, {}}}};
+        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::size_t vertices = 0;
+    for (const GltfMesh& mesh : *meshes) vertices += mesh.corners.size();
+    std::cout << printable(given.out) << ": " << vertices << " vertices, " << bones.size() << " bones, "
+              << given.weights << '\n';
+    if (given.report) {
+        std::cout << "flipped edges: " << report.mesh.flips
+                  << "\nnegative cotangent weights: " << report.mesh.negative_weights
+                  << "\nvertices that do not see their nearest bones: " << report.hidden
+                  << "\nbones a vertex, in the mean: " << skin.report.mean_influences
+                  << "\nlargest sum |w - w0| of " << given.influences
+                  << " bones a vertex: " << skin.report.weight_error.value << "\noff by " << describe(loss)
+                  << "\ntime: " << report.seconds << " s\n";
+    }
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Finds the weights of bones on an OBJ figure, and writes the figure with its skin as glTF 2.0.");
+    line.set_examples(
+        {"character.obj --bones character.bones.csv -o skinned.glb",
+         "character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png"});
+    Arguments given;
+    line.add("figure", given.figure, "the OBJ file: a mesh, best a closed one").required();
+    line.add("--bones", given.bones, "its bones: a CSV file").required();
+    line.add("--weights", given.weights,
+             "heat (of the nearest bone that a vertex sees) or harmonic (1 on the middle "
+             "third of each bone, harmonic between)")
+        .one_of({"heat", "harmonic"})
+        .show_default();
+    line.add("--skin", given.influences, "bones a vertex at most, in the file").range(1, 16).show_default();
+    line.add_flag("--see-through", given.sees_through,
+                  "of heat: every vertex sees its nearest bone, as where the mesh is not closed");
+    line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
+        .required()
+        .ends_with({".glb", ".gltf"});
+    line.add("--picture", given.picture, "also draw the figure at rest and posed to a PNG file")
+        .ends_with({".png"});
+    given.view.add_options(line);
+    line.add("--blue", given.blue, "the bone whose weight is painted blue; else the one that turns the most");
+    line.add("--red", given.red, "the bone whose weight is painted red; else the parent of the blue one");
+    line.add_flag("--report", given.report, "print flips, hidden vertices, what the file's skin leaves out");
+    line.set_footer(obj_format + std::string("\n") + bones_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+
+    const auto figure = load_obj(given.figure);
+    if (!figure) return fail(to_string(figure.error()));
+    if (figure->faces.empty()) return fail(figure->name + ": holds no faces");
+    if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
+    const auto bones = load_bones(given.bones);
+    if (!bones) return fail(to_string(bones.error()));
+    return skin_figure(given, *figure, *bones);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return cageform_examples::guarded("skin_mesh", [&] { return run_program(argc, argv); });
+}
