@@ -6,8 +6,8 @@
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
-#include <cageform/binding/bind_figure.hpp>
-#include <cageform/binding/bind_packed.hpp>
+#include <cageform/binding/bind.hpp>
+#include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
@@ -31,7 +31,7 @@ void bind_harmonic_vase(benchmark::State& state) {
     options.resolution = std::size_t(state.range(0));
     for (auto _ : state) {
         const auto result = cageform::bind(cageform::HarmonicCoordinates(cage, options), points);
-        benchmark::DoNotOptimize(result.binding.view().weights.data);
+        benchmark::DoNotOptimize(result.value.view().weights.data);
         state.counters["solver_s"] = result.report.solver.seconds;
     }
     finish(state, points.size(), cage.size());
@@ -110,7 +110,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
     for (auto _ : state) {
         const auto begin = std::clock();
         const auto result = cageform::bind(coordinates, points);
-        benchmark::DoNotOptimize(result.binding.view().weights.data);
+        benchmark::DoNotOptimize(result.value.view().weights.data);
         const auto bound = std::clock();
         state.PauseTiming();
         solver = result.report.solver;
@@ -150,7 +150,7 @@ void bind_papers_mesh(benchmark::State& state) {
     cageform::BindReport report;
     for (auto _ : state) {
         const auto result = cageform::bind(coordinates, points);
-        benchmark::DoNotOptimize(result.binding.view().weights.data);
+        benchmark::DoNotOptimize(result.value.view().weights.data);
         report = result.report;
         if (report.status != cageform::Status::ok) state.SkipWithError(to_string(report.status));
     }
@@ -260,24 +260,24 @@ void bind_packed_fingers(benchmark::State& state) {
         points.push_back(cageform::vec_cast<float>(p));
     }
     const cageform::HarmonicCoordinates<float, 3> coordinates(vertices, fingers.faces, {.accuracy = 2e-3});
-    const cageform::BindPackedOptions options{
+    const cageform::StreamedPackOptions options{
         .pack = {.format = cageform::WeightFormat::half, .threshold = 1e-4}};
-    const auto stated = cageform::bind_packed_memory(coordinates, points.size(), options);
+    const auto stated = cageform::pack_memory(coordinates, points.size(), options);
     for (auto _ : state) {
-        const auto result = cageform::bind_packed(coordinates, points, options);
-        if (result.packed.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.packed.status));
+        const auto result = cageform::pack(coordinates, points, options);
+        if (result.report.packed.status != cageform::Status::ok)
+            state.SkipWithError(to_string(result.report.packed.status));
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
         state.counters["peak_MB"] = double(usage.ru_maxrss) / 1e3;
         state.counters["stated_MB"] = double(stated.solver + stated.functions + stated.batch) / 1e6;
-        state.counters["blob_MB"] = double(result.packed.bytes) / 1e6;
-        state.counters["dense_MB"] = double(result.packed.dense_bytes) / 1e6;
-        state.counters["weights"] = result.packed.weights_per_point;
-        state.counters["distance/size"] = result.packed.distance.value / result.packed.size;
-        state.counters["mean_distance/size"] = result.packed.mean_distance / result.packed.size;
-        state.counters["outside"] = double(result.bound.outside.size());
-        state.counters["solver_s"] = result.bound.solver.seconds;
+        state.counters["blob_MB"] = double(result.report.packed.bytes) / 1e6;
+        state.counters["dense_MB"] = double(result.report.packed.dense_bytes) / 1e6;
+        state.counters["weights"] = result.report.packed.weights_per_point;
+        state.counters["distance/size"] = result.report.packed.distance.value / result.report.packed.size;
+        state.counters["mean_distance/size"] = result.report.packed.mean_distance / result.report.packed.size;
+        state.counters["outside"] = double(result.report.bound.outside.size());
+        state.counters["solver_s"] = result.report.bound.solver.seconds;
     }
 }
 
@@ -286,7 +286,7 @@ void bind_packed_fingers(benchmark::State& state) {
 template <bool adaptive>
 void bind_bumpy(benchmark::State& state) {
     static const auto points = points_inside_bumpy112();
-    static const auto fine = cageform::bind(AnyGrid(bumpy112<double>(), {.resolution = 256}), points).binding;
+    static const auto fine = cageform::bind(AnyGrid(bumpy112<double>(), {.resolution = 256}), points).value;
     const AnyGrid coordinates(bumpy112<double>(), options_of<adaptive>(state));
     for (auto _ : state) {
         const auto binding = bind_on_grid(state, coordinates, points);
@@ -348,8 +348,8 @@ void bind_harmonic_figure(benchmark::State& state) {
     std::clock_t binding = 0, solving = 0;
     for (auto _ : state) {
         const auto begin = std::clock();
-        const auto result = cageform::bind_figure(coordinates, cageform::FigurePoints{points, normals});
-        benchmark::DoNotOptimize(result.figure.points.view().weights.data);
+        const auto result = cageform::bind(coordinates, cageform::FigurePoints{points, normals});
+        benchmark::DoNotOptimize(result.value.points.view().weights.data);
         const auto bound = std::clock();
         state.PauseTiming();
         if (result.report.status != cageform::Status::ok)

@@ -12,7 +12,7 @@
 #include "counted.hpp"
 #include "workloads.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
@@ -193,7 +193,7 @@ struct Bumpy {
         rest.assign(mesh.vertices().begin(), mesh.vertices().end());
         for (const auto& p : cageform_bench::points_inside(cageform_bench::bumpy112<double>(), count, 2))
             figure.push_back(cageform::vec_cast<T>(p));
-        binding = cageform::bind(cageform::MeanValueCoordinates<T, 3>(mesh), figure).binding;
+        binding = cageform::bind(cageform::MeanValueCoordinates<T, 3>(mesh), figure).value;
         for (auto p : rest) { // bent by a quarter of a turn along its height
             const T angle = T(0.75) * p[2], reach = p[0] + 2;
             bent.push_back({reach * std::cos(angle) - 2, p[1], reach * std::sin(angle)});
@@ -258,7 +258,7 @@ void pack_threads(benchmark::State& state) {
         const auto packed = cageform::pack(bumpy.binding, {.tolerance = 3.2e-3}, running);
         if (packed.report.status != cageform::Status::ok)
             state.SkipWithError(to_string(packed.report.status));
-        benchmark::DoNotOptimize(packed.binding.bytes().data());
+        benchmark::DoNotOptimize(packed.value.bytes().data());
     }
 }
 
@@ -278,7 +278,7 @@ struct MovedFigure {
         const auto points = cageform_bench::points_inside(cage<double>(number), 8000, 2);
         rest.assign(mesh.vertices().begin(), mesh.vertices().end());
         for (const auto& p : points) figure.push_back(cageform::vec_cast<float>(p));
-        binding = cageform::bind(cageform::MeanValueCoordinates<float, 3>(mesh), figure).binding;
+        binding = cageform::bind(cageform::MeanValueCoordinates<float, 3>(mesh), figure).value;
         size = cageform::bounds_of(std::span<const cageform::Vec<float, 3>>(figure)).diagonal();
         for (int k = 0; k < 24; ++k) {
             given.push_back(bent(2, 1.5 * std::sin(0.26 * k), 0.8 * std::sin(0.52 * k + 1)));
@@ -336,7 +336,7 @@ void pack_to_distance(benchmark::State& state) {
     cageform::PackOptions options{.tolerance = moved.size * std::pow(10.0, -double(state.range(1)))};
     if (state.range(3) != 0) options.poses = moved.poses;
     if (state.range(2) >= 0) options.format = cageform::WeightFormat(state.range(2));
-    cageform::PackResult<float, 3> packed;
+    cageform::Result<cageform::PackedBinding<float, 3>, cageform::PackReport> packed;
     for (auto _ : state) packed = cageform::pack(moved.binding, options);
     const auto& report = packed.report;
     state.counters["handles"] = double(report.handles);
@@ -346,7 +346,7 @@ void pack_to_distance(benchmark::State& state) {
     }
     const auto cloned = [&](const MovedFigure::Points& pose) {
         MovedFigure::Points out(moved.figure.size());
-        if (cageform::clone(packed.binding.view(), pose, out) != cageform::Status::ok) out.clear();
+        if (cageform::clone(packed.value.view(), pose, out) != cageform::Status::ok) out.clear();
         return out;
     };
     state.counters["format"] = double(report.format);
@@ -377,7 +377,7 @@ template <class T, cageform::BlobCheck Check, cageform::WeightFormat Format>
 void map_blob(benchmark::State& state) {
     const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
     const auto packed =
-        cageform::pack(bumpy.binding, {.format = Format, .largest = std::size_t(state.range(1))}).binding;
+        cageform::pack(bumpy.binding, {.format = Format, .largest = std::size_t(state.range(1))}).value;
     const auto bytes = packed.bytes();
     std::FILE* const file = std::tmpfile();
     if (file == nullptr || std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size() ||
@@ -388,8 +388,8 @@ void map_blob(benchmark::State& state) {
         if (memory == MAP_FAILED) return state.SkipWithError("not mapped");
         const auto opened = cageform::open_blob<T, 3>({static_cast<const std::byte*>(memory), bytes.size()},
                                                       {.check = Check});
-        if (opened.status != cageform::Status::ok) state.SkipWithError(to_string(opened.status));
-        benchmark::DoNotOptimize(opened.binding.weights);
+        if (opened.status() != cageform::Status::ok) state.SkipWithError(to_string(opened.status()));
+        benchmark::DoNotOptimize(opened.value.weights);
         munmap(memory, bytes.size());
     }
     state.SetBytesProcessed(std::int64_t(state.iterations()) * std::int64_t(bytes.size()));
@@ -450,7 +450,7 @@ struct Neighbours {
             for (std::size_t k = 0; k < 3; ++k) p(i, k) = at[k];
         }
         const cageform::Binding<T, 3> dense(std::move(rows), std::move(rest), rest_handles, points);
-        binding = cageform::pack(dense, {.threshold = 1e-30}).binding;
+        binding = cageform::pack(dense, {.threshold = 1e-30}).value;
         rows_a_block = double(binding.view().row_count()) / double(blocks);
         pose = rest_handles;
         for (auto& handle : pose)
@@ -473,9 +473,9 @@ void clone_rational_sparse(benchmark::State& state) {
     const auto fit = cageform::rational_view(view);
     std::vector<cageform::Vec<T, 3>> out(view.point_count());
     for (auto _ : state) {
-        cageform::Status status = fit.status;
+        cageform::Status status = fit.status();
         if constexpr (Judged) {
-            status = cageform::clone_rational(fit.binding, work.pose, work.weights, out);
+            status = cageform::clone_rational(fit.value, work.pose, work.weights, out);
         } else {
             status = cageform::clone_rational(view, work.pose, work.weights, out);
         }

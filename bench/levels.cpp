@@ -8,7 +8,7 @@
 #include "level.hpp"
 #include "workloads.hpp"
 
-#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 
 #include <benchmark/benchmark.h>
@@ -40,7 +40,7 @@ struct Bound {
         for (const auto& c : star) cage.push_back(cageform::vec_cast<T>(c));
         for (const auto& p : cageform_bench::points_inside(star, count))
             points.push_back(cageform::vec_cast<T>(p));
-        binding = cageform::bind(cageform::MeanValueCoordinates<T, D>(cage), points).binding;
+        binding = cageform::bind(cageform::MeanValueCoordinates<T, D>(cage), points).value;
         for (const auto& c : cage) pose.push_back({c[0] + T(0.3) * c[1] * c[1], c[1]});
     }
 };
@@ -58,15 +58,14 @@ struct Bound<T, 3> {
         for (const auto& p : cageform_bench::points_inside(cageform_bench::bumpy112<double>(), count, 2))
             points.push_back(cageform::vec_cast<T>(p));
         for (std::size_t i = 0; i < count; ++i) tangents[i] = {-points[i][1], points[i][0], 0, 1};
-        figure =
-            cageform::bind_figure(coordinates(), cageform::FigurePoints{points, points, tangents}).figure;
+        figure = cageform::bind(coordinates(), cageform::FigurePoints{points, points, tangents}).value;
         for (const auto& c : cage.vertices()) pose.push_back({c[0] + T(0.3) * c[2] * c[2], c[1], c[2]});
     }
     static cageform::MeanValueCoordinates<T, 3> coordinates() {
         return cageform::MeanValueCoordinates<T, 3>(cageform_bench::bumpy112<T>());
     }
     cageform::PackedFigure<T, 3> packed(WeightFormat format) const {
-        return cageform::pack_figure(figure, {.weights = {.format = format, .largest = 8}}).figure;
+        return cageform::pack(figure, {.weights = {.format = format, .largest = 8}}).value;
     }
 };
 
@@ -109,13 +108,13 @@ void add(const Level::Of<T>& level, const std::string& name) {
         add_one(std::string("packed_") + called, [&level, format = format](benchmark::State& state) {
             auto& work = bound<T, 3>();
             const auto packed = work.packed(format);
-            const auto view = cageform::open_figure<T, 3>(packed.bytes()).figure.points;
+            const auto view = cageform::open<T, 3>(packed.bytes()).value.points;
             measure(state, [&] { return level.packed(view, work.pose, work.out); });
         });
         add_one(std::string("figure_") + called, [&level, format = format](benchmark::State& state) {
             auto& work = bound<T, 3>();
             const auto packed = work.packed(format);
-            const auto view = cageform::open_figure<T, 3>(packed.bytes()).figure;
+            const auto view = cageform::open<T, 3>(packed.bytes()).value;
             measure(state,
                     [&] { return level.figure(view, work.pose, work.out, work.normals, work.tangents); });
         });
@@ -127,7 +126,7 @@ void add(const Level::Of<T>& level, const std::string& name) {
     });
     add_one("jacobians", [&level](benchmark::State& state) {
         auto& work = bound<T, 3>();
-        const auto axes = cageform::bind_jacobians(work.coordinates(), work.points).bindings;
+        const auto axes = cageform::bind_jacobians(work.coordinates(), work.points).value;
         const auto views = cageform::detail::views_of(axes);
         const cageform::StridedMatrices<T, 3> out(work.matrices.data(), count);
         measure(state, [&] { return level.jacobians(views, work.pose, out); });

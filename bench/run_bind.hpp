@@ -25,15 +25,15 @@ template <class Coordinates, class Points>
 void run_bind(benchmark::State& state, const Coordinates& coordinates, const Points& points,
               bool again = false, const cageform::Running& running = {}) {
     cageform::Binding<typename Coordinates::scalar, Coordinates::dimension> recycled;
-    if (again) recycled = cageform::bind(coordinates, points).binding;
+    if (again) recycled = cageform::bind(coordinates, points).value;
     const Counted counted;
     for (auto _ : state) {
         auto result = cageform::bind(coordinates, points, {}, std::move(recycled), running);
         if (result.report.status != cageform::Status::ok)
             state.SkipWithError(to_string(result.report.status));
-        benchmark::DoNotOptimize(result.binding.view().weights.data);
+        benchmark::DoNotOptimize(result.value.view().weights.data);
         benchmark::ClobberMemory();
-        recycled = again ? std::move(result.binding) : decltype(recycled){};
+        recycled = again ? std::move(result.value) : decltype(recycled){};
     }
     finish(state, points.size(), coordinates.handles().size());
 }

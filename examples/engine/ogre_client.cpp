@@ -81,7 +81,7 @@ class Puppet {
 public:
     explicit Puppet(const std::string& path)
         : file_(path) {
-        const auto opened = cageform::open_figure<float, 3>(file_.bytes());
+        const auto opened = cageform::open<float, 3>(file_.bytes());
         if (opened.status != cageform::Status::ok)
             throw std::runtime_error(path + ": " + cageform::to_string(opened.status));
         figure_ = opened.figure;

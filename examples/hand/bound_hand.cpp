@@ -13,8 +13,8 @@ BoundHand::BoundHand(const char* type)
     auto bound = bind_to_sites<double>(type, hand.sites(), hand.skin.vertices);
     report = std::move(bound.report);
     if (report.status != cageform::Status::ok) return;
-    dense = std::move(bound.binding);
-    packed = cageform::pack(dense, {.threshold = 1e-30}).binding;
+    dense = std::move(bound.value);
+    packed = cageform::pack(dense, {.threshold = 1e-30}).value;
 }
 
 std::vector<Point3> BoundHand::clone(const std::vector<Point3>& pose,

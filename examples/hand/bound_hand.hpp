@@ -18,8 +18,8 @@ inline constexpr double hand_kappa = 3; ///< of inflation
 
 /// Binds places in space to sites, by a type of --coordinates: sibson, or sibson-c1 for degree 3.
 template <class T>
-cageform::BindResult<T, 3> bind_to_sites(const char* type, std::vector<Point3> sites,
-                                         const std::vector<Point3>& places) {
+cageform::Result<cageform::Binding<T, 3>, cageform::BindReport>
+bind_to_sites(const char* type, std::vector<Point3> sites, const std::vector<Point3>& places) {
     CoordinatesChoice choice;
     choice.name = type;
     SiteFile<3> file;

@@ -549,7 +549,7 @@ double fastest(const Work& work) {
 /// timed beside it by bench_clone.
 void print_time(const Hand& hand, Lines& lines) {
     const auto bound = bind_to_sites<float>("sibson", hand.sites(), hand.skin.vertices);
-    const auto packed = cageform::pack(bound.binding, {.threshold = 1e-30}).binding;
+    const auto packed = cageform::pack(bound.value, {.threshold = 1e-30}).value;
     const auto view = packed.view().in_order();
     const auto fit = cageform::rational_view(view);
     const auto& angles = hand_poses()[1].angles;

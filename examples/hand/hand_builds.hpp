@@ -22,7 +22,7 @@ struct HandBuild {
 /// Handles of a build: the joints, the tips, then the corners of a box.
 struct HandBuilder {
     std::vector<Point3> rest;
-    cageform::ComposeResult<double, 3> skin;
+    cageform::Result<cageform::Binding<double, 3>, cageform::ComposeReport> skin;
     cageform::Binding<double, 3> sites;
 
     explicit HandBuilder(const BoundHand& bound) {
@@ -31,7 +31,7 @@ struct HandBuilder {
         // Joints that two bones of the palm share are one handle each.
         const auto all = bound.hand.sites();
         for (const Point3& p : cageform::surround(all, {.margin = 0.05}).sites) rest.push_back(p);
-        sites = bind_to_sites<double>("sibson", rest, all).binding;
+        sites = bind_to_sites<double>("sibson", rest, all).value;
         skin = cageform::compose(bound.dense, sites);
     }
 

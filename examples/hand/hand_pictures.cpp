@@ -349,7 +349,7 @@ Picture bends(const BoundHand& bound) {
     }
     const auto smooth = bind_to_sites<double>("sibson-c1", hand.sites(), finger);
     if (smooth.report.status != cageform::Status::ok ||
-        cageform::clone(smooth.binding, hand.pose(angles), finger) != cageform::Status::ok)
+        cageform::clone(smooth.value, hand.pose(angles), finger) != cageform::Status::ok)
         throw std::runtime_error("the finger at degree 3 cannot be bound");
     Skin cubic = hand.skin.vertices;
     for (std::size_t i = 0, n = 0; i < cubic.size(); ++i) {

@@ -1,5 +1,5 @@
 // 9. What a game ships: a figure with normals and tangents, bound and packed in the editor, used where it lies in memory.
-#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/runtime.hpp> // all that a game includes
 
@@ -23,14 +23,14 @@ int ship(std::FILE* file) {
         tangents.push_back({-z, 0, x, 1});
     }
     const cageform::MeanValueCoordinates3f coordinates(box, faces);
-    auto [figure, bound] = bind_figure(coordinates, cageform::FigurePoints{points, normals, tangents});
+    auto [figure, bound] = cageform::bind(coordinates, cageform::FigurePoints{points, normals, tangents});
     if (bound.status != Status::ok) return std::puts(to_string(bound.status));
     if (!bound.points.outside.empty()) return std::puts("points lie outside the cage");
     const std::array labels{"", "", "", "", "left foot", "right foot", "left hand", "right hand"};
     if (figure.set_labels(labels) != Status::ok) return std::puts("not one label for every handle");
 
     // No point off by more than 0.001 in poses that bend by up to a tenth of the box.
-    const auto [packed, report] = pack_figure(figure, {.weights = {.tolerance = 0.001}});
+    const auto [packed, report] = cageform::pack(figure, {.weights = {.tolerance = 0.001}});
     if (report.status != Status::ok) return std::puts(to_string(report.status));
     const auto bytes = packed.bytes();
     return std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() ? 0 : std::puts("cannot write");
@@ -45,8 +45,8 @@ int play(std::FILE* file) {
     std::vector<cageform::Lanes<float>> memory(4096); // of 64 bytes each
     std::rewind(file);
     const auto bytes = std::as_bytes(std::span(memory)).first(std::fread(&memory[0], 1, 4096 * 64, file));
-    std::puts(to_string(cageform::open_figure<float, 3>(bytes.first(1000)).status));
-    const auto [status, culprit, figure, cage, points, size] = cageform::open_figure<float, 3>(bytes);
+    std::puts(to_string(cageform::open<float, 3>(bytes.first(1000)).status));
+    const auto [status, culprit, figure, cage, points, size] = cageform::open<float, 3>(bytes);
     if (status != Status::ok) return std::puts(to_string(status));
 
     std::vector<Vertex> vertices(figure.point_count());

@@ -31,7 +31,7 @@ int main() {
     // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all equal are
     // the clone, bit for bit.
     const auto bound = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), line);
-    const auto [status, rational] = rational_view(bound.binding.view());
+    const auto [status, rational] = rational_view(bound.value.view());
     if (status != cageform::Status::ok) return std::puts(to_string(status));
     for (const double weight : {1.0, 3.0, 100.0}) {
         const std::array<double, 5> weights{1, 1, 1, 1, weight};

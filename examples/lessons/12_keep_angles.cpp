@@ -21,7 +21,7 @@ int main() {
     std::vector<Point> out(corner.size());
 
     const auto mean_value = cageform::bind(cageform::MeanValueCoordinates<double, 2>(cage), corner);
-    if (clone(mean_value.binding, pose, out) != cageform::Status::ok) return 1;
+    if (clone(mean_value.value, pose, out) != cageform::Status::ok) return 1;
     std::printf("mean value: 90 degrees become %.1f\n", angle(out.data()));
 
     // Green coordinates have a handle a vertex and one an edge. A pose of the vertices alone will not do:
@@ -37,7 +37,7 @@ int main() {
     // The price: what lies on the cage does not stay on it.
     const std::vector<Point> on_edge{{2, 0}};
     const auto bound = cageform::bind(cageform::GreenCoordinates<double, 2>(cage), on_edge);
-    if (clone(bound.binding, handles, out = on_edge) != cageform::Status::ok) return 1;
+    if (clone(bound.value, handles, out = on_edge) != cageform::Status::ok) return 1;
     std::printf("the middle of an edge goes to (%.2f, %.2f), not to (2.50, 0.50)\n", out[0][0], out[0][1]);
 }
 

@@ -36,13 +36,13 @@ int main() {
                                     {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {2, 0, 0}}};
     const auto bound = cageform::bind_bones(points, std::span<const Frame>(frames), std::span(skin.weights));
     if (bound.report.status != cageform::Status::ok) return 1;
-    std::printf("\n%zu bones, %zu handles\n", bones.size(), bound.binding.handle_count());
+    std::printf("\n%zu bones, %zu handles\n", bones.size(), bound.value.handle_count());
 
     // Every frame: the moves of the bones, then clone. The second turns by a right angle about (2, 0, 0).
     const std::vector<Frame> moves{frames[0], {{{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, {2, -2, 0}}};
-    std::vector<Point> handles(bound.binding.handle_count()), out(points.size());
-    if (pose_bones(bound.binding, std::span<const Frame>(moves), handles) != cageform::Status::ok) return 1;
-    if (clone(bound.binding, handles, out) != cageform::Status::ok) return 1;
+    std::vector<Point> handles(bound.value.handle_count()), out(points.size());
+    if (pose_bones(bound.value, std::span<const Frame>(moves), handles) != cageform::Status::ok) return 1;
+    if (clone(bound.value, handles, out) != cageform::Status::ok) return 1;
     const auto& tip = out[std::size_t(last)];
     std::printf("(4, -0.3, -0.3) goes to (%.2f, %.2f, %.2f)\n", tip[0], tip[1], tip[2]);
 }

@@ -1,7 +1,7 @@
 // 17. A glTF animation moves a cage: the samplers' arrays become a clip, which is shipped in one file with the figure.
 #include <cageform/animate/compile_clip.hpp>
 #include <cageform/animate/pack_clip.hpp>
-#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/exchange/gltf.hpp>
 #include <cageform/runtime.hpp> // all that a game includes
@@ -18,7 +18,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     for (int i = 0; i < 8; ++i) box.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
     for (float z = 0; z < 1; z += 0.001f) points.push_back({0.8f, 0.8f, z}); // a rod towards node 7
     const auto [figure, bound] =
-        bind_figure(cageform::MeanValueCoordinates3f(box, faces), cageform::FigurePoints{points});
+        cageform::bind(cageform::MeanValueCoordinates3f(box, faces), cageform::FigurePoints{points});
     if (bound.status != Status::ok) return bound.status;
     // As they lie in the file: times, and of each key an in-tangent, a value and an out-tangent.
     const float times[] = {0, 1, 2};
@@ -41,14 +41,14 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     std::printf("%zu of %zu curves in 16 bits: %zu bytes in place of %zu\n", report.quantised, report.curves,
                 report.bytes, report.unquantised_bytes);
     const cageform::FigureClipData clips[] = {{"swing", clip.bytes()}};
-    auto packed = pack_figure(figure, {.weights = {.tolerance = 0.001}, .clips = clips});
+    auto packed = cageform::pack(figure, {.weights = {.tolerance = 0.001}, .clips = clips});
     file = std::move(packed.figure); // its bytes are what is written
     return packed.report.status;
 }
 
 /// In the game: runtime.hpp alone, nothing copied; what a frame needs is allocated here, once.
 Status play(std::span<const std::byte> file) {
-    const auto opened = cageform::open_figure<float, 3>(file);
+    const auto opened = cageform::open<float, 3>(file);
     if (opened.status != Status::ok) return opened.status;
     const auto& figure = opened.figure;
     const std::size_t found = figure.find_clip("swing");

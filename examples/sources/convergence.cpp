@@ -99,8 +99,8 @@ std::vector<Point2> points_in(const cageform::Polygon<double>& cage, std::size_t
 
 constexpr std::size_t finest = 512; // cells shown
 
-cageform::BindResult<double, 2> weights_of(const CageFile& cage, const cageform::HarmonicOptions& options,
-                                           std::size_t resolution) {
+cageform::Result<cageform::Binding<double, 2>, cageform::BindReport>
+weights_of(const CageFile& cage, const cageform::HarmonicOptions& options, std::size_t resolution) {
     return make_coordinates<double>({.name = "harmonic", .resolution = resolution, .harmonic = options}, cage)
         ->bind(points_in(cage.polygon<double>(), 1000));
 }
@@ -115,7 +115,7 @@ Curve error_by_cells(const CageFile& cage, const cageform::HarmonicOptions& opti
         double error = 1e-16;
         for (std::size_t i = 0; i < exact.point_count(); ++i) {
             for (std::size_t k = 0; k < exact.handle_count(); ++k)
-                error = std::max(error, std::fabs(coarse.binding.weight(i, k) - exact.weight(i, k)));
+                error = std::max(error, std::fabs(coarse.value.weight(i, k) - exact.weight(i, k)));
         }
         curve.points.push_back({std::log2(double(resolution)), std::log10(error)});
     }
@@ -386,7 +386,7 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
     if (exact.report.status != cageform::Status::ok)
         return path + ": " + cageform::to_string(exact.report.status);
     for (const Way& way : ways) {
-        auto curve = error_by_cells(*file, way.options, exact.binding);
+        auto curve = error_by_cells(*file, way.options, exact.value);
         curve.name = name + way.name;
         curve.colour = colour;
         curve.dashes = way.dashes;

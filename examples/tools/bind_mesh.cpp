@@ -129,8 +129,8 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
 }
 
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
-int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
-                const std::vector<std::string>& labels) {
+int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+                   const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates->cage_report);
@@ -150,11 +150,10 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::BindOptions bind_options;
     bind_options.outside = given.outside.policy(*coordinates);
     const std::vector<Point3> normals = normals_of(figure);
-    cageform::FigureBindResult<float, 3> bound;
+    cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
         ProgressBar bar("binding");
-        bound =
-            coordinates->bind_figure({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
+        bound = coordinates->bind({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
     }
     const cageform::BindReport& of_points = bound.report.points;
     if (bound.report.status != Status::ok) {
@@ -188,10 +187,10 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
                                               {"CLIP", clip}};
     options.parts = parts;
-    cageform::FigurePackResult<float, 3> made;
+    cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
         ProgressBar bar("packing");
-        made = cageform::pack_figure(bound.figure, options, {.progress = bar.callback()});
+        made = cageform::pack(bound.figure, options, {.progress = bar.callback()});
     }
     const auto& [packed, report] = made;
     const std::pair<const char*, const cageform::PackReport&> reports[] = {
@@ -285,7 +284,7 @@ int run_program(int argc, char** argv) {
         if (!read) return fail(to_string(read.error()));
         labels = std::move(*read);
     }
-    return bind_figure(given, *figure, *cage, labels);
+    return cageform::bind(given, *figure, *cage, labels);
 }
 
 } // namespace

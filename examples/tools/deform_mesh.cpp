@@ -169,7 +169,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
         report.status = bound.report.status;
         if (report.status != cageform::Status::ok) break;
         if (!handles) {
-            auto posed = pose_of_handles(bound.binding, pose.vertices, pose.name, result.warning);
+            auto posed = pose_of_handles(bound.value, pose.vertices, pose.name, result.warning);
             if (!posed) {
                 result.fault = to_string(posed.error());
                 return result;
@@ -177,16 +177,16 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
             handles = std::move(*posed);
         }
         const auto moved = std::span(result.vertices).subspan(first, batch.size());
-        const auto status =
-            weights.empty() ? cageform::clone(bound.binding, *handles, moved)
-                            : cageform::clone_rational(bound.binding, *handles, std::span(weights), moved);
+        const auto status = weights.empty()
+                                ? cageform::clone(bound.value, *handles, moved)
+                                : cageform::clone_rational(bound.value, *handles, std::span(weights), moved);
         if (status != cageform::Status::ok) {
             result.fault =
                 (weights.empty() ? pose.name : given.of_sites.weights) + ": " + cageform::to_string(status);
             return result;
         }
         for (std::size_t i = 0; given.paints && i < batch.size(); ++i)
-            result.paint.push_back(heat(bound.binding.weight(i, given.weight)));
+            result.paint.push_back(heat(bound.value.weight(i, given.weight)));
         first += batch.size();
         if (first >= rest.size()) break;
     }

@@ -432,9 +432,9 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
 constexpr std::size_t joint_set = 4, most_joints = 16;
 
 /// A skin of so many joints a vertex, and what it loses.
-cageform::SkinWeightsResult make_skin(const Arguments& given, const Scene& scene,
-                                      const Binding<double, 3>& bound, std::size_t influences,
-                                      SkinLoss& loss) {
+cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
+make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound, std::size_t influences,
+          SkinLoss& loss) {
     ProgressBar bar("weights, " + std::to_string(influences) + " joints");
     auto made = cageform::smooth_skin_weights(bound, scene.figure.triangles,
                                               {.influences = influences, .threshold = given.threshold},
@@ -448,9 +448,9 @@ cageform::SkinWeightsResult make_skin(const Arguments& given, const Scene& scene
 
 /// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where none does, of the
 /// most.
-cageform::SkinWeightsResult make_near_skin(const Arguments& given, const Scene& scene,
-                                           const Binding<double, 3>& bound, std::size_t influences,
-                                           SkinLoss& loss) {
+cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
+make_near_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
+               std::size_t influences, SkinLoss& loss) {
     for (;; influences += joint_set) {
         auto made = make_skin(given, scene, bound, influences, loss);
         if (made.report.status != Status::ok || influences + joint_set > most_joints ||
@@ -480,7 +480,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (!coordinates->note.empty()) note(coordinates->note);
     cageform::BindOptions options;
     options.outside = given.outside.policy(*coordinates);
-    cageform::BindResult<double, 3> bound;
+    cageform::Result<cageform::Binding<double, 3>, cageform::BindReport> bound;
     {
         ProgressBar bar("binding");
         bound = coordinates->bind(figure.vertices, options, {.progress = bar.callback()});
@@ -499,20 +499,20 @@ int export_figure(const Arguments& given, const Scene& scene) {
     print_warnings(add_materials(document, scene.parts, !scene.meshes[0].texture.empty()));
     std::string why;
     if (given.morph) {
-        why = add_targets(document, scene, given, bound.binding);
+        why = add_targets(document, scene, given, bound.value);
     } else {
         SkinLoss loss;
         const bool searches = given.influences == 0;
-        const cageform::SkinWeightsResult made =
-            searches ? make_near_skin(given, scene, bound.binding, joint_set, loss)
-                     : make_skin(given, scene, bound.binding, given.influences, loss);
+        const cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport> made =
+            searches ? make_near_skin(given, scene, bound.value, joint_set, loss)
+                     : make_skin(given, scene, bound.value, given.influences, loss);
         const auto& skin = made.report;
         if (skin.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(skin.status));
         const std::string is_off = "a skin of " + std::to_string(made.skin.influences) +
                                    " joints a vertex is off by " + describe(loss.places);
         if (given.distance > 0 && loss.places.share() > given.distance) {
             return fail(figure.name + ": " + is_off + ": " +
-                        what_would_do(given, scene, bound.binding, made.skin.influences));
+                        what_would_do(given, scene, bound.value, made.skin.influences));
         }
         if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
             warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +

@@ -163,11 +163,11 @@ SvgResult<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bo
     std::vector<Move> frames;
     for (const Bone& bone : bones) frames.push_back({{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, bone.segment.head});
     const auto bound = cageform::bind_bones(figure.vertices, std::span<const Move>(frames), weights);
-    std::vector<Point3> handles(bound.binding.handle_count()), moved(figure.vertices.size());
+    std::vector<Point3> handles(bound.value.handle_count()), moved(figure.vertices.size());
     Status status = bound.report.status;
     const std::vector<Move> moves = pose_of(bones);
-    if (status == Status::ok) status = pose_bones(bound.binding, std::span<const Move>(moves), handles);
-    if (status == Status::ok) status = clone(bound.binding, handles, moved);
+    if (status == Status::ok) status = pose_bones(bound.value, std::span<const Move>(moves), handles);
+    if (status == Status::ok) status = clone(bound.value, handles, moved);
     if (status != Status::ok) return SvgError{figure.name + ": " + cageform::to_string(status)};
     return moved;
 }

@@ -1,11 +1,10 @@
 // Everything for cages but the adapters (cageform/adapt/) and the threads
 // (cageform/core/threads.hpp). Key-frame curves are in cageform/animate/, which stands alone.
-// What ships figures is in cageform/binding/bind_figure.hpp. A game that only plays them back includes
+// What ships figures is in cageform/binding/bind.hpp. A game that only plays them back includes
 // cageform/runtime.hpp alone.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/compose.hpp>
 #include <cageform/cage/control_points.hpp>
 #include <cageform/clone/clone.hpp>

@@ -243,7 +243,7 @@ TEMPLATE_TEST_CASE("bind returns the cage's own status and an empty binding", "[
     using T = TestType;
     const auto status_of = [](const auto& coordinates) {
         const auto result = cageform::bind(coordinates, Points2<T>{{1, 1}});
-        CHECK(result.binding.point_count() == 0);
+        CHECK(result.value.point_count() == 0);
         CHECK(result.report.cage.status == result.report.status);
         CHECK(!result.report.cage.faults.empty());
         CHECK(result.report.points == 1);
@@ -266,7 +266,7 @@ TEMPLATE_TEST_CASE("bind returns the solver's own status and an empty binding", 
     using T = TestType;
     const auto status_of = [](const cageform::HarmonicOptions& options) {
         const auto result = cageform::bind(Harmonic<T>(square<T>, options), Points2<T>{{1, 1}});
-        CHECK(result.binding.point_count() == 0);
+        CHECK(result.value.point_count() == 0);
         CHECK(result.report.cage.status == Status::ok);
         return result.report.status;
     };
@@ -296,7 +296,7 @@ TEST_CASE("more points than there is memory for are a status", "[binding][status
     const auto result = cageform::bind(Mean<double>(square<double>), Endless{});
     CHECK(result.report.status == Status::out_of_memory);
     CHECK(result.report.points == std::size_t{1} << 60);
-    CHECK(result.binding.point_count() == 0);
+    CHECK(result.value.point_count() == 0);
 }
 #endif
 
@@ -306,7 +306,7 @@ TEMPLATE_TEST_CASE("the report lists every unusual point", "[binding][report]", 
     const auto result = cageform::bind(TestType(square<T>), mixed_points<T>());
     REQUIRE(result.report.status == Status::ok);
     CHECK(result.report.points == 12);
-    CHECK(result.binding.point_count() == 12);
+    CHECK(result.value.point_count() == 12);
     CHECK(result.report.outside == mixed_outside);
     CHECK(result.report.not_finite == mixed_not_finite);
     CHECK(result.report.on_boundary == mixed_on_boundary);
@@ -375,7 +375,7 @@ TEMPLATE_TEST_CASE("points outside can follow the nearest boundary point", "[bin
     auto pose = random_pose(binding, std::uint64_t(seed));
     for (auto& c : pose) c = T(scale) * c;
     const auto moved = cloned(binding, pose);
-    const auto followed = cloned(on_boundary.binding, pose);
+    const auto followed = cloned(on_boundary.value, pose);
     for (std::size_t i = 0; i < outside.size(); ++i) {
         CAPTURE(i);
         const auto offset = cageform::vec_cast<double>(outside[i]) - cageform::vec_cast<double>(nearest[i]);
@@ -399,15 +399,14 @@ TEMPLATE_TEST_CASE("points outside are extended to where the type can", "[bindin
     for (const std::size_t i : mixed_outside) {
         std::array<T, 4> row{};
         CHECK(cageform::weights_at(mean, points[i], row) == PointState::outside);
-        CHECK(difference(row_of(extended.binding, i), row) <=
-              16 * double(epsilon<T>)); // restored to rounding
+        CHECK(difference(row_of(extended.value, i), row) <= 16 * double(epsilon<T>)); // restored to rounding
         CHECK(absolute_sum(row) > 1);
     }
     // Harmonic coordinates have no values there.
     const auto kept = cageform::bind(Harmonic<T>(square<T>), points, {.outside = OutsidePoints::extend});
     REQUIRE(kept.report.status == Status::ok);
     CHECK(kept.report.outside == mixed_outside);
-    const auto moved = cloned(kept.binding, random_pose(kept.binding, 3));
+    const auto moved = cloned(kept.value, random_pose(kept.value, 3));
     for (const std::size_t i : mixed_outside) CHECK(moved[i] == points[i]);
 }
 
@@ -504,7 +503,7 @@ TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can 
     };
     double largest = 0;
     for (std::size_t n = 0; n < points.size(); ++n) {
-        const auto before = row_of(left.binding, n), after = row_of(restored.binding, n);
+        const auto before = row_of(left.value, n), after = row_of(restored.value, n);
         const auto p = in_cage(points[n]);
         std::array<std::vector<double>, 3> rows;
         Vec<double, 3> missing{1, p[0], p[1]};
@@ -590,7 +589,7 @@ TEMPLATE_TEST_CASE("any number of points is bound, whatever the blocks", "[bindi
     CHECK(handles_of(binding) == random_star<T>(4));
     std::size_t same = 0;
     for (std::size_t i = 0; i < count; ++i)
-        same += binding.rest_point(i) == points[i] && row_of(binding, i) == row_of(all.binding, i);
+        same += binding.rest_point(i) == points[i] && row_of(binding, i) == row_of(all.value, i);
     CHECK(same == count);
     CHECK((count == 0 ? report.partition_error.point == cageform::Extreme::none
                       : report.partition_error.point < count));
@@ -609,17 +608,17 @@ TEMPLATE_TEST_CASE("a binding no longer needed lends its memory to the next", "[
     few.push_back({not_a_number<T>, 0});
     const auto expected = cageform::bind(small, few);
     REQUIRE(expected.report.status == Status::ok);
-    auto old = cageform::bind(large, many).binding;
+    auto old = cageform::bind(large, many).value;
     const auto* const memory = old.view().weights.data;
     const auto shrunk = cageform::bind(small, few, {}, std::move(old));
     REQUIRE(shrunk.report.status == Status::ok);
-    CHECK(same_bits(shrunk.binding, expected.binding));
+    CHECK(same_bits(shrunk.value, expected.value));
     CHECK(same_figures(shrunk.report, expected.report));
     if (large.handles().size() * 200 > small.handles().size() * 64)
-        CHECK(shrunk.binding.view().weights.data == memory);
-    auto again = cageform::bind(small, few).binding;
-    CHECK(same_bits(cageform::bind(large, many, {}, std::move(again)).binding,
-                    cageform::bind(large, many).binding));
+        CHECK(shrunk.value.view().weights.data == memory);
+    auto again = cageform::bind(small, few).value;
+    CHECK(same_bits(cageform::bind(large, many, {}, std::move(again)).value,
+                    cageform::bind(large, many).value));
 }
 
 TEST_CASE("a thousand copies of a point get the same weights", "[binding][blocks]") {
@@ -647,7 +646,7 @@ TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", 
     CHECK(told.front() >= 0);
     CHECK(told.back() == 1);
     CHECK(std::count(told.begin(), told.end(), 1.0) == 1);
-    CHECK(same_bits(whole.binding, cageform::bind(coordinates, points).binding)); // asking changes nothing
+    CHECK(same_bits(whole.value, cageform::bind(coordinates, points).value)); // asking changes nothing
 
     for (const std::size_t last : {std::size_t(1), told.size() / 2, told.size()}) {
         std::size_t asked = 0;
@@ -655,8 +654,8 @@ TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", 
             cageform::bind(coordinates, points, {}, {.progress = [&](double) { return ++asked < last; }});
         CAPTURE(last);
         CHECK(cancelled.report.status == Status::cancelled);
-        CHECK(cancelled.binding.point_count() == 0);
-        CHECK(cancelled.binding.handle_count() == 0);
+        CHECK(cancelled.value.point_count() == 0);
+        CHECK(cancelled.value.handle_count() == 0);
         CHECK(asked == last);
     }
 }
@@ -685,7 +684,7 @@ TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits and the
           cageform::ParallelFor(uneven)}) {
         const auto result = cageform::bind(coordinates, points, {}, {.parallel = parallel});
         REQUIRE(result.report.status == Status::ok);
-        CHECK(same_bits(result.binding, expected.binding));
+        CHECK(same_bits(result.value, expected.value));
         CHECK(same_figures(result.report, expected.report));
     }
 }
@@ -693,11 +692,11 @@ TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits and the
 TEST_CASE("points come from any kind of range", "[binding][ranges]") {
     const Mean<double> coordinates(square<double>);
     const std::vector<Vec<double, 2>> plain{{1, 1}, {2, 3}, {0.5, 2.5}, {3.25, 0.75}, {2, 4}};
-    const auto expected = cageform::bind(coordinates, plain).binding;
+    const auto expected = cageform::bind(coordinates, plain).value;
     REQUIRE(expected.point_count() == 5);
     const auto binds_alike = [&](const auto& points) {
         const auto result = cageform::bind(coordinates, points);
-        return result.report.status == Status::ok && same_bits(result.binding, expected);
+        return result.report.status == Status::ok && same_bits(result.value, expected);
     };
 
     std::vector<std::array<double, 2>> arrays;
@@ -773,7 +772,7 @@ TEST_CASE("a user's own coordinate type binds", "[binding][concept]") {
     CHECK(distance(moved[3], Vec<double, 2>{3, 1.25}) <= 1e-14);
 
     const auto followed = cageform::bind(coordinates, points, {.outside = OutsidePoints::nearest_boundary});
-    const auto with_corner = cloned(followed.binding, {{1, 1}, {4, 0}, {0, 2}});
+    const auto with_corner = cloned(followed.value, {{1, 1}, {4, 0}, {0, 2}});
     CHECK(with_corner[1] == Vec<double, 2>{10, 10}); // with the corner that the type calls nearest
     CHECK(with_corner[2] == points[2]);
 }
@@ -840,7 +839,8 @@ auto bound_by_default_options() {
 } // namespace elsewhere
 
 TEST_CASE("an unqualified call of bind never finds std::bind", "[binding][names]") {
-    STATIC_REQUIRE(std::is_same_v<decltype(elsewhere::bound()), cageform::BindResult<double, 2>>);
+    STATIC_REQUIRE(std::is_same_v<decltype(elsewhere::bound()),
+                                  cageform::Result<cageform::Binding<double, 2>, cageform::BindReport>>);
     CHECK(elsewhere::bound().report.status == Status::ok);
     CHECK(elsewhere::bound_by_default_options().report.status == Status::ok);
 }

@@ -4,7 +4,7 @@
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 
-#include <cageform/binding/bind_packed.hpp>
+#include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
@@ -12,11 +12,11 @@
 namespace bind_packed_tests {
 
 using namespace cageform_tests;
-using cageform::bind_packed;
-using cageform::BindPackedOptions;
 using cageform::Extreme;
+using cageform::pack;
 using cageform::PackOptions;
 using cageform::Status;
+using cageform::StreamedPackOptions;
 using cageform::WeightFormat;
 
 namespace {
@@ -27,7 +27,7 @@ bool same(const Extreme& a, const Extreme& b) {
 
 /// A batch holds the weights of some blocks alone.
 template <class C, class Points>
-void check_same(const C& coordinates, const Points& points, BindPackedOptions options, std::size_t blocks) {
+void check_same(const C& coordinates, const Points& points, StreamedPackOptions options, std::size_t blocks) {
     using T = typename C::scalar;
     options.batch = blocks * sizeof(cageform::Lanes<T>) * (coordinates.handles().size() + C::dimension);
     auto kept = coordinates;
@@ -36,18 +36,18 @@ void check_same(const C& coordinates, const Points& points, BindPackedOptions op
     REQUIRE(bound.report.status == Status::ok);
     auto pack = options.pack;
     if (!pack.format) pack.format = WeightFormat::scalar;
-    const auto packed = cageform::pack(bound.binding, pack);
+    const auto packed = cageform::pack(bound.value, pack);
     REQUIRE(packed.report.status == Status::ok);
     for (const unsigned threads : {1u, 3u}) {
         cageform::Running running;
         if (threads > 1) running.parallel = cageform::ThreadedFor{threads};
-        const auto at_once = bind_packed(coordinates, points, options, running);
-        REQUIRE(at_once.bound.status == Status::ok);
-        REQUIRE(at_once.packed.status == Status::ok);
-        const auto expected = packed.binding.bytes(), found = at_once.binding.bytes();
+        const auto at_once = cageform::pack(coordinates, points, options, running);
+        REQUIRE(at_once.report.bound.status == Status::ok);
+        REQUIRE(at_once.report.packed.status == Status::ok);
+        const auto expected = packed.value.bytes(), found = at_once.value.bytes();
         REQUIRE(found.size() == expected.size());
         CHECK(std::equal(found.begin(), found.end(), expected.begin()));
-        const auto &a = at_once.bound, &b = bound.report;
+        const auto &a = at_once.report.bound, &b = bound.report;
         CHECK(a.points == b.points);
         CHECK(a.on_boundary == b.on_boundary);
         CHECK(a.outside == b.outside);
@@ -60,7 +60,7 @@ void check_same(const C& coordinates, const Points& points, BindPackedOptions op
         CHECK(a.least_weight.value == b.least_weight.value);
         CHECK(a.amplification.value == b.amplification.value);
         CHECK(a.solver.cells == b.solver.cells);
-        const auto &p = at_once.packed, &q = packed.report;
+        const auto &p = at_once.report.packed, &q = packed.report;
         CHECK(p.errors == q.errors);
         CHECK(p.distances == q.distances);
         CHECK(same(p.error, q.error));
@@ -126,21 +126,20 @@ TEST_CASE("few points are bound packed without keeping functions", "[binding][pa
     Points2<double> points;
     for (int n = 0; n < 20; ++n) points.push_back(random_inside(star, random, 1e-3));
     const cageform::HarmonicCoordinates<double, 2> coordinates(star);
-    const auto packed = bind_packed(coordinates, points, {.pack = {.threshold = 1e-3}});
-    REQUIRE(packed.packed.status == Status::ok);
-    const auto expected = cageform::pack(cageform::bind(coordinates, points).binding,
+    const auto packed = cageform::pack(coordinates, points, {.pack = {.threshold = 1e-3}});
+    REQUIRE(packed.report.packed.status == Status::ok);
+    const auto expected = cageform::pack(cageform::bind(coordinates, points).value,
                                          PackOptions{.format = WeightFormat::scalar, .threshold = 1e-3});
-    CHECK(std::equal(packed.binding.bytes().begin(), packed.binding.bytes().end(),
-                     expected.binding.bytes().begin(), expected.binding.bytes().end()));
+    CHECK(std::equal(packed.value.bytes().begin(), packed.value.bytes().end(), expected.value.bytes().begin(),
+                     expected.value.bytes().end()));
     // What is told beforehand: no functions, and a result that is no larger.
-    const auto memory = bind_packed_memory(coordinates, points.size());
+    const auto memory = pack_memory(coordinates, points.size());
     CHECK(memory.solver > 0);
     CHECK(memory.functions == 0);
     CHECK(memory.batch > 0);
-    const auto dense = bind_packed(coordinates, points);
-    CHECK(dense.binding.bytes().size() <=
-          memory.packed + 2000); // the header, and what parts are filled up by
-    CHECK(bind_packed_memory(coordinates, points.size(), {.batch = 1}).functions > 0);
+    const auto dense = cageform::pack(coordinates, points);
+    CHECK(dense.value.bytes().size() <= memory.packed + 2000); // the header, and what parts are filled up by
+    CHECK(pack_memory(coordinates, points.size(), {.batch = 1}).functions > 0);
 }
 
 TEST_CASE("what bind and pack refuse is refused with the point's number among all",
@@ -152,21 +151,21 @@ TEST_CASE("what bind and pack refuse is refused with the point's number among al
     const cageform::MeanValueCoordinates<double, 2> coordinates(star);
     const std::size_t batch = 1; // a block at a time
     const auto refused = [&](const PackOptions& pack) {
-        const auto result = bind_packed(coordinates, points, {.pack = pack, .batch = batch});
-        CHECK(result.binding.bytes().empty());
-        return result.packed.status;
+        const auto result = cageform::pack(coordinates, points, {.pack = pack, .batch = batch});
+        CHECK(result.value.bytes().empty());
+        return result.report.packed.status;
     };
     CHECK(refused({.largest = 2}) == Status::too_few_weights);
     const std::vector<std::uint32_t> twice(points.size(), 1);
     CHECK(refused({.largest = 4, .order = twice}) == Status::order_not_a_permutation);
-    const auto coarse = bind_packed(
+    const auto coarse = cageform::pack(
         coordinates, points, {.pack = {.format = WeightFormat::int8, .tolerance = 1e-12}, .batch = batch});
-    CHECK(coarse.packed.status == Status::format_too_coarse);
-    CHECK(coarse.packed.culprit < points.size());
-    CHECK(coarse.binding.bytes().empty());
+    CHECK(coarse.report.packed.status == Status::format_too_coarse);
+    CHECK(coarse.report.packed.culprit < points.size());
+    CHECK(coarse.value.bytes().empty());
     const cageform::MeanValueCoordinates<double, 2> bad(
         cageform::Polygon<double>(Points2<double>{{0, 0}, {1, 0}}));
-    CHECK(bind_packed(bad, points, {.batch = batch}).bound.status == Status::too_few_vertices);
+    CHECK(cageform::pack(bad, points, {.batch = batch}).report.bound.status == Status::too_few_vertices);
     // A cancel at any progress leaves nothing.
     const cageform::HarmonicCoordinates<double, 2> harmonic(star);
     double before = 0;
@@ -179,10 +178,10 @@ TEST_CASE("what bind and pack refuse is refused with the point's number among al
             return done < at;
         };
         const auto result =
-            bind_packed(harmonic, points, {.pack = {.threshold = 1e-3}, .batch = batch}, running);
+            cageform::pack(harmonic, points, {.pack = {.threshold = 1e-3}, .batch = batch}, running);
         CAPTURE(at);
-        CHECK((result.bound.status == Status::cancelled || result.packed.status == Status::cancelled));
-        CHECK(result.binding.bytes().empty());
+        CHECK((result.report.bound.status == Status::cancelled || result.report.packed.status == Status::cancelled));
+        CHECK(result.value.bytes().empty());
     }
     CHECK(before <= 1);
 }

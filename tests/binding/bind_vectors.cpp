@@ -4,7 +4,7 @@
 #include "../support/figures.hpp"
 #include "../support/weights.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
@@ -165,14 +165,14 @@ TEST_CASE("bound vectors move as differences of clones", "[binding][vectors][dif
         points.erase(points.begin());
         const auto vectors = random_points<double, D>(points.size(), 1, seed);
         const auto pose = shaken(handles, 0.2 * size, seed);
-        const auto moved = cloned(bind_vectors(coordinates, points, vectors).binding, pose);
+        const auto moved = cloned(bind_vectors(coordinates, points, vectors).value, pose);
         std::vector<Vec<double, D>> ahead, behind;
         for (std::size_t i = 0; i < points.size(); ++i) {
             ahead.push_back(points[i] + step * vectors[i]);
             behind.push_back(points[i] - step * vectors[i]);
         }
-        const auto a = cloned(cageform::bind(coordinates, ahead).binding, pose);
-        const auto b = cloned(cageform::bind(coordinates, behind).binding, pose);
+        const auto a = cloned(cageform::bind(coordinates, ahead).value, pose);
+        const auto b = cloned(cageform::bind(coordinates, behind).value, pose);
         for (std::size_t i = 0; i < points.size(); ++i) {
             Vec<double, D> place;
             (void)nearest_boundary_value(coordinates.cage(), points[i], place);
@@ -196,10 +196,10 @@ TEST_CASE("one vector for all, and the columns of Jacobians, are those of ranges
         axis[k] = 1;
         const std::array<double, 3> of_another_type{axis[0], axis[1], axis[2]};
         const auto expected = cloned(
-            bind_vectors(coordinates, points, std::vector<Vec<float, 3>>(points.size(), axis)).binding, pose);
-        CHECK(cloned(bind_vectors(coordinates, points, axis).binding, pose) == expected);
-        CHECK(cloned(bind_vectors(coordinates, points, of_another_type).binding, pose) == expected);
-        CHECK(cloned(jacobians.bindings[k], pose) == expected);
+            bind_vectors(coordinates, points, std::vector<Vec<float, 3>>(points.size(), axis)).value, pose);
+        CHECK(cloned(bind_vectors(coordinates, points, axis).value, pose) == expected);
+        CHECK(cloned(bind_vectors(coordinates, points, of_another_type).value, pose) == expected);
+        CHECK(cloned(jacobians.value[k], pose) == expected);
     }
     CHECK(jacobians.report.on_boundary == std::vector<std::size_t>{0});
 }
@@ -227,7 +227,7 @@ TEMPLATE_TEST_CASE("vectors of points that follow the boundary turn as it does",
     CHECK(report.outside.size() + report.unreached.size() == outside.size());
     CHECK(report.outside.size() >= (TestType::has_extension ? outside.size() : outside.size() / 4));
     const auto pose = shaken(handles, 0.1 * size, 10);
-    const auto expected = cloned(bind_vectors(coordinates, nearest, vectors).binding, pose);
+    const auto expected = cloned(bind_vectors(coordinates, nearest, vectors).value, pose);
     const auto moved = cloned(binding, pose);
     for (std::size_t i = 0; i < outside.size(); ++i) CHECK(distance(moved[i], expected[i]) <= 1e-12);
 }
@@ -237,19 +237,19 @@ TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") 
     const Polygon<double> crossing(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});
     const auto refused = bind_vectors(Mean<double, 2>(crossing), points, Vec<double, 2>{1, 0});
     CHECK(refused.report.status == Status::cage_self_crossing);
-    CHECK(refused.binding.point_count() == 0);
+    CHECK(refused.value.point_count() == 0);
 
     const auto coordinates = random_coordinates<Mean<double, 3>>(6);
     const auto many = points_within(coordinates, 6);
     const auto cancelled = bind_vectors(coordinates, many, Vec<double, 3>{1, 0, 0}, {},
                                         {.progress = [](double) { return false; }});
     CHECK(cancelled.report.status == Status::cancelled);
-    CHECK(cancelled.binding.point_count() == 0);
+    CHECK(cancelled.value.point_count() == 0);
 
     const auto none = bind_vectors(coordinates, Points3<double>{}, Vec<double, 3>{1, 0, 0});
     CHECK(none.report.status == Status::ok);
-    CHECK(none.binding.point_count() == 0);
-    CHECK(none.binding.handle_count() == coordinates.handles().size());
+    CHECK(none.value.point_count() == 0);
+    CHECK(none.value.handle_count() == coordinates.handles().size());
 
     // So long a vector that its weights are none.
     const auto flat = random_coordinates<Mean<float, 2>>(2);
@@ -267,7 +267,7 @@ TEST_CASE("threads and pieces give the same bound vectors", "[binding][vectors][
     for (int n = 0; n < 5000; ++n) points.push_back(random_inside(coordinates.cage(), random, 0));
     const auto vectors = random_points<double, 2>(points.size(), 1, 1);
     const auto pose = shaken(coordinates.handles(), 1, 2);
-    const auto all = bind_vectors(coordinates, points, vectors).binding;
+    const auto all = bind_vectors(coordinates, points, vectors).value;
     const auto expected = cloned(all, pose);
     double last = 0;
     cageform::Running running{.parallel = cageform::ThreadedFor{3}};
@@ -276,11 +276,11 @@ TEST_CASE("threads and pieces give the same bound vectors", "[binding][vectors][
         last = done;
         return true;
     };
-    CHECK(cloned(bind_vectors(coordinates, points, vectors, {}, running).binding, pose) == expected);
+    CHECK(cloned(bind_vectors(coordinates, points, vectors, {}, running).value, pose) == expected);
     CHECK(last == 1);
     for (const std::size_t i : {std::size_t{0}, std::size_t{31}, std::size_t{32}, std::size_t{4999}}) {
         const auto alone =
-            bind_vectors(coordinates, Points2<double>{points[i]}, Points2<double>{vectors[i]}).binding;
+            bind_vectors(coordinates, Points2<double>{points[i]}, Points2<double>{vectors[i]}).value;
         for (std::size_t h = 0; h < alone.handle_count(); ++h) CHECK(alone.weight(0, h) == all.weight(i, h));
     }
 }
@@ -295,13 +295,13 @@ TEST_CASE("vectors bound together are bound as alone", "[binding][vectors]") {
     REQUIRE(report.status == Status::ok);
     for (std::size_t n = 0; n < 2; ++n) {
         const auto alone = bind_vectors(coordinates, points, vectors[n]);
-        CHECK(cloned(bindings[n], pose) == cloned(alone.binding, pose));
+        CHECK(cloned(bindings[n], pose) == cloned(alone.value, pose));
         CHECK(alone.report.reproduction_error.value <= report.reproduction_error.value);
     }
     vectors[1][9][2] = std::numeric_limits<float>::quiet_NaN();
     const auto kept = bind_vectors(coordinates, points, vectors); // all vectors of a point, or none
     CHECK(kept.report.not_finite == std::vector<std::size_t>{9});
-    CHECK(same_bits(cloned(kept.bindings[0], pose)[9], vectors[0][9]));
+    CHECK(same_bits(cloned(kept.value[0], pose)[9], vectors[0][9]));
 }
 
 TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", CAGEFORM_SCALARS) {

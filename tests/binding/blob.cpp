@@ -20,11 +20,11 @@ cageform::PackedBinding<float, 3> small_blob(WeightFormat format = WeightFormat:
                                              std::size_t largest = 4) {
     auto result = cageform::pack(random_binding<float, 3>(37, 9, 1), {.format = format, .largest = largest});
     REQUIRE(result.report.status == Status::ok);
-    return std::move(result.binding);
+    return std::move(result.value);
 }
 
 Status status_of(std::span<const std::byte> bytes, const cageform::BlobExpectation& expected = {}) {
-    return open_blob<float, 3>(bytes, expected).status;
+    return open_blob<float, 3>(bytes, expected).status();
 }
 
 } // namespace
@@ -36,13 +36,13 @@ TEST_CASE("a blob is used where it lies, and wherever it is moved to", "[blob]")
             const auto packed = small_blob(format, largest);
             Aligned elsewhere(packed.bytes());
             const auto opened = open_blob<float, 3>(elsewhere.bytes());
-            REQUIRE(opened.status == Status::ok);
-            CHECK(opened.bytes == packed.bytes().size());
-            CHECK(static_cast<const void*>(opened.binding.weights) >= elsewhere.data());
+            REQUIRE(opened.status() == Status::ok);
+            CHECK(opened.report.bytes == packed.bytes().size());
+            CHECK(static_cast<const void*>(opened.value.weights) >= elsewhere.data());
             const auto pose = random_points<float, 3>(9, 10, 2);
             std::vector<Vec<float, 3>> a(37), b(37);
             CHECK(cageform::clone(packed.view(), pose, a) == Status::ok);
-            CHECK(cageform::clone(opened.binding, pose, b) == Status::ok);
+            CHECK(cageform::clone(opened.value, pose, b) == Status::ok);
             CHECK(a == b);
         }
     }
@@ -54,25 +54,25 @@ TEST_CASE("blobs one after the other in a file are opened in turn", "[blob]") {
     file.insert(file.end(), second.bytes().begin(), second.bytes().end());
     Aligned memory(file);
     const auto one = open_blob<float, 3>(memory.bytes());
-    REQUIRE(one.status == Status::ok);
-    const auto two = open_blob<float, 3>(memory.bytes().subspan(one.bytes));
-    REQUIRE(two.status == Status::ok);
-    CHECK(two.binding.format == WeightFormat::half);
-    CHECK(one.bytes + two.bytes == file.size());
+    REQUIRE(one.status() == Status::ok);
+    const auto two = open_blob<float, 3>(memory.bytes().subspan(one.report.bytes));
+    REQUIRE(two.status() == Status::ok);
+    CHECK(two.value.format == WeightFormat::half);
+    CHECK(one.report.bytes + two.report.bytes == file.size());
 }
 
 TEST_CASE("a blob of nothing is opened as any other", "[blob]") {
     const auto packed = cageform::pack(cageform::Binding<float, 3>());
     REQUIRE(packed.report.status == Status::ok);
-    CHECK(packed.binding.bytes().size() == sizeof(BlobHeader));
-    const auto opened = open_blob<float, 3>(packed.binding.bytes());
-    CHECK(opened.status == Status::ok);
-    CHECK(opened.binding.points == 0);
+    CHECK(packed.value.bytes().size() == sizeof(BlobHeader));
+    const auto opened = open_blob<float, 3>(packed.value.bytes());
+    CHECK(opened.status() == Status::ok);
+    CHECK(opened.value.points == 0);
 }
 
 TEST_CASE("a blob of another cage or figure is refused by name", "[blob][status]") {
     auto result = cageform::pack(random_binding<float, 3>(5, 9, 1), {.cage_hash = 11, .figure_hash = 12});
-    const auto bytes = result.binding.bytes();
+    const auto bytes = result.value.bytes();
     CHECK(status_of(bytes, {.cage_hash = 11, .figure_hash = 12}) == Status::ok);
     CHECK(status_of(bytes, {.cage_hash = 13}) == Status::blob_of_another_cage);
     CHECK(status_of(bytes, {.cage_hash = 11, .figure_hash = 13}) == Status::blob_of_another_figure);
@@ -85,17 +85,17 @@ TEST_CASE("a blob of another cage or figure is refused by name", "[blob][status]
     const auto hash = [](const auto& values) {
         return cageform::hash_memory(std::span(values.data(), values.size()));
     };
-    const auto opened = open_blob<float, 3>(cageform::pack(binding).binding.bytes());
-    CHECK(opened.cage_hash == hash(handles));
-    CHECK(opened.figure_hash == hash(points));
+    const auto opened = open_blob<float, 3>(cageform::pack(binding).value.bytes());
+    CHECK(opened.report.cage_hash == hash(handles));
+    CHECK(opened.report.figure_hash == hash(points));
     points[3][1] += 1;
-    CHECK(opened.figure_hash != hash(points));
+    CHECK(opened.report.figure_hash != hash(points));
 }
 
 TEST_CASE("a blob of another kind is refused by name", "[blob][status]") {
     const auto packed = small_blob();
-    CHECK(open_blob<double, 3>(packed.bytes()).status == Status::blob_kind_differs);
-    CHECK(open_blob<float, 2>(packed.bytes()).status == Status::blob_kind_differs);
+    CHECK(open_blob<double, 3>(packed.bytes()).status() == Status::blob_kind_differs);
+    CHECK(open_blob<float, 2>(packed.bytes()).status() == Status::blob_kind_differs);
 
     const std::vector<std::byte> text(1000, std::byte{'x'});
     CHECK(status_of(Aligned(text).bytes()) == Status::not_a_blob);
@@ -198,7 +198,7 @@ cageform::PackedBinding<float, 3> blob_with_vectors(bool faces) {
     view.handle_faces = faces ? corners : nullptr;
     auto result = cageform::pack(view, {.format = WeightFormat::half, .largest = 4});
     REQUIRE(result.report.status == Status::ok);
-    return std::move(result.binding);
+    return std::move(result.value);
 }
 
 } // namespace
@@ -206,13 +206,13 @@ cageform::PackedBinding<float, 3> blob_with_vectors(bool faces) {
 TEST_CASE("a blob keeps the kinds of handles and their faces", "[blob][handle_kinds]") {
     const auto packed = blob_with_vectors(true), bare = blob_with_vectors(false);
     const auto opened = open_blob<float, 3>(packed.bytes());
-    REQUIRE(opened.status == Status::ok);
-    const auto handles = opened.binding.handle_view();
+    REQUIRE(opened.status() == Status::ok);
+    const auto handles = opened.value.handle_view();
     CHECK(handles.vector_count() == 2);
     CHECK_FALSE(handles.is_point(1));
     CHECK(handles.faces[1] == cageform::HandleFace<3>{3, 2, 0});
-    CHECK(open_blob<float, 3>(bare.bytes()).binding.handle_faces == nullptr);
-    CHECK(open_blob<float, 3>(small_blob().bytes()).binding.handle_kinds == nullptr);
+    CHECK(open_blob<float, 3>(bare.bytes()).value.handle_faces == nullptr);
+    CHECK(open_blob<float, 3>(small_blob().bytes()).value.handle_kinds == nullptr);
 
     const auto refused = [&](auto change) {
         Aligned memory(packed.bytes());
@@ -254,13 +254,13 @@ TEST_CASE("a blob of version 1 is read: all its handles are points", "[blob]") {
         older.set(field, std::uint64_t(64)); // was padding, of no meaning
     older.seal();
     const auto opened = open_blob<float, 3>(older.bytes());
-    REQUIRE(opened.status == Status::ok);
-    CHECK(opened.binding.handle_kinds == nullptr);
-    CHECK(opened.binding.handle_faces == nullptr);
+    REQUIRE(opened.status() == Status::ok);
+    CHECK(opened.value.handle_kinds == nullptr);
+    CHECK(opened.value.handle_faces == nullptr);
     const auto pose = random_points<float, 3>(9, 10, 2);
     std::vector<Vec<float, 3>> a(37), b(37);
     CHECK(cageform::clone(packed.view(), pose, a) == Status::ok);
-    CHECK(cageform::clone(opened.binding, pose, b) == Status::ok);
+    CHECK(cageform::clone(opened.value, pose, b) == Status::ok);
     CHECK(a == b);
     older.set(offsetof(BlobHeader, version), std::uint32_t(0));
     CHECK(status_of(older.bytes()) == Status::blob_version_differs);
@@ -296,17 +296,17 @@ TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[bl
         if (random.below(2) == 0) memory.seal();
         const auto opened = open_blob<float, 3>(
             memory.bytes(), {.check = random.below(2) == 0 ? BlobCheck::all : BlobCheck::structure});
-        if (opened.status != Status::ok) continue;
+        if (opened.status() != Status::ok) continue;
         ++opened_count;
-        const std::vector<Vec<float, 3>> pose(opened.binding.handle_count(), Vec<float, 3>{1, 2, 3});
-        std::vector<Vec<float, 3>> out(opened.binding.point_count());
-        const Status status = cageform::clone(opened.binding, pose, out);
+        const std::vector<Vec<float, 3>> pose(opened.value.handle_count(), Vec<float, 3>{1, 2, 3});
+        std::vector<Vec<float, 3>> out(opened.value.point_count());
+        const Status status = cageform::clone(opened.value, pose, out);
         CHECK((status == Status::ok || status == Status::pose_not_finite));
-        const auto handles = opened.binding.handle_view();
+        const auto handles = opened.value.handle_view();
         if (handles.vector_count() == 0 || handles.faces == nullptr) continue;
         std::vector<Vec<float, 3>> posed(handles.count);
         const std::span vertices(pose.data(), handles.count - handles.vector_count());
-        CHECK(cageform::pose_handles(opened.binding, vertices, posed).status == Status::ok);
+        CHECK(cageform::pose_handles(opened.value, vertices, posed).status == Status::ok);
     }
     CHECK(opened_count > 1000);
 }

@@ -32,8 +32,8 @@ struct TwoLevels {
         const cageform::Polygon<T> cage(star);
         std::vector<Vec<T, 2>> figure;
         for (int i = 0; i < 100; ++i) figure.push_back(random_inside(cage, random, 0));
-        fine = cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), figure).binding;
-        coarse = cageform::bind(cageform::BarycentricCoordinates<T, 2>(triangle), star).binding;
+        fine = cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), figure).value;
+        coarse = cageform::bind(cageform::BarycentricCoordinates<T, 2>(triangle), star).value;
         REQUIRE(fine.point_count() == 100);
         REQUIRE(coarse.point_count() == star.size());
     }
@@ -75,7 +75,7 @@ TEMPLATE_TEST_CASE("a composed binding moves points as one clone after the other
         CHECK(std::fabs(sum - 1) <= error);
         CHECK(distance(place, p) <= 80 * error);
     }
-    const auto threaded = compose(levels.fine, levels.coarse, {.parallel = cageform::ThreadedFor{3}}).binding;
+    const auto threaded = compose(levels.fine, levels.coarse, {.parallel = cageform::ThreadedFor{3}}).value;
     for (std::size_t i = 0; i < 100; ++i) {
         for (std::size_t h = 0; h < 3; ++h) CHECK(threaded.weight(i, h) == composed.weight(i, h));
     }
@@ -87,7 +87,7 @@ TEMPLATE_TEST_CASE("sites bound to themselves compose to the fine binding", "[bi
     const TwoLevels<T> levels(3);
     const auto itself =
         cageform::bind(cageform::MeanValueCoordinates<T, 2>(cageform::Polygon<T>(levels.star)), levels.star)
-            .binding;
+            .value;
     const auto [composed, status, still] = compose(levels.fine, itself);
     REQUIRE(status == Status::ok);
     for (std::size_t i = 0; i < 100; ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("a site that no coarse handle moves stands still, and is named", "[bin
     levels.triangle = {{100, 100}, {101, 100}, {100, 101}}; // elsewhere
     const auto coarse = cageform::bind(cageform::BarycentricCoordinates<double, 2>(levels.triangle),
                                        levels.star, {.outside = cageform::OutsidePoints::keep_in_place})
-                            .binding;
+                            .value;
     const auto [composed, status, still] = compose(levels.fine, coarse);
     REQUIRE(status == Status::ok);
     CHECK(still.size() == levels.star.size());
@@ -113,15 +113,15 @@ TEST_CASE("compose refuses bindings that do not belong together", "[binding][com
     const TwoLevels<double> levels(6), others(7);
     const auto status = [](const auto& fine, const auto& coarse) {
         const auto result = compose(fine, coarse);
-        CHECK(result.binding.point_count() == 0);
-        return result.status;
+        CHECK(result.value.point_count() == 0);
+        return result.status();
     };
     CHECK(status(levels.fine, levels.fine) == Status::bindings_differ);
     CHECK(status(levels.fine, others.coarse) == Status::bindings_differ);
     auto star = levels.star;
     star[2][1] = std::nextafter(star[2][1], 1e9);
     const auto beside =
-        cageform::bind(cageform::BarycentricCoordinates<double, 2>(levels.triangle), star).binding;
+        cageform::bind(cageform::BarycentricCoordinates<double, 2>(levels.triangle), star).value;
     CHECK(status(levels.fine, beside) == Status::bindings_differ);
     auto [rows, rest] = Binding<double, 2>(levels.fine).release();
     const auto handles = binding_handles(levels.fine);
@@ -131,7 +131,7 @@ TEST_CASE("compose refuses bindings that do not belong together", "[binding][com
                                         {handles.data(), handles.size(), kinds.data(), nullptr}, 100);
     CHECK(status(of_vectors, levels.coarse) == Status::handles_not_points);
     const cageform::Running stop{.parallel = cageform::SerialFor{}, .progress = [](double) { return false; }};
-    CHECK(compose(levels.fine, levels.coarse, stop).status == Status::cancelled);
+    CHECK(compose(levels.fine, levels.coarse, stop).status() == Status::cancelled);
 }
 
 } // namespace compose_tests

@@ -12,7 +12,7 @@
 namespace figure_tests {
 
 using namespace cageform_tests;
-using cageform::bind_figure;
+using cageform::bind;
 using cageform::BlobCheck;
 using cageform::FigureHeader;
 using cageform::FigureOutput;
@@ -20,8 +20,8 @@ using cageform::FigurePart;
 using cageform::FigurePoints;
 using cageform::FigureTag;
 using cageform::FigureTags;
-using cageform::open_figure;
-using cageform::pack_figure;
+using cageform::open;
+using cageform::pack;
 
 namespace {
 
@@ -54,31 +54,31 @@ cageform::FigureBinding<float, 3> small_figure(std::uint64_t seed = 1, std::size
     const Mean3<float> coordinates(mesh);
     const auto points = points_in(mesh, count, seed);
     auto result =
-        bind_figure(coordinates, FigurePoints{points, random_directions<float, 3>(points.size(), seed),
-                                              signed_tangents<float>(points.size(), seed + 1)});
+        cageform::bind(coordinates, FigurePoints{points, random_directions<float, 3>(points.size(), seed),
+                                                 signed_tangents<float>(points.size(), seed + 1)});
     REQUIRE(result.report.status == Status::ok);
     std::vector<std::string> labels;
     for (std::size_t i = 0; i < mesh.size(); ++i)
         labels.push_back(i % 3 == 1 ? "" : "corner " + std::to_string(i));
-    REQUIRE(result.figure.set_labels(labels) == Status::ok);
-    return std::move(result.figure);
+    REQUIRE(result.value.set_labels(labels) == Status::ok);
+    return std::move(result.value);
 }
 
 cageform::PackedFigure<float, 3> small_packed(const cageform::FigurePackOptions& options = {
                                                   .weights = {.format = WeightFormat::int16, .largest = 4}}) {
-    auto result = pack_figure(small_figure(), options);
+    auto result = cageform::pack(small_figure(), options);
     REQUIRE(result.report.status == Status::ok);
-    REQUIRE(result.report.bytes == result.figure.bytes().size());
-    return std::move(result.figure);
+    REQUIRE(result.report.bytes == result.value.bytes().size());
+    return std::move(result.value);
 }
 
 Status status_of(std::span<const std::byte> bytes, const cageform::BlobExpectation& expected = {}) {
-    const auto opened = open_figure<float, 3>(bytes, expected);
-    if (opened.status != Status::ok) {
-        CHECK(opened.figure.point_count() == 0);
-        CHECK(opened.figure.table.empty());
+    const auto opened = cageform::open<float, 3>(bytes, expected);
+    if (opened.status() != Status::ok) {
+        CHECK(opened.value.point_count() == 0);
+        CHECK(opened.value.table.empty());
     }
-    return opened.status;
+    return opened.status();
 }
 
 /// Where the line of a part stands.
@@ -118,10 +118,10 @@ TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figu
     for (const auto& t : tangents) plain.push_back({t[0], t[1], t[2]});
     const auto turned = bind_vectors(coordinates, points, cageform::tangents_of(normals, plain));
     Points3<T> moved(points.size()), up(points.size()), along(points.size());
-    REQUIRE(clone(bound.binding, pose, moved) == Status::ok);
-    REQUIRE(clone_tangent_frames(turned.bindings, pose, up, along) == Status::ok);
+    REQUIRE(clone(bound.value, pose, moved) == Status::ok);
+    REQUIRE(clone_tangent_frames(turned.value, pose, up, along) == Status::ok);
 
-    const auto [figure, report] = bind_figure(coordinates, FigurePoints{points, normals, tangents});
+    const auto [figure, report] = cageform::bind(coordinates, FigurePoints{points, normals, tangents});
     REQUIRE(report.status == Status::ok);
     CHECK(report.points.partition_error.value == bound.report.partition_error.value);
     CHECK(report.vectors.partition_error.value == turned.report.partition_error.value);
@@ -148,22 +148,22 @@ TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figu
 
     for (const std::size_t largest : {0u, 5u}) {
         cageform::PackOptions options{.format = WeightFormat::half, .largest = largest};
-        const auto opened_from = pack_figure(figure, {.weights = options});
+        const auto opened_from = cageform::pack(figure, {.weights = options});
         REQUIRE(opened_from.report.status == Status::ok);
-        const auto opened = open_figure<T, 3>(opened_from.figure.bytes());
-        REQUIRE(opened.status == Status::ok);
-        const auto packed = cageform::pack(bound.binding, options);
-        if (largest != 0) options.order = {packed.binding.view().order, points.size()};
-        const std::array vectors{cageform::pack(turned.bindings[0], options),
-                                 cageform::pack(turned.bindings[1], options)};
-        check_same(packed.binding, opened.figure.part(FigureTags::points));
-        check_same(vectors[0].binding, opened.figure.part(FigureTags::tangents));
-        check_same(vectors[1].binding, opened.figure.part(FigureTags::bitangents));
+        const auto opened = cageform::open<T, 3>(opened_from.value.bytes());
+        REQUIRE(opened.status() == Status::ok);
+        const auto packed = cageform::pack(bound.value, options);
+        if (largest != 0) options.order = {packed.value.view().order, points.size()};
+        const std::array vectors{cageform::pack(turned.value[0], options),
+                                 cageform::pack(turned.value[1], options)};
+        check_same(packed.value, opened.value.part(FigureTags::points));
+        check_same(vectors[0].value, opened.value.part(FigureTags::tangents));
+        check_same(vectors[1].value, opened.value.part(FigureTags::bitangents));
         CHECK(opened_from.report.vectors[1].error.value == vectors[1].report.error.value);
-        REQUIRE(clone(packed.binding, pose, moved) == Status::ok);
-        REQUIRE(clone_tangent_frames(std::array{vectors[0].binding.view(), vectors[1].binding.view()}, pose,
+        REQUIRE(clone(packed.value, pose, moved) == Status::ok);
+        REQUIRE(clone_tangent_frames(std::array{vectors[0].value.view(), vectors[1].value.view()}, pose,
                                      up, along) == Status::ok);
-        check(opened.figure, moved, up, along);
+        check(opened.value, moved, up, along);
     }
 }
 
@@ -180,23 +180,23 @@ TEMPLATE_TEST_CASE("in the plane a figure has one tangent", "[figure][plane]", f
     const auto pose = shaken(coordinates.handles(), 0.1, seed);
     const auto turned = bind_vectors(coordinates, points, cageform::tangents_of(normals));
     Points2<T> up(points.size()), out(points.size()), out_up(points.size());
-    REQUIRE(clone_normals(turned.bindings, pose, up) == Status::ok);
-    const auto [figure, report] = bind_figure(coordinates, FigurePoints{points, normals});
+    REQUIRE(clone_normals(turned.value, pose, up) == Status::ok);
+    const auto [figure, report] = cageform::bind(coordinates, FigurePoints{points, normals});
     REQUIRE(report.status == Status::ok);
     REQUIRE(clone(figure, pose, FigureOutput{out, out_up}) == Status::ok);
-    CHECK(out == cloned(cageform::bind(coordinates, points).binding, pose));
+    CHECK(out == cloned(cageform::bind(coordinates, points).value, pose));
     CHECK(out_up == up);
-    const auto packed = pack_figure(figure);
-    const auto opened = open_figure<T, 2>(packed.figure.bytes());
-    REQUIRE(opened.status == Status::ok);
-    REQUIRE(clone(opened.figure, pose, FigureOutput{out, out_up}) == Status::ok);
+    const auto packed = cageform::pack(figure);
+    const auto opened = cageform::open<T, 2>(packed.value.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    REQUIRE(clone(opened.value, pose, FigureOutput{out, out_up}) == Status::ok);
     CHECK(out_up == up);
-    CHECK(opened.figure.part(FigureTags::bitangents).empty());
+    CHECK(opened.value.part(FigureTags::bitangents).empty());
 }
 
 TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harmonic]") {
     const auto check = [](auto coordinates, const auto& points, const auto& normals) {
-        const auto [figure, report] = bind_figure(coordinates, FigurePoints{points, normals});
+        const auto [figure, report] = cageform::bind(coordinates, FigurePoints{points, normals});
         REQUIRE(report.status == Status::ok);
         // A solve takes its own time, to the nanosecond: the reports are of the same one.
         CHECK(report.points.solver.seconds > 0);
@@ -204,16 +204,16 @@ TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harm
         CHECK(report.points.solver.solves == coordinates.handles().size());
         // What was solved before is not solved again.
         const auto before = coordinates.solve();
-        const auto again = bind_figure(coordinates, FigurePoints{points, normals});
+        const auto again = cageform::bind(coordinates, FigurePoints{points, normals});
         CHECK(again.report.points.solver.seconds == before.solver.seconds);
         CHECK(again.report.vectors.solver.seconds == before.solver.seconds);
         // To the bits of separate calls.
         const auto bound = cageform::bind(coordinates, points);
         const auto turned = bind_vectors(coordinates, points, cageform::tangents_of(normals));
         const auto pose = shaken(coordinates.handles(), 0.1, 3);
-        CHECK(cloned(figure.points, pose) == cloned(bound.binding, pose));
-        for (std::size_t k = 0; k < turned.bindings.size(); ++k)
-            CHECK(cloned(figure.tangents[k], pose) == cloned(turned.bindings[k], pose));
+        CHECK(cloned(figure.points, pose) == cloned(bound.value, pose));
+        for (std::size_t k = 0; k < turned.value.size(); ++k)
+            CHECK(cloned(figure.tangents[k], pose) == cloned(turned.value[k], pose));
     };
     const cageform::Polygon<double> cage(random_star<double>(4));
     Random random(4);
@@ -232,26 +232,26 @@ TEST_CASE("faults of a cage, a solver or the caller are told by bind_figure", "[
     const auto normals = random_directions<float, 3>(20, 2), fewer = random_directions<float, 3>(19, 2);
     const Mean3<float> coordinates(mesh);
     const auto empty = [](const auto& result) {
-        return result.figure.points.point_count() == 0 && !result.figure.has_normals();
+        return result.value.points.point_count() == 0 && !result.value.has_normals();
     };
-    auto result = bind_figure(coordinates, FigurePoints{points, fewer});
+    auto result = cageform::bind(coordinates, FigurePoints{points, fewer});
     CHECK(result.report.status == Status::vectors_do_not_match);
     CHECK(empty(result));
-    result = bind_figure(coordinates, FigurePoints{points, normals, fewer});
+    result = cageform::bind(coordinates, FigurePoints{points, normals, fewer});
     CHECK(result.report.status == Status::vectors_do_not_match);
-    result = bind_figure(coordinates, FigurePoints{points, normals}, {},
-                         {.progress = [](double) { return false; }});
+    result = cageform::bind(coordinates, FigurePoints{points, normals}, {},
+                            {.progress = [](double) { return false; }});
     CHECK(result.report.status == Status::cancelled);
     CHECK(empty(result));
 
     const Points2<double> bow{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, one{{0.2, 0.1}};
     const cageform::HarmonicCoordinates<double, 2> crossed(bow);
-    const auto faulty = bind_figure(crossed, FigurePoints{one, one});
+    const auto faulty = cageform::bind(crossed, FigurePoints{one, one});
     CHECK(faulty.report.status == Status::cage_self_crossing);
     CHECK(faulty.report.points.cage.status == Status::cage_self_crossing);
     const Points2<double> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const cageform::HarmonicCoordinates<double, 2> coarse(square, {.resolution = 2});
-    const auto refused = bind_figure(coarse, FigurePoints{one, one});
+    const auto refused = cageform::bind(coarse, FigurePoints{one, one});
     CHECK(refused.report.status == Status::resolution_not_supported);
     CHECK(refused.report.points.status == Status::resolution_not_supported);
     CHECK(refused.report.points.points == 1);
@@ -261,7 +261,7 @@ TEST_CASE("faults of a cage, a solver or the caller are told by bind_figure", "[
     with_bad[3][0] = std::numeric_limits<float>::infinity();
     auto bad_normals = normals;
     bad_normals[5][1] = std::numeric_limits<float>::quiet_NaN();
-    const auto listed = bind_figure(coordinates, FigurePoints{with_bad, bad_normals});
+    const auto listed = cageform::bind(coordinates, FigurePoints{with_bad, bad_normals});
     REQUIRE(listed.report.status == Status::ok);
     CHECK(listed.report.points.not_finite == std::vector<std::size_t>{3});
     CHECK(listed.report.vectors.not_finite == std::vector<std::size_t>{3, 5});
@@ -283,10 +283,10 @@ TEST_CASE("the progress of a figure goes up from 0 to 1", "[figure][progress]") 
         told.clear();
     };
     const auto [figure, report] =
-        bind_figure(cageform::HarmonicCoordinates<float, 3>(mesh, {.resolution = 16}),
-                    FigurePoints{points, normals}, {}, running);
+        cageform::bind(cageform::HarmonicCoordinates<float, 3>(mesh, {.resolution = 16}),
+                       FigurePoints{points, normals}, {}, running);
     check();
-    REQUIRE(pack_figure(figure, {.weights = {.largest = 6}}, running).report.status == Status::ok);
+    REQUIRE(cageform::pack(figure, {.weights = {.largest = 6}}, running).report.status == Status::ok);
     check();
 }
 
@@ -295,9 +295,9 @@ TEST_CASE("tangents keep a tolerance of their own, with points that have one or 
     const auto figure = small_figure(3);
     for (const double of_points : {0.0, 0.02}) {
         const auto [packed, report] =
-            pack_figure(figure, {.weights = {.tolerance = of_points}, .tangent_tolerance = 0.01});
+            cageform::pack(figure, {.weights = {.tolerance = of_points}, .tangent_tolerance = 0.01});
         REQUIRE(report.status == Status::ok);
-        CHECK(open_figure<float, 3>(packed.bytes()).status == Status::ok);
+        CHECK(cageform::open<float, 3>(packed.bytes()).status() == Status::ok);
         CHECK(report.points.distance.value <= (of_points == 0 ? 1e-6 : of_points));
         for (const auto& part : report.vectors) {
             CHECK(part.distance.value <= 0.01);
@@ -305,7 +305,7 @@ TEST_CASE("tangents keep a tolerance of their own, with points that have one or 
         }
     }
     for (const double none : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
-        const auto report = pack_figure(figure, {.tangent_tolerance = none}).report;
+        const auto report = cageform::pack(figure, {.tangent_tolerance = none}).report;
         CHECK(report.status == Status::value_not_finite);
         CHECK(report.culprit == FigureTags::tangents);
     }
@@ -317,11 +317,11 @@ TEST_CASE("a figure of one point, or of one place, is packed by a distance", "[f
     for (const std::size_t count : {1u, 20u}) {
         const std::vector points(count, place[0]);
         const auto normals = random_directions<float, 3>(count, 5);
-        const auto bound = bind_figure(Mean3<float>(mesh), FigurePoints{points, normals});
+        const auto bound = cageform::bind(Mean3<float>(mesh), FigurePoints{points, normals});
         REQUIRE(bound.report.status == Status::ok);
-        const auto [packed, report] = pack_figure(bound.figure, {.weights = {.tolerance = 0.01}});
+        const auto [packed, report] = cageform::pack(bound.value, {.weights = {.tolerance = 0.01}});
         REQUIRE(report.status == Status::ok);
-        CHECK(open_figure<float, 3>(packed.bytes()).status == Status::ok);
+        CHECK(cageform::open<float, 3>(packed.bytes()).status() == Status::ok);
     }
 }
 
@@ -332,7 +332,7 @@ TEST_CASE("a figure put together of parts of different sizes is refused", "[figu
     REQUIRE(figure.set_labels(labels) == Status::ok);
     const auto refused = [](const cageform::FigureBinding<float, 3>& broken, Status status,
                             FigureTag culprit) {
-        const auto [packed, report] = pack_figure(broken);
+        const auto [packed, report] = cageform::pack(broken);
         CHECK(report.status == status);
         CHECK(report.culprit == culprit);
         CHECK(packed.bytes().empty());
@@ -348,7 +348,8 @@ TEST_CASE("a figure put together of parts of different sizes is refused", "[figu
 
     auto of_another_cage = figure; // a box has eight handles
     of_another_cage.points =
-        bind_figure(Mean3<float>(divided_box({1, 1, 1}, 1).mesh<float>()), FigurePoints{out}).figure.points;
+        cageform::bind(Mean3<float>(divided_box({1, 1, 1}, 1).mesh<float>()), FigurePoints{out})
+            .value.points;
     REQUIRE(of_another_cage.points.handle_count() != handles);
     of_another_cage.tangents = {};
     of_another_cage.handedness.clear();
@@ -365,24 +366,24 @@ TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][label
     const cageform::FigurePartData parts[] = {
         {"TRIS", std::as_bytes(std::span(triangles))}, {"NOTE", notes}, {"NONE", {}}};
     const auto figure = small_figure();
-    const auto packed = pack_figure(figure, {.parts = parts});
+    const auto packed = cageform::pack(figure, {.parts = parts});
     REQUIRE(packed.report.status == Status::ok);
-    Aligned elsewhere(packed.figure.bytes());
-    const auto opened = open_figure<float, 3>(elsewhere.bytes());
-    REQUIRE(opened.status == Status::ok);
-    const auto read = opened.figure.part_as<std::array<std::uint32_t, 3>>("TRIS");
+    Aligned elsewhere(packed.value.bytes());
+    const auto opened = cageform::open<float, 3>(elsewhere.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    const auto read = opened.value.part_as<std::array<std::uint32_t, 3>>("TRIS");
     CHECK(std::equal(read.begin(), read.end(), triangles.begin(), triangles.end()));
-    CHECK(opened.figure.part("NOTE").size() == 3);
-    CHECK(opened.figure.part("NOTE")[2] == std::byte{9});
-    CHECK(opened.figure.part("NONE").empty());
-    CHECK(opened.figure.part("ELSE").empty());
+    CHECK(opened.value.part("NOTE").size() == 3);
+    CHECK(opened.value.part("NOTE")[2] == std::byte{9});
+    CHECK(opened.value.part("NONE").empty());
+    CHECK(opened.value.part("ELSE").empty());
     for (std::size_t i = 0; i < figure.points.handle_count(); ++i) {
         const std::string label = i % 3 == 1 ? "" : "corner " + std::to_string(i);
-        CHECK(opened.figure.label(i) == label);
+        CHECK(opened.value.label(i) == label);
         CHECK(figure.view().label(i) == label);
-        if (i % 3 != 1) CHECK(opened.figure.find_handle(label) == i);
+        if (i % 3 != 1) CHECK(opened.value.find_handle(label) == i);
     }
-    CHECK(opened.figure.find_handle("corner") == figure.points.handle_count());
+    CHECK(opened.value.find_handle("corner") == figure.points.handle_count());
 
     auto labelled = figure;
     const std::array<std::string_view, 2> two{"a", "b"};
@@ -390,19 +391,19 @@ TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][label
     CHECK(labelled.view().label(3) == "corner 3");
     const auto refused = [&](FigureTag tag, FigureTag other, Status status) {
         const cageform::FigurePartData twice[] = {{other, notes}, {tag, notes}};
-        const auto result = pack_figure(figure, {.parts = twice});
+        const auto result = cageform::pack(figure, {.parts = twice});
         CHECK(result.report.status == status);
         CHECK(result.report.culprit == tag);
-        CHECK(result.figure.bytes().empty());
+        CHECK(result.value.bytes().empty());
     };
     refused("NOTE", "NOTE", Status::tag_taken);
     for (const FigureTag own : {FigureTags::points, FigureTags::tangents, FigureTags::bitangents,
                                 FigureTags::handedness, FigureTags::labels, FigureTag{}})
         refused(own, "NOTE", Status::tag_taken);
     const std::vector<cageform::FigurePartData> many(300);
-    CHECK(pack_figure(figure, {.parts = many}).report.status == Status::too_many_parts);
+    CHECK(cageform::pack(figure, {.parts = many}).report.status == Status::too_many_parts);
     CHECK(FigureTags::tangents.text() == std::array{'T', 'A', 'N', '1', '\0'});
-    const auto few = pack_figure(figure, {.weights = {.largest = 2}}); // with the part
+    const auto few = cageform::pack(figure, {.weights = {.largest = 2}}); // with the part
     CHECK(few.report.status == Status::too_few_weights);
     CHECK(few.report.culprit == FigureTags::points);
 }
@@ -419,23 +420,23 @@ TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its
         for (auto& p : smaller) p = 0.5f * p;
         return smaller;
     }();
-    auto before = bind_figure(Mean3<float>(mesh), FigurePoints{inside, normals, tangents}).figure;
+    auto before = cageform::bind(Mean3<float>(mesh), FigurePoints{inside, normals, tangents}).value;
     std::vector<std::string> labels;
     for (std::size_t i = 0; i < mesh.size(); ++i) labels.push_back("v" + std::to_string(i));
     REQUIRE(before.set_labels(labels) == Status::ok);
     const auto check = [&](const Mean3<float>& edited, std::span<const std::size_t> given,
                            std::span<const std::size_t> expected) {
         const auto again = rebind_cage(before, edited, given);
-        const auto anew = bind_figure(edited, FigurePoints{inside, normals, tangents});
+        const auto anew = cageform::bind(edited, FigurePoints{inside, normals, tangents});
         REQUIRE(again.report.status == Status::ok);
         REQUIRE(anew.report.status == Status::ok);
         CHECK(
-            std::equal(expected.begin(), expected.end(), again.old_handles.begin(), again.old_handles.end()));
+            std::equal(expected.begin(), expected.end(), again.report.old_handles.begin(), again.report.old_handles.end()));
         const auto pose = shaken(edited.handles(), 0.2, seed);
         Points3<float> out(40), up(40), out_anew(40), up_anew(40);
         std::vector<std::array<float, 4>> along(40), along_anew(40);
-        REQUIRE(clone(again.figure, pose, FigureOutput{out, up, along}) == Status::ok);
-        REQUIRE(clone(anew.figure, pose, FigureOutput{out_anew, up_anew, along_anew}) == Status::ok);
+        REQUIRE(clone(again.value, pose, FigureOutput{out, up, along}) == Status::ok);
+        REQUIRE(clone(anew.value, pose, FigureOutput{out_anew, up_anew, along_anew}) == Status::ok);
         CHECK(out == out_anew);
         CHECK(again.report.points.partition_error.value == anew.report.points.partition_error.value);
         for (std::size_t i = 0; i < 40; ++i) { // unit tangents are made of unit ones, to rounding
@@ -443,7 +444,7 @@ TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its
             CHECK(along[i] == along_anew[i]);
         }
         for (std::size_t i = 0; i < expected.size(); ++i)
-            CHECK(again.figure.view().label(i) ==
+            CHECK(again.value.view().label(i) ==
                   (expected[i] == cageform::new_handle ? "" : labels[expected[i]]));
     };
     std::vector<std::size_t> same(mesh.size());
@@ -475,7 +476,7 @@ TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its
     const auto faulty = rebind_cage(before, Mean3<float>(more, faces));
     CHECK(faulty.report.status == Status::vertex_not_finite);
     CHECK(faulty.report.points.cage.status == Status::vertex_not_finite);
-    CHECK(faulty.figure.points.point_count() == 0);
+    CHECK(faulty.value.points.point_count() == 0);
 }
 
 TEST_CASE("clones of a figure refuse by name, and write nothing then", "[figure][status]") {
@@ -483,9 +484,9 @@ TEST_CASE("clones of a figure refuse by name, and write nothing then", "[figure]
     const auto figure = small_figure();
     const auto points = points_in(mesh, 37, 1);
     const Mean3<float> coordinates(mesh);
-    const auto bare = bind_figure(coordinates, FigurePoints{points}).figure;
+    const auto bare = cageform::bind(coordinates, FigurePoints{points}).value;
     const auto of_normals =
-        bind_figure(coordinates, FigurePoints{points, random_directions<float, 3>(37, 1)}).figure;
+        cageform::bind(coordinates, FigurePoints{points, random_directions<float, 3>(37, 1)}).value;
     const auto pose = shaken(mesh.vertices(), 0.1, 1);
     Points3<float> out(37), normals(37), tangents(37), few(36);
     const auto refused = [&](const auto& of, const auto& with, Status expected) {
@@ -517,18 +518,18 @@ TEST_CASE("clones of a figure refuse by name, and write nothing then", "[figure]
 TEST_CASE("a figure of another kind, cage or figure is refused by name", "[figure][status]") {
     const auto packed = small_packed();
     const auto bytes = packed.bytes();
-    const auto opened = open_figure<float, 3>(bytes);
-    REQUIRE(opened.status == Status::ok);
-    CHECK(opened.bytes == bytes.size());
-    CHECK(status_of(bytes, {.cage_hash = opened.cage_hash, .figure_hash = opened.figure_hash}) == Status::ok);
+    const auto opened = cageform::open<float, 3>(bytes);
+    REQUIRE(opened.status() == Status::ok);
+    CHECK(opened.report.bytes == bytes.size());
+    CHECK(status_of(bytes, {.cage_hash = opened.report.cage_hash, .figure_hash = opened.report.figure_hash}) == Status::ok);
     CHECK(status_of(bytes, {.cage_hash = 1}) == Status::blob_of_another_cage);
     CHECK(status_of(bytes, {.figure_hash = 1}) == Status::blob_of_another_figure);
-    CHECK(open_figure<double, 3>(bytes).status == Status::blob_kind_differs);
-    CHECK(open_figure<float, 2>(bytes).status == Status::blob_kind_differs);
+    CHECK(cageform::open<double, 3>(bytes).status() == Status::blob_kind_differs);
+    CHECK(cageform::open<float, 2>(bytes).status() == Status::blob_kind_differs);
     CHECK(status_of({}) == Status::not_a_figure);
     CHECK(status_of(bytes.subspan(8)) == Status::not_a_figure);
-    CHECK(status_of(opened.figure.part(FigureTags::points)) == Status::not_a_figure); // a bare blob
-    CHECK(cageform::open_blob<float, 3>(bytes).status == Status::not_a_blob);
+    CHECK(status_of(opened.value.part(FigureTags::points)) == Status::not_a_figure); // a bare blob
+    CHECK(cageform::open_blob<float, 3>(bytes).status() == Status::not_a_blob);
 
     Aligned newer(bytes);
     newer.set(offsetof(FigureHeader, version), FigureHeader::current_version + 1);
@@ -547,7 +548,7 @@ TEST_CASE("a figure cut off or with any bit flipped is refused", "[figure][statu
     for (std::size_t size = 0; size < bytes.size(); size += size < 256 ? 1 : 89) {
         Aligned memory(bytes.first(size)); // exactly as long: a sanitizer sees what is read beyond
         CAPTURE(size);
-        const Status status = open_figure<float, 3>(memory.bytes()).status;
+        const Status status = cageform::open<float, 3>(memory.bytes()).status();
         CHECK(status == (size < 16 ? Status::not_a_figure : Status::blob_truncated));
     }
     Aligned memory(bytes);
@@ -555,7 +556,7 @@ TEST_CASE("a figure cut off or with any bit flipped is refused", "[figure][statu
     for (std::size_t byte = 0; byte < bytes.size(); byte += byte < 256 ? 1 : 89) {
         for (int bit = int(byte % 3); bit < 8; bit += 3) {
             memory.data()[byte] ^= std::byte(1 << bit);
-            if (open_figure<float, 3>(memory.bytes()).status == Status::ok) ++accepted;
+            if (cageform::open<float, 3>(memory.bytes()).status() == Status::ok) ++accepted;
             memory.data()[byte] ^= std::byte(1 << bit);
         }
     }
@@ -568,17 +569,17 @@ TEST_CASE("parts of a figure that do not belong together are refused", "[figure]
     const cageform::PackOptions sparse{.format = WeightFormat::int16, .largest = 4};
     const auto points = cageform::pack(figure.points, sparse);
     auto in_order = sparse;
-    in_order.order = {points.binding.view().order, 37};
+    in_order.order = {points.value.view().order, 37};
     const auto first = cageform::pack(figure.tangents[0], in_order),
                second = cageform::pack(figure.tangents[1], in_order);
     const auto refused = [&](const auto& one, const auto& two, const auto& three, FigureTag culprit) {
-        const cageform::FigurePartData parts[] = {{FigureTags::points, one.binding.bytes()},
-                                                  {FigureTags::tangents, two.binding.bytes()},
-                                                  {FigureTags::bitangents, three.binding.bytes()}};
+        const cageform::FigurePartData parts[] = {{FigureTags::points, one.value.bytes()},
+                                                  {FigureTags::tangents, two.value.bytes()},
+                                                  {FigureTags::bitangents, three.value.bytes()}};
         const cageform::PackedFigure<float, 3> made(parts);
-        const auto opened = open_figure<float, 3>(made.bytes());
-        CHECK(opened.culprit == culprit);
-        return opened.status;
+        const auto opened = cageform::open<float, 3>(made.bytes());
+        CHECK(opened.report.culprit == culprit);
+        return opened.status();
     };
     CHECK(refused(points, first, second, FigureTag{}) == Status::ok);
     // An order of its own: each part by itself is sound.
@@ -592,18 +593,18 @@ TEST_CASE("parts of a figure that do not belong together are refused", "[figure]
     CHECK(refused(points, elsewhere, second, FigureTags::tangents) == Status::bindings_differ);
     // Handles that are as many and stand elsewhere, under a hash that hides it.
     auto moved = random_binding<float, 3>(37, figure.points.handle_count(), 3);
-    in_order.cage_hash = open_figure<float, 3>(small_packed().bytes()).cage_hash;
+    in_order.cage_hash = cageform::open<float, 3>(small_packed().bytes()).report.cage_hash;
     const auto other_cage = cageform::pack(moved, in_order);
     CHECK(refused(points, other_cage, second, FigureTags::tangents) == Status::bindings_differ);
 
     const auto tag_of_bad = [&](std::span<const cageform::FigurePartData> parts) {
         const cageform::PackedFigure<float, 3> made(parts);
-        const auto opened = open_figure<float, 3>(made.bytes());
-        CHECK(opened.status != Status::ok);
-        return opened.culprit;
+        const auto opened = cageform::open<float, 3>(made.bytes());
+        CHECK(opened.status() != Status::ok);
+        return opened.report.culprit;
     };
-    const cageform::FigurePartData all[] = {{FigureTags::tangents, first.binding.bytes()},
-                                            {FigureTags::points, points.binding.bytes()},
+    const cageform::FigurePartData all[] = {{FigureTags::tangents, first.value.bytes()},
+                                            {FigureTags::points, points.value.bytes()},
                                             {FigureTags::handedness, std::as_bytes(std::span("x"))}};
     CHECK(tag_of_bad(std::span(all).first(1)) == FigureTags::points);       // no points
     CHECK(tag_of_bad(std::span(all).first(2)) == FigureTags::bitangents);   // one tangent in space
@@ -672,10 +673,10 @@ TEST_CASE("a hostile figure neither crashes nor leads a clone out of bounds", "[
             memory.set(random.below(reach / 4) * 4, values[random.below(std::size(values))]);
         }
         if (random.below(2) == 0) memory.seal();
-        const auto opened = open_figure<float, 3>(memory.bytes(), {.check = BlobCheck::structure});
-        if (opened.status != Status::ok) continue;
+        const auto opened = cageform::open<float, 3>(memory.bytes(), {.check = BlobCheck::structure});
+        if (opened.status() != Status::ok) continue;
         ++opened_count;
-        const auto& figure = opened.figure;
+        const auto& figure = opened.value;
         const Points3<float> pose(figure.handle_count(), Vec<float, 3>{1, 2, 3});
         Points3<float> out(figure.point_count()), normals(out), tangents(out);
         const Status status = clone(figure, pose, FigureOutput{out, normals, tangents});

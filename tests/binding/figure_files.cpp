@@ -8,7 +8,7 @@
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/rebind_cage.hpp>
-#include <cageform/binding/unpack_figure.hpp>
+#include <cageform/binding/unpack.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
@@ -16,7 +16,7 @@
 namespace figure_file_tests {
 
 using namespace cageform_tests;
-using cageform::bind_figure;
+using cageform::bind;
 using cageform::BlobCheck;
 using cageform::FigureBinding;
 using cageform::FigureClipData;
@@ -28,8 +28,8 @@ using cageform::FigurePartData;
 using cageform::FigurePoints;
 using cageform::FigureTag;
 using cageform::FigureTags;
-using cageform::open_figure;
-using cageform::pack_figure;
+using cageform::open;
+using cageform::pack;
 using cageform::PackedClip;
 
 namespace {
@@ -58,13 +58,13 @@ struct Parts {
     }
     template <class C>
     FigureBinding<float, 3> bind(const C& coordinates) const {
-        auto result = bind_figure(coordinates, FigurePoints{points, normals, tangents});
+        auto result = cageform::bind(coordinates, FigurePoints{points, normals, tangents});
         REQUIRE(result.report.status == Status::ok);
         std::vector<std::string> labels;
-        for (std::size_t h = 0; h < result.figure.points.handle_count(); ++h)
+        for (std::size_t h = 0; h < result.value.points.handle_count(); ++h)
             labels.push_back(h % 3 == 1 ? "" : "corner " + std::to_string(h));
-        REQUIRE(result.figure.set_labels(labels) == Status::ok);
-        return std::move(result.figure);
+        REQUIRE(result.value.set_labels(labels) == Status::ok);
+        return std::move(result.value);
     }
 };
 
@@ -84,13 +84,13 @@ cageform::CageClip<float, 3> random_clip(std::size_t vertices, std::uint64_t see
 }
 
 Status status_of(std::span<const std::byte> bytes, BlobCheck check = BlobCheck::all) {
-    const auto opened = open_figure<float, 3>(bytes, {.check = check});
-    if (opened.status != Status::ok) {
-        CHECK(opened.figure.point_count() == 0);
-        CHECK(opened.figure.clip_count() == 0);
-        CHECK(opened.figure.table.empty());
+    const auto opened = cageform::open<float, 3>(bytes, {.check = check});
+    if (opened.status() != Status::ok) {
+        CHECK(opened.value.point_count() == 0);
+        CHECK(opened.value.clip_count() == 0);
+        CHECK(opened.value.table.empty());
     }
-    return opened.status;
+    return opened.status();
 }
 
 std::uint32_t version_of(std::span<const std::byte> bytes) {
@@ -114,10 +114,10 @@ bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
 
 /// Packed in full precision, which is all that there is of a figure.
 bool same_figure(const FigureBinding<float, 3>& a, const FigureBinding<float, 3>& b) {
-    const auto packed_a = pack_figure(a), packed_b = pack_figure(b);
+    const auto packed_a = cageform::pack(a), packed_b = cageform::pack(b);
     REQUIRE(packed_a.report.status == Status::ok);
     REQUIRE(packed_b.report.status == Status::ok);
-    return same_bytes(packed_a.figure.bytes(), packed_b.figure.bytes());
+    return same_bytes(packed_a.value.bytes(), packed_b.value.bytes());
 }
 
 } // namespace
@@ -127,43 +127,43 @@ TEST_CASE("one file ships a figure and its clips, found by name, played without 
     const auto& figure = small_figure();
     const std::size_t handles = figure.points.handle_count();
     const std::array clips{random_clip(handles, 1), random_clip(handles, 2)};
-    const std::array packed{pack_clip(clips[0]).clip, pack_clip(clips[1], {.tolerance = 1e-3}).clip};
+    const std::array packed{pack_clip(clips[0]).value, pack_clip(clips[1], {.tolerance = 1e-3}).value};
     const FigureClipData named[] = {{"walk", packed[0].bytes()}, {"run and jump", packed[1].bytes()}};
     const std::array note{std::byte{7}};
     const FigurePartData parts[] = {{"NOTE", note}};
-    const auto made = pack_figure(figure, {.clips = named, .parts = parts});
+    const auto made = cageform::pack(figure, {.clips = named, .parts = parts});
     REQUIRE(made.report.status == Status::ok);
-    CHECK(version_of(made.figure.bytes()) == 2);
-    Aligned file(made.figure.bytes());
+    CHECK(version_of(made.value.bytes()) == 2);
+    Aligned file(made.value.bytes());
     std::vector<Vec<float, 3>> pose(handles), expected(handles), out(37), up(37);
     std::array cursors{clips[0].make_cursor(), clips[0].make_cursor()};
     cursors[1] = packed[1].view().make_cursor();
     std::vector<cageform::Lanes<float>> memory(clips[0].view().cursor_rows());
     const std::size_t before = allocations;
-    const auto opened = open_figure<float, 3>(file.bytes());
-    bool same = opened.status == Status::ok && opened.figure.clip_count() == 2;
-    for (std::size_t n = 0; n < opened.figure.clip_count(); ++n) {
-        const auto clip = opened.figure.clip(opened.figure.find_clip(n == 0 ? "walk" : "run and jump"));
+    const auto opened = cageform::open<float, 3>(file.bytes());
+    bool same = opened.status() == Status::ok && opened.value.clip_count() == 2;
+    for (std::size_t n = 0; n < opened.value.clip_count(); ++n) {
+        const auto clip = opened.value.clip(opened.value.find_clip(n == 0 ? "walk" : "run and jump"));
         auto cursor = clip.make_cursor(memory);
         for (int frame = 0; frame < 300; ++frame) {
             clip.sample(float(frame) / 60, cursor, pose);
             packed[n].view().sample(float(frame) / 60, cursors[n], expected);
             same =
-                same && pose == expected && clone(opened.figure, pose, FigureOutput{out, up}) == Status::ok;
+                same && pose == expected && clone(opened.value, pose, FigureOutput{out, up}) == Status::ok;
         }
     }
     const std::size_t after = allocations;
     CHECK(same);
     CHECK(after == before);
-    CHECK(opened.figure.clip_name(0) == "walk");
-    CHECK(opened.figure.clip_name(1) == "run and jump");
-    CHECK(opened.figure.find_clip("walk") == 0);
-    CHECK(opened.figure.find_clip("run and jump") == 1);
-    CHECK(opened.figure.find_clip("fly") == 2);
-    CHECK(opened.figure.part("NOTE").size() == 1);
-    CHECK(opened.figure.label(0) == "corner 0");
+    CHECK(opened.value.clip_name(0) == "walk");
+    CHECK(opened.value.clip_name(1) == "run and jump");
+    CHECK(opened.value.find_clip("walk") == 0);
+    CHECK(opened.value.find_clip("run and jump") == 1);
+    CHECK(opened.value.find_clip("fly") == 2);
+    CHECK(opened.value.part("NOTE").size() == 1);
+    CHECK(opened.value.label(0) == "corner 0");
     for (std::size_t size = 0; size < file.bytes().size(); size += size < 256 ? 1 : 997)
-        CHECK(status_of(Aligned(made.figure.bytes().first(size)).bytes()) != Status::ok);
+        CHECK(status_of(Aligned(made.value.bytes().first(size)).bytes()) != Status::ok);
 }
 
 TEST_CASE("clips of another cage, or of one name, are refused when packed and when opened",
@@ -176,7 +176,7 @@ TEST_CASE("clips of another cage, or of one name, are refused when packed and wh
     const PackedClip<float, 2> of_the_plane(flat.view());
     const auto refused = [&](std::span<const std::byte> bytes, std::string_view name, Status status) {
         const FigureClipData named[] = {{"sound", sound.bytes()}, {name, bytes}};
-        const auto [packed, report] = pack_figure(figure, {.clips = named});
+        const auto [packed, report] = cageform::pack(figure, {.clips = named});
         CHECK(report.status == status);
         CHECK(report.culprit == FigureTags::clips);
         CHECK(report.culprit_clip == 1);
@@ -190,22 +190,22 @@ TEST_CASE("clips of another cage, or of one name, are refused when packed and wh
 
     // Under the tag of clips in a file: each by itself is sound.
     const FigureClipData named[] = {{"a", sound.bytes()}, {"b", sound.bytes()}};
-    const auto made = pack_figure(figure, {.clips = named});
+    const auto made = cageform::pack(figure, {.clips = named});
     REQUIRE(made.report.status == Status::ok);
-    const auto part = open_figure<float, 3>(made.figure.bytes()).figure.part(FigureTags::clips);
+    const auto part = cageform::open<float, 3>(made.value.bytes()).value.part(FigureTags::clips);
     std::vector<FigurePartData> parts;
     const auto more = Parts(20, 2).bind(Mean3(divided_box({2, 1, 1}, 1).mesh<float>()));
-    const auto other = cageform::pack(more.points).binding;
+    const auto other = cageform::pack(more.points).value;
     REQUIRE(more.points.handle_count() != handles);
     parts.push_back({FigureTags::points, other.bytes()});
     parts.push_back({FigureTags::clips, part});
     const cageform::PackedFigure<float, 3> astray(parts);
-    const auto opened = open_figure<float, 3>(astray.bytes());
-    CHECK(opened.status == Status::blob_of_another_cage);
-    CHECK(opened.culprit == FigureTags::clips);
+    const auto opened = cageform::open<float, 3>(astray.bytes());
+    CHECK(opened.status() == Status::blob_of_another_cage);
+    CHECK(opened.report.culprit == FigureTags::clips);
 
     const auto harmed = [&]<class X>(std::size_t at, X x) {
-        Aligned memory(made.figure.bytes());
+        Aligned memory(made.value.bytes());
         memory.set(offset_of(memory, FigureTags::clips) + at, x);
         memory.seal();
         return status_of(memory.bytes());
@@ -227,14 +227,14 @@ TEST_CASE("clips of another cage, or of one name, are refused when packed and wh
 TEST_CASE("a clip of a cage whose handles are also vectors is of its vertices", "[figure][clips][green]") {
     const Parts parts(20, 3);
     const cageform::GreenCoordinates<float, 3> coordinates(cage());
-    const auto bound = bind_figure(coordinates, FigurePoints{parts.points});
+    const auto bound = cageform::bind(coordinates, FigurePoints{parts.points});
     REQUIRE(bound.report.status == Status::ok);
-    const std::size_t vertices = cage().size(), handles = bound.figure.points.handle_count();
+    const std::size_t vertices = cage().size(), handles = bound.value.points.handle_count();
     REQUIRE(handles > vertices);
     for (const std::size_t count : {vertices, handles, vertices + 1}) {
         const PackedClip<float, 3> clip(random_clip(count, 1).view());
         const FigureClipData named[] = {{"a", clip.bytes()}};
-        CHECK(pack_figure(bound.figure, {.clips = named}).report.status ==
+        CHECK(cageform::pack(bound.value, {.clips = named}).report.status ==
               (count == vertices + 1 ? Status::blob_of_another_cage : Status::ok));
     }
 }
@@ -242,47 +242,47 @@ TEST_CASE("a clip of a cage whose handles are also vectors is of its vertices", 
 TEST_CASE("figures without clips and levels are of version 1; parts of its users keep their tags",
           "[figure][clips][version]") {
     const auto& figure = small_figure();
-    const auto bare = pack_figure(figure);
-    CHECK(version_of(bare.figure.bytes()) == 1);
+    const auto bare = cageform::pack(figure);
+    CHECK(version_of(bare.value.bytes()) == 1);
     const std::array note{std::byte{7}, std::byte{8}};
     const FigurePartData taken[] = {{FigureTags::clips, note}};
-    CHECK(pack_figure(figure, {.parts = taken}).report.status == Status::tag_taken);
+    CHECK(cageform::pack(figure, {.parts = taken}).report.status == Status::tag_taken);
     const FigurePartData level[] = {{FigureTags::level(3), note}};
-    CHECK(pack_figure(figure, {.parts = level}).report.status == Status::tag_taken);
+    CHECK(cageform::pack(figure, {.parts = level}).report.status == Status::tag_taken);
     // As it may have been written before there were clips.
-    const auto points = cageform::pack(figure.points).binding;
+    const auto points = cageform::pack(figure.points).value;
     const FigurePartData parts[] = {{FigureTags::points, points.bytes()}, {FigureTags::clips, note}};
     Aligned file(cageform::PackedFigure<float, 3>(parts).bytes());
     CHECK(status_of(file.bytes()) == Status::blob_malformed);
     file.set(offsetof(FigureHeader, version), std::uint32_t(1));
     file.seal();
-    const auto opened = open_figure<float, 3>(file.bytes());
-    REQUIRE(opened.status == Status::ok);
-    CHECK(opened.figure.clip_count() == 0);
-    CHECK(opened.figure.part(FigureTags::clips).size() == 2);
+    const auto opened = cageform::open<float, 3>(file.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    CHECK(opened.value.clip_count() == 0);
+    CHECK(opened.value.part(FigureTags::clips).size() == 2);
     const FigurePartData named_as_level[] = {{FigureTags::points, points.bytes()},
                                              {FigureTags::level(1), note}};
     Aligned older(cageform::PackedFigure<float, 3>(named_as_level).bytes());
     older.set(offsetof(FigureHeader, version), std::uint32_t(1));
     older.seal();
-    const auto opened_older = open_figure<float, 3>(older.bytes());
-    REQUIRE(opened_older.status == Status::ok);
-    CHECK(opened_older.figure.level_count() == 0);
-    CHECK(open_level(opened_older.figure, 1).status == Status::not_a_figure);
+    const auto opened_older = cageform::open<float, 3>(older.bytes());
+    REQUIRE(opened_older.status() == Status::ok);
+    CHECK(opened_older.value.level_count() == 0);
+    CHECK(open_level(opened_older.value, 1).status() == Status::not_a_figure);
 }
 
 // Else a small file could ask for the same clip to be read a thousand times.
 TEST_CASE("clips of a figure lie one after the other", "[figure][clips][refused]") {
     const auto& figure = small_figure();
-    const auto clip = pack_clip(random_clip(figure.points.handle_count(), 1)).clip;
+    const auto clip = pack_clip(random_clip(figure.points.handle_count(), 1)).value;
     const FigureClipData named[] = {{"walk", clip.bytes()}, {"run", clip.bytes()}};
-    const auto made = pack_figure(figure, {.clips = named});
+    const auto made = cageform::pack(figure, {.clips = named});
     REQUIRE(made.report.status == Status::ok);
-    Aligned file(made.figure.bytes());
-    const auto opened = open_figure<float, 3>(file.bytes());
-    REQUIRE(opened.status == Status::ok);
-    CHECK(same_bytes(opened.figure.clip_bytes(1), clip.bytes()));
-    const auto first = opened.figure.clips[0];
+    Aligned file(made.value.bytes());
+    const auto opened = cageform::open<float, 3>(file.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    CHECK(same_bytes(opened.value.clip_bytes(1), clip.bytes()));
+    const auto first = opened.value.clips[0];
     file.set(offset_of(file, FigureTags::clips) + sizeof(std::uint64_t) + sizeof(cageform::FigureClip),
              first);
     file.seal();
@@ -315,41 +315,42 @@ TEST_CASE("levels of less detail follow one pose", "[figure][levels]") {
     const Parts detailed(60, 4), coarse(15, 5), coarsest(6, 6);
     std::vector<cageform::PackedFigure<float, 3>> made;
     for (const Parts* parts : {&coarse, &coarsest})
-        made.push_back(pack_figure(parts->bind(coordinates), {.weights = {.tolerance = 0.01}}).figure);
+        made.push_back(cageform::pack(parts->bind(coordinates), {.weights = {.tolerance = 0.01}}).value);
     const std::span<const std::byte> levels[] = {made[0].bytes(), made[1].bytes()};
-    const auto [packed, report] = pack_figure(detailed.bind(coordinates), {.levels = levels});
+    const auto [packed, report] = cageform::pack(detailed.bind(coordinates), {.levels = levels});
     REQUIRE(report.status == Status::ok);
-    const auto opened = open_figure<float, 3>(packed.bytes());
-    REQUIRE(opened.status == Status::ok);
-    REQUIRE(opened.figure.level_count() == 2);
+    const auto opened = cageform::open<float, 3>(packed.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    REQUIRE(opened.value.level_count() == 2);
     const auto pose = shaken(coordinates.handles(), 0.1, 3);
     for (std::size_t n = 0; n <= 2; ++n) {
-        const auto level = open_level(opened.figure, n);
-        REQUIRE(level.status == Status::ok);
+        const auto level = open_level(opened.value, n);
+        REQUIRE(level.status() == Status::ok);
         const Parts& parts = n == 0 ? detailed : n == 1 ? coarse : coarsest;
-        REQUIRE(level.figure.point_count() == parts.points.size());
+        REQUIRE(level.value.point_count() == parts.points.size());
         Points3<float> out(parts.points.size());
-        REQUIRE(clone(level.figure, pose, out) == Status::ok);
-        const auto expected = cloned(cageform::bind(coordinates, parts.points).binding, pose);
+        REQUIRE(clone(level.value, pose, out) == Status::ok);
+        const auto expected = cloned(cageform::bind(coordinates, parts.points).value, pose);
         for (std::size_t i = 0; i < out.size(); ++i) CHECK(distance(out[i], expected[i]) <= 0.0101);
     }
-    CHECK(open_level(opened.figure, 3).status == Status::not_a_figure);
+    CHECK(open_level(opened.value, 3).status() == Status::not_a_figure);
 
-    const auto elsewhere = pack_figure(Parts(9, 7).bind(Mean3(divided_box({2, 1, 1}, 1).mesh<float>())));
-    const std::span<const std::byte> of_another_cage[] = {made[0].bytes(), elsewhere.figure.bytes()};
-    const auto refused = pack_figure(detailed.bind(coordinates), {.levels = of_another_cage});
+    const auto elsewhere = cageform::pack(Parts(9, 7).bind(Mean3(divided_box({2, 1, 1}, 1).mesh<float>())));
+    const std::span<const std::byte> of_another_cage[] = {made[0].bytes(), elsewhere.value.bytes()};
+    const auto refused = cageform::pack(detailed.bind(coordinates), {.levels = of_another_cage});
     CHECK(refused.report.status == Status::blob_of_another_cage);
     CHECK(refused.report.culprit == FigureTags::level(2));
     const std::span<const std::byte> nested[] = {packed.bytes()};
-    CHECK(pack_figure(detailed.bind(coordinates), {.levels = nested}).report.status ==
+    CHECK(cageform::pack(detailed.bind(coordinates), {.levels = nested}).report.status ==
           Status::blob_malformed);
     const std::vector<std::span<const std::byte>> many(10, made[0].bytes());
-    CHECK(pack_figure(detailed.bind(coordinates), {.levels = many}).report.status == Status::too_many_parts);
+    CHECK(cageform::pack(detailed.bind(coordinates), {.levels = many}).report.status ==
+          Status::too_many_parts);
     // In a file made by hand.
-    const auto points = cageform::pack(detailed.bind(coordinates).points).binding;
+    const auto points = cageform::pack(detailed.bind(coordinates).points).value;
     for (const auto& [bytes, status] :
          {std::pair(made[0].bytes(), Status::ok), std::pair(packed.bytes(), Status::blob_malformed),
-          std::pair(elsewhere.figure.bytes(), Status::blob_of_another_cage)}) {
+          std::pair(elsewhere.value.bytes(), Status::blob_of_another_cage)}) {
         const FigurePartData parts[] = {{FigureTags::points, points.bytes()}, {FigureTags::level(1), bytes}};
         const cageform::PackedFigure<float, 3> figure(parts);
         CHECK(status_of(figure.bytes()) == status);
@@ -365,53 +366,53 @@ TEST_CASE("an editor's figure is saved, opened and bound anew to the bits of wha
     CAPTURE(seed);
     const Parts parts(45, seed);
     const auto figure = parts.bind(Mean3(cage()));
-    const auto saved = pack_figure(figure);
+    const auto saved = cageform::pack(figure);
     REQUIRE(saved.report.status == Status::ok);
-    Aligned file(saved.figure.bytes());
-    const auto opened = open_figure<float, 3>(file.bytes());
-    REQUIRE(opened.status == Status::ok);
+    Aligned file(saved.value.bytes());
+    const auto opened = cageform::open<float, 3>(file.bytes());
+    REQUIRE(opened.status() == Status::ok);
 
-    const auto unpacked = unpack_figure(opened.figure);
-    REQUIRE(unpacked.status == Status::ok);
-    CHECK(same_figure(unpacked.figure, figure));
+    const auto unpacked = cageform::unpack(opened.value);
+    REQUIRE(unpacked.status() == Status::ok);
+    CHECK(same_figure(unpacked.value, figure));
     for (std::size_t i = 0; i < 45; ++i) {
         for (std::size_t h = 0; h < cage().size(); ++h)
-            CHECK(unpacked.figure.points.weight(i, h) == figure.points.weight(i, h));
+            CHECK(unpacked.value.points.weight(i, h) == figure.points.weight(i, h));
     }
 
     // An edit of the cage: from the file, from memory, and of the points bound anew.
     const Mean3 edited(shaken(cage().vertices(), 0.05, seed), cage().faces());
-    const auto from_file = rebind_cage(opened.figure, edited), from_memory = rebind_cage(figure, edited);
+    const auto from_file = rebind_cage(opened.value, edited), from_memory = rebind_cage(figure, edited);
     REQUIRE(from_file.report.status == Status::ok);
-    CHECK(same_figure(from_file.figure, from_memory.figure));
+    CHECK(same_figure(from_file.value, from_memory.value));
     const auto anew = cageform::bind(edited, parts.points);
-    CHECK(same_bytes(cageform::pack(anew.binding).binding.bytes(),
-                     cageform::pack(from_file.figure.points).binding.bytes()));
+    CHECK(same_bytes(cageform::pack(anew.value).value.bytes(),
+                     cageform::pack(from_file.value.points).value.bytes()));
 
     // A figure as a game has it keeps its points at rest: it too can be bound anew.
     for (const auto& weights : {cageform::PackOptions{.tolerance = 0.01},
                                 {.format = WeightFormat::int8},
                                 {.format = WeightFormat::half, .largest = 5}}) {
-        const auto shipped = pack_figure(figure, {.weights = weights});
+        const auto shipped = cageform::pack(figure, {.weights = weights});
         REQUIRE(shipped.report.status == Status::ok);
-        const auto of_game = open_figure<float, 3>(shipped.figure.bytes());
-        REQUIRE(of_game.status == Status::ok);
-        CHECK(same_figure(rebind_cage(of_game.figure, edited).figure, from_memory.figure));
-        CHECK_FALSE(of_game.figure.points.is_dense());
-        const auto refused = unpack_figure(of_game.figure);
-        CHECK(refused.status == Status::binding_not_dense);
-        CHECK(refused.figure.points.point_count() == 0);
+        const auto of_game = cageform::open<float, 3>(shipped.value.bytes());
+        REQUIRE(of_game.status() == Status::ok);
+        CHECK(same_figure(rebind_cage(of_game.value, edited).value, from_memory.value));
+        CHECK_FALSE(of_game.value.points.is_dense());
+        const auto refused = cageform::unpack(of_game.value);
+        CHECK(refused.status() == Status::binding_not_dense);
+        CHECK(refused.value.points.point_count() == 0);
     }
 
     // An edit of the points.
     auto moved = parts.points;
     for (std::size_t i = 0; i < moved.size(); i += 3) moved[i][1] += 0.01f;
-    REQUIRE(opened.figure.points.is_dense());
-    const auto rebound = cageform::rebind(opened.figure.points.dense(), moved),
+    REQUIRE(opened.value.points.is_dense());
+    const auto rebound = cageform::rebind(opened.value.points.dense(), moved),
                expected = cageform::rebind(figure.points, moved);
     REQUIRE(rebound.report.status == Status::ok);
-    CHECK(same_bytes(cageform::pack(rebound.binding).binding.bytes(),
-                     cageform::pack(expected.binding).binding.bytes()));
+    CHECK(same_bytes(cageform::pack(rebound.value).value.bytes(),
+                     cageform::pack(expected.value).value.bytes()));
 }
 
 TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bindings are",
@@ -420,7 +421,7 @@ TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bin
     const Mean3 coordinates(cage());
     const auto fine = parts.bind(coordinates);
     const auto outer = divided_box({1, 1, 1}, 3).mesh<float>();
-    const auto coarse = cageform::bind(Mean3(outer), coordinates.handles()).binding;
+    const auto coarse = cageform::bind(Mean3(outer), coordinates.handles()).value;
     const auto [figure, status, still] = compose(fine, coarse);
     REQUIRE(status == Status::ok);
     CHECK(still.empty());
@@ -435,10 +436,10 @@ TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bin
         CHECK(distance(up[i], up_twice[i]) <= 1e-4);
         CHECK(along[i][3] == along_twice[i][3]);
     }
-    CHECK(open_figure<float, 3>(pack_figure(figure).figure.bytes()).status == Status::ok);
+    CHECK(cageform::open<float, 3>(cageform::pack(figure).figure.bytes()).status == Status::ok);
     const auto refused = compose(fine, fine.points);
-    CHECK(refused.status == Status::bindings_differ);
-    CHECK(refused.figure.points.point_count() == 0);
+    CHECK(refused.status() == Status::bindings_differ);
+    CHECK(refused.value.points.point_count() == 0);
 }
 
 } // namespace figure_file_tests

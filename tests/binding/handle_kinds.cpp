@@ -4,8 +4,8 @@
 #include "../support/packed.hpp"
 #include "../support/vector_handles.hpp"
 
+#include <cageform/binding/bind.hpp>
 #include <cageform/binding/bind_bones.hpp>
-#include <cageform/binding/bind_vectors.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/pose_handles.hpp>
@@ -187,7 +187,7 @@ TEMPLATE_TEST_CASE("bindings by normals are packed in every format, exact at res
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
     const auto points = TestType::points(4);
-    const auto bound = bind(TestType::coordinates(), points).binding;
+    const auto bound = bind(TestType::coordinates(), points).value;
     const auto vertices = TestType::vertices(bound.handle_view());
     for (const auto format :
          {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
@@ -197,8 +197,8 @@ TEMPLATE_TEST_CASE("bindings by normals are packed in every format, exact at res
             REQUIRE(report.status == Status::ok);
             check_poses(packed.view(), vertices, points);
             const auto opened = open_blob<T, D>(packed.bytes());
-            REQUIRE(opened.status == Status::ok);
-            check_poses(opened.binding, vertices, points);
+            REQUIRE(opened.status() == Status::ok);
+            check_poses(opened.value, vertices, points);
         }
     }
 }
@@ -214,7 +214,7 @@ TEMPLATE_TEST_CASE("vectors bound by normals turn with similarity poses, packed 
     const auto vertices = TestType::vertices(cageform::handle_view(coordinates));
     const double rounding = 64 * double(epsilon<T>) * size_of(vertices);
     for (std::size_t axis = 0; axis < D; ++axis) {
-        const auto packed = pack(bindings[axis], {.format = WeightFormat::int16, .largest = 8}).binding;
+        const auto packed = pack(bindings[axis], {.format = WeightFormat::int16, .largest = 8}).value;
         Vec<T, D> still{};
         still[axis] = 1;
         CHECK(cloned(bindings[axis], posed(bindings[axis], vertices)) == std::vector(points.size(), still));
@@ -236,7 +236,7 @@ TEMPLATE_TEST_CASE("vectors bound by normals turn with similarity poses, packed 
 TEMPLATE_TEST_CASE("a binding by normals is rebound with its kinds of handles", "[handle_kinds][rebind]",
                    Double2, Float3) {
     using T = typename TestType::T;
-    const auto old = bind(TestType::coordinates(), TestType::points(5, 400)).binding;
+    const auto old = bind(TestType::coordinates(), TestType::points(5, 400)).value;
     auto points = TestType::points(6);
     points.push_back(old.rest_point(17));
     const auto [binding, report] = cageform::rebind(old, points);
@@ -249,9 +249,9 @@ TEMPLATE_TEST_CASE("a binding by normals is rebound with its kinds of handles", 
 
 TEST_CASE("a skin has points for joints, and refuses vectors", "[handle_kinds][skin_weights][status]") {
     const auto bound = bind(GreenCoordinates<double, 2>(l_shape<double>()), Double2::points(7));
-    const auto made = cageform::skin_weights(bound.binding);
+    const auto made = cageform::skin_weights(bound.value);
     CHECK(made.report.status == Status::handles_not_points);
-    CHECK(made.skin.joints.empty());
+    CHECK(made.value.joints.empty());
 }
 
 TEST_CASE("several cages with normals: handles of a cage stand together", "[handle_kinds][blended]") {
@@ -265,7 +265,7 @@ TEST_CASE("several cages with normals: handles of a cage stand together", "[hand
     CHECK(handles.vector_count() == 10);
     CHECK(handles.faces[6][0] >= 12); // corners by the numbers of all handles
     check_poses<double, 2>(binding.view(), Double2::vertices(handles), points);
-    const auto packed = pack(binding, {.format = WeightFormat::int16, .largest = 8}).binding;
+    const auto packed = pack(binding, {.format = WeightFormat::int16, .largest = 8}).value;
     check_poses(packed.view(), Double2::vertices(handles), points);
 
     // In place: points move on to their handles.
@@ -308,7 +308,7 @@ TEMPLATE_TEST_CASE("linear blend skinning is a clone by bones", "[handle_kinds][
         return handles;
     };
     const double rounding = 512 * double(epsilon<T>);
-    const auto packed = pack(binding, {.format = WeightFormat::int16}).binding;
+    const auto packed = pack(binding, {.format = WeightFormat::int16}).value;
     CHECK(cloned(binding, pose(still)) == points);
     CHECK(cloned_view(packed.view(), pose(still)) == points);
     const auto skinned = cloned(binding, pose(own)), moved = cloned_view(packed.view(), pose(common));
@@ -330,7 +330,7 @@ TEMPLATE_TEST_CASE("linear blend skinning is a clone by bones", "[handle_kinds][
     handles.push_back({});
     const std::vector<Vec<T, D>> origins(points.begin(), points.begin() + 5);
     CHECK(pose_handles(binding, origins, handles).status == Status::handles_not_faces);
-    const auto faces = bind(TestType::coordinates(), TestType::points(9)).binding;
+    const auto faces = bind(TestType::coordinates(), TestType::points(9)).value;
     CHECK(cageform::pose_bones(faces, std::span<const Bone>(still), handles) == Status::handles_not_bones);
 }
 
@@ -443,7 +443,7 @@ TEMPLATE_TEST_CASE("bones bound by given weights are linear blend skinning", "[h
             REQUIRE(pose_bones(binding, std::span<const Transform<T, D>>(moves), handles) == Status::ok);
             return handles;
         };
-        const auto packed = pack(binding, {.format = WeightFormat::int16}).binding;
+        const auto packed = pack(binding, {.format = WeightFormat::int16}).value;
         const auto skinned = cloned(binding, pose(own)), moved = cloned_view(packed.view(), pose(common));
         std::vector<Vec<T, D>> frames; // when posed, a pose of the handles too
         for (std::size_t b = 0; b < 4; ++b) {
@@ -481,7 +481,7 @@ TEMPLATE_TEST_CASE("bones that cannot be bound are refused by number", "[handle_
     CHECK(bound.report.status == Status::ok);
     CHECK(bound.report.unreached == std::vector<std::size_t>{5, 7});
     CHECK(bound.report.not_finite == std::vector<std::size_t>{9});
-    CHECK(bound.binding.point_count() == sound.points.size());
+    CHECK(bound.value.point_count() == sound.points.size());
 
     const auto left = sound.bind(std::vector<double>(sound.shares.size(), 0.5),
                                  {.linear_precision = cageform::LinearPrecision::leave});
@@ -520,7 +520,7 @@ TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone; collaps
                    "[handle_kinds][status]", Double2, Float3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
-    const auto binding = bind(TestType::coordinates(), TestType::points(9)).binding;
+    const auto binding = bind(TestType::coordinates(), TestType::points(9)).value;
     const auto vertices = TestType::vertices(binding.handle_view());
     const std::vector<Vec<T, D>> before(binding.handle_count(), Vec<T, D>{7});
     auto handles = before;

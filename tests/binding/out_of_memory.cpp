@@ -3,7 +3,7 @@
 #include "support/allocations.hpp"
 #include "support/cages.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/skin_weights.hpp>
@@ -82,14 +82,14 @@ TEST_CASE("every allocation that fails is a status, whichever call makes it", "[
                                                                                       : Status::out_of_memory;
     });
 
-    const auto binding = bind(mean_value, points).binding;
+    const auto binding = bind(mean_value, points).value;
     fail_in_turn("pack", [&] {
         const cageform::PackOptions options{.format = cageform::WeightFormat::int16, .largest = 4};
         return pack(binding, options).report.status;
     });
     fail_in_turn("rebind", [&] { return rebind(binding, square).report.status; });
     fail_in_turn("skin_weights", [&] { return skin_weights(binding).report.status; });
-    const auto skin = skin_weights(binding).skin;
+    const auto skin = skin_weights(binding).value;
     fail_in_turn("skin_to_binding", [&] {
         cageform::Binding<double, 2> shown;
         return skin_to_binding(binding, skin, shown);

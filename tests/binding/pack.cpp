@@ -3,7 +3,7 @@
 #include "../support/meshes.hpp"
 #include "../support/packed.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
@@ -34,7 +34,7 @@ struct Bound {
             Random random(seed + 7);
             for (int i = 0; i < 300; ++i) points.push_back(random_inside(cage, random, 0));
             points.push_back(cage[0]);
-            binding = cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), points).binding;
+            binding = cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), points).value;
         } else {
             const auto data = random_large_mesh(seed);
             const auto mesh = data.template mesh<T>();
@@ -44,7 +44,7 @@ struct Bound {
                     points.push_back(cageform::vec_cast<T>(p));
             }
             points.push_back(handles[0]);
-            binding = cageform::bind(cageform::MeanValueCoordinates<T, 3>(mesh), points).binding;
+            binding = cageform::bind(cageform::MeanValueCoordinates<T, 3>(mesh), points).value;
         }
         REQUIRE(binding.point_count() == points.size());
     }
@@ -271,7 +271,7 @@ TEST_CASE("packing does not depend on threads, tells its progress, and can be ca
     const auto alone = pack(binding, options);
     cageform::Running running{cageform::ThreadedFor{3}};
     const auto together = pack(binding, options, running);
-    const auto a = alone.binding.bytes(), b = together.binding.bytes();
+    const auto a = alone.value.bytes(), b = together.value.bytes();
     REQUIRE(a.size() == b.size());
     CHECK(std::memcmp(a.data(), b.data(), a.size()) == 0);
     CHECK(alone.report.errors == together.report.errors);
@@ -289,12 +289,12 @@ TEST_CASE("packing does not depend on threads, tells its progress, and can be ca
     running.progress = [](double) { return false; };
     const auto stopped = pack(binding, options, running);
     CHECK(stopped.report.status == Status::cancelled);
-    CHECK(stopped.binding.bytes().empty());
+    CHECK(stopped.value.bytes().empty());
 }
 
 TEST_CASE("an order of one's own is kept, as vectors need that of their points", "[pack][sparse]") {
     const auto points = random_binding<float, 3>(100, 30, 6), vectors = random_binding<float, 3>(100, 30, 7);
-    const auto packed = pack(points, {.largest = 8}).binding;
+    const auto packed = pack(points, {.largest = 8}).value;
     const std::span<const std::uint32_t> order(packed.view().order, 100);
     const auto [packed_vectors, report] = pack(vectors, {.largest = 8, .order = order});
     REQUIRE(report.status == Status::ok);
@@ -325,11 +325,11 @@ TEST_CASE("what cannot be packed is refused by name", "[pack][status]") {
     const auto refused = pack(spoilt, {.largest = 8});
     CHECK(refused.report.status == Status::weight_not_finite);
     CHECK(refused.report.culprit == 33);
-    CHECK(refused.binding.bytes().empty());
+    CHECK(refused.value.bytes().empty());
 
     const auto empty = pack(Binding<float, 3>{}, {.format = WeightFormat::half, .largest = 8});
     CHECK(empty.report.status == Status::ok);
-    CHECK(empty.binding.view().point_count() == 0);
+    CHECK(empty.value.view().point_count() == 0);
 }
 
 TEST_CASE("points kept in place stay there in every pose", "[pack]") {
@@ -341,7 +341,7 @@ TEST_CASE("points kept in place stay there in every pose", "[pack]") {
     auto pose = cage;
     pose[2] = {9, 9};
     for (const WeightFormat format : formats) {
-        const auto [packed, report] = pack(bound.binding, {.format = format, .largest = 3});
+        const auto [packed, report] = pack(bound.value, {.format = format, .largest = 3});
         REQUIRE(report.status == Status::ok);
         const auto out = cloned(packed, pose);
         CHECK(out[1] == points[1]);
@@ -513,7 +513,7 @@ TEST_CASE(
     for (int i = 0; i < 1000; ++i)
         points.push_back({float(random.uniform(-0.4, 0.4)), float(random.uniform(-0.4, 0.4)),
                           float(random.uniform(-0.9, 0.9))});
-    const auto binding = cageform::bind(cageform::MeanValueCoordinates<float, 3>(mesh), points).binding;
+    const auto binding = cageform::bind(cageform::MeanValueCoordinates<float, 3>(mesh), points).value;
     std::vector<std::vector<Vec<float, 3>>> poses;
     std::vector<double> numbers;
     for (const double angle : {0.5, 1.0, 1.57}) {
@@ -527,7 +527,7 @@ TEST_CASE(
     }
     const auto eight = pack(binding, {.format = WeightFormat::int16, .largest = 8, .poses = numbers});
     REQUIRE(eight.report.status == Status::ok);
-    const auto measured = distances(binding, eight.binding, poses);
+    const auto measured = distances(binding, eight.value, poses);
     const double worst = *std::max_element(measured.begin(), measured.end());
     CHECK(worst > 0.02 * eight.report.size);
     CHECK(eight.report.distance.value == Approx(worst).epsilon(1e-4));
@@ -548,7 +548,7 @@ TEMPLATE_TEST_CASE("of vectors, a tolerance is the length of their change", "[pa
     std::vector<double> numbers;
     for (const auto& pose : poses) cageform::append_pose(numbers, pose);
     const auto points =
-        pack(bound.binding, {.tolerance = 1e-3 * size_of(bound.handles), .poses = numbers}).binding;
+        pack(bound.binding, {.tolerance = 1e-3 * size_of(bound.handles), .poses = numbers}).value;
     const std::span<const std::uint32_t> order(points.view().order, bound.points.size());
     const auto vectors = random_binding<T, D>(bound.points.size(), bound.handles.size(), std::uint64_t(seed));
     const auto [packed, report] = pack(vectors, {.tolerance = 0.01, .poses = numbers, .order = order});
@@ -579,7 +579,7 @@ TEST_CASE("a tolerance does not depend on threads, and can be cancelled", "[pack
     REQUIRE(alone.report.status == Status::ok);
     cageform::Running running{cageform::ThreadedFor{3}};
     const auto together = pack(binding, options, running);
-    const auto a = alone.binding.bytes(), b = together.binding.bytes();
+    const auto a = alone.value.bytes(), b = together.value.bytes();
     REQUIRE(a.size() == b.size());
     CHECK(std::memcmp(a.data(), b.data(), a.size()) == 0);
     CHECK(alone.report.distances == together.report.distances);
@@ -626,7 +626,7 @@ TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
     const auto bind = [&] {
         return cageform::bind(cageform::MeanValueCoordinates<double, 2>(cage), points,
                               {.outside = cageform::OutsidePoints::keep_in_place})
-            .binding;
+            .value;
     };
     CHECK(pack(bind(), {.tolerance = 1e-3}).report.rows == 0);
     points.push_back({1, 1});
@@ -635,7 +635,7 @@ TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
     CHECK(packed.report.rows > 0);
     auto pose = cage;
     pose[2] = {9, 9};
-    CHECK(cloned(packed.binding, pose)[0] == points[0]);
+    CHECK(cloned(packed.value, pose)[0] == points[0]);
 }
 
 TEST_CASE("rows that are kept restore the sums of all, and lose the least square", "[pack][property]") {

@@ -5,8 +5,8 @@
 #include "../support/figures.hpp"
 
 #include <cageform/binding/bind_bones.hpp>
-#include <cageform/binding/bind_packed.hpp>
 #include <cageform/binding/compose.hpp>
+#include <cageform/binding/pack.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/rebind_cage.hpp>
 #include <cageform/binding/skin_weights.hpp>
@@ -38,12 +38,13 @@ template <class C, class Points>
 void check_binds(const char* what, const C& coordinates, const Points& points) {
     check_bind(what, coordinates, points);
     CAPTURE(what);
-    check_progress("bind_packed", [&](const Running& r) { return bind_packed(coordinates, points, {}, r); });
+    check_progress("bind_packed",
+                   [&](const Running& r) { return cageform::pack(coordinates, points, {}, r); });
     if constexpr (cageform::GradientCoordinates<C>) {
         check_progress("bind_jacobians",
                        [&](const Running& r) { return bind_jacobians(coordinates, points, {}, r); });
         check_progress("bind_figure", [&](const Running& r) {
-            return bind_figure(coordinates, cageform::FigurePoints{points, points}, {}, r);
+            return cageform::bind(coordinates, cageform::FigurePoints{points, points}, {}, r);
         });
     }
     if constexpr (requires(C solved) { solved.solve(); }) {
@@ -76,7 +77,7 @@ TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[co
     check_binds("harmonic, uniform", Harmonic(polygon, {.resolution = 32}), points);
     check_bind("harmonic, adaptive", Harmonic(polygon, {.accuracy = 0.05}), points);
 
-    const auto fine = cageform::bind(plane, points).binding, coarse = cageform::bind(simple, star).binding;
+    const auto fine = cageform::bind(plane, points).value, coarse = cageform::bind(simple, star).value;
     check_progress("pack", [&](const Running& r) { return pack(fine, {.largest = 4}, r); });
     check_progress("pack to a distance", [&](const Running& r) { return pack(fine, {.tolerance = 0.1}, r); });
     check_progress("compose", [&](const Running& r) { return compose(fine, coarse, r); });
@@ -105,8 +106,8 @@ TEST_CASE("progress never falls and ends with 1: in space", "[core][running][pro
     check_bind("mean value, space", closed_form, points);
     check_binds("harmonic, uniform", cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 16}),
                 points);
-    const auto figure = bind_figure(closed_form, cageform::FigurePoints{points, points}).figure;
-    check_progress("pack_figure", [&](const Running& r) { return pack_figure(figure, {}, r); });
+    const auto figure = cageform::bind(closed_form, cageform::FigurePoints{points, points}).value;
+    check_progress("pack_figure", [&](const Running& r) { return cageform::pack(figure, {}, r); });
     check_progress("rebind_cage",
                    [&](const Running& r) { return rebind_cage(figure, closed_form, {}, {}, r); });
 }

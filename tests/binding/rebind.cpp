@@ -99,7 +99,7 @@ struct Figure {
             }
         }();
         REQUIRE(result.report.status == Status::ok);
-        return std::move(result.binding);
+        return std::move(result.value);
     }
 };
 
@@ -174,8 +174,8 @@ Binding<T, D> linear_binding(const Points<T, D>& points, std::uint64_t seed) {
     for (auto& p : second) {
         for (std::size_t k = 0; k < D; ++k) p[k] = T(1.5 * double(p[k]) + 0.05 * size);
     }
-    const auto a = bind(cageform::BarycentricCoordinates<T, D>(handles), points).binding;
-    const auto b = bind(cageform::BarycentricCoordinates<T, D>(second), points).binding;
+    const auto a = bind(cageform::BarycentricCoordinates<T, D>(handles), points).value;
+    const auto b = bind(cageform::BarycentricCoordinates<T, D>(second), points).value;
     REQUIRE(a.point_count() == points.size());
     REQUIRE(b.point_count() == points.size());
     const std::size_t blocks = cageform::block_count<T>(points.size());
@@ -220,7 +220,7 @@ TEMPLATE_TEST_CASE("points in another order, some left out and some twice, keep 
         REQUIRE(binding.rest_point(i) == points[i]);
         REQUIRE(same_weights(binding, i, old, order[i]));
     }
-    CHECK(same(rebind(old, figure.points).binding, old));
+    CHECK(same(rebind(old, figure.points).value, old));
 }
 
 TEMPLATE_TEST_CASE("weights that say nothing about places are kept bit for bit beside new points", "[rebind]",
@@ -507,7 +507,7 @@ TEST_CASE("what is kept in place, or is no number, stays so", "[rebind][report]"
                             {.outside = cageform::OutsidePoints::keep_in_place});
     REQUIRE(bound.report.status == Status::ok);
     const Points<double, 2> points{{3, 1}, {nan, 1}, {50, 50}, {51, 50}, {1.5, 1}, {1, infinity}, {2.5, 1}};
-    const auto [binding, report] = rebind(bound.binding, points);
+    const auto [binding, report] = rebind(bound.value, points);
     REQUIRE(report.status == Status::ok);
     CHECK(report.kept_in_place == std::vector<std::size_t>{2, 3});
     CHECK(report.not_finite == std::vector<std::size_t>{1, 5});
@@ -518,7 +518,7 @@ TEST_CASE("what is kept in place, or is no number, stays so", "[rebind][report]"
     pose[2] = {9, 9};
     pose[0] = {-3, -2};
     const auto out = cloned(binding, pose);
-    CHECK(out[0] == cloned(bound.binding, pose)[3]);
+    CHECK(out[0] == cloned(bound.value, pose)[3]);
     CHECK((out[1][0] != out[1][0] && out[1][1] == 1));
     CHECK(out[2] == points[2]);
     CHECK(out[3] == points[3]);
@@ -527,18 +527,18 @@ TEST_CASE("what is kept in place, or is no number, stays so", "[rebind][report]"
     CHECK(out[6] != points[6]);
 
     // A place that nothing can be told about.
-    const auto lost = rebind(bound.binding, Points<double, 2>{{1e300, 1e300}, {1, 1}});
+    const auto lost = rebind(bound.value, Points<double, 2>{{1e300, 1e300}, {1, 1}});
     CHECK(lost.report.status == Status::ok);
     CHECK(lost.report.kept_in_place.size() + lost.report.unreached.size() == 1);
-    CHECK(lost.binding.weight(0, 0) == 0);
+    CHECK(lost.value.weight(0, 0) == 0);
 
     const auto all_kept =
         bind(cageform::MeanValueCoordinates<double, 2>(cage), Points<double, 2>{{9, 9}, {nan, 0}},
              {.outside = cageform::OutsidePoints::keep_in_place});
-    const auto kept = rebind(all_kept.binding, points);
+    const auto kept = rebind(all_kept.value, points);
     CHECK(kept.report.status == Status::ok);
     CHECK(kept.report.kept_in_place.size() == 5);
-    CHECK(cloned(kept.binding, pose)[0] == points[0]);
+    CHECK(cloned(kept.value, pose)[0] == points[0]);
 }
 
 TEMPLATE_TEST_CASE("new points among old ones that follow the boundary at an offset do so too", "[rebind]",
@@ -554,7 +554,7 @@ TEMPLATE_TEST_CASE("new points among old ones that follow the boundary at an off
     }
     const auto old = bind(cageform::MeanValueCoordinates<T, 2>(cage), figure,
                           {.outside = cageform::OutsidePoints::nearest_boundary})
-                         .binding;
+                         .value;
     const auto [binding, report] = rebind(old, points);
     REQUIRE(report.status == Status::ok);
     CHECK(report.interpolated == points.size());
@@ -580,7 +580,7 @@ TEMPLATE_TEST_CASE("nothing depends on threads or on the order of points; progre
     REQUIRE(alone.report.status == Status::ok);
     cageform::Running running{cageform::ThreadedFor{3}};
     const auto together = rebind(old, points, {}, running);
-    CHECK(same(alone.binding, together.binding));
+    CHECK(same(alone.value, together.value));
     CHECK(alone.report.weight_change.value == together.report.weight_change.value);
     CHECK(alone.report.distance.point == together.report.distance.point);
 
@@ -588,10 +588,10 @@ TEMPLATE_TEST_CASE("nothing depends on threads or on the order of points; progre
     Points<T, D> old_points, new_points;
     for (const std::size_t i : before) old_points.push_back(figure.points[i]);
     for (const std::size_t i : after) new_points.push_back(points[i]);
-    const auto mixed = rebind(rebind(old, old_points).binding, new_points).binding;
+    const auto mixed = rebind(rebind(old, old_points).value, new_points).value;
     std::size_t different = 0;
     for (std::size_t i = 0; i < after.size(); ++i)
-        different += !same_weights(mixed, i, alone.binding, after[i]);
+        different += !same_weights(mixed, i, alone.value, after[i]);
     CHECK(different == 0);
 
     std::vector<double> told;
@@ -599,7 +599,7 @@ TEMPLATE_TEST_CASE("nothing depends on threads or on the order of points; progre
         told.push_back(done);
         return true;
     };
-    CHECK(same(rebind(old, points, {}, running).binding, alone.binding));
+    CHECK(same(rebind(old, points, {}, running).value, alone.value));
     REQUIRE(told.size() > 3);
     CHECK(std::is_sorted(told.begin(), told.end()));
     CHECK(told.front() >= 0);
@@ -610,7 +610,7 @@ TEMPLATE_TEST_CASE("nothing depends on threads or on the order of points; progre
         running.progress = [&left](double) { return left-- != 0; };
         const auto stopped = rebind(old, points, {}, running);
         CHECK(stopped.report.status == Status::cancelled);
-        CHECK(stopped.binding.point_count() == 0);
+        CHECK(stopped.value.point_count() == 0);
     }
 }
 
@@ -619,12 +619,12 @@ TEST_CASE("what cannot be moved is refused by name; nothing at all is no fault",
     const auto points = random_points<float, 3>(10, 5, 4);
     const auto empty = rebind(Binding<float, 3>{}, points);
     CHECK(empty.report.status == Status::binding_empty);
-    CHECK(empty.binding.point_count() == 0);
+    CHECK(empty.value.point_count() == 0);
     CHECK(rebind(Binding<float, 3>{}, Points<float, 3>{}).report.status == Status::ok);
     const auto none = rebind(old, Points<float, 3>{});
     CHECK(none.report.status == Status::ok);
-    CHECK(none.binding.point_count() == 0);
-    CHECK(none.binding.handle_count() == 20);
+    CHECK(none.value.point_count() == 0);
+    CHECK(none.value.handle_count() == 20);
 
     auto spoilt = random_binding<float, 3>(40, 20, 5);
     auto handles = random_points<float, 3>(20, 10, 6);
@@ -636,7 +636,7 @@ TEST_CASE("what cannot be moved is refused by name; nothing at all is no fault",
     const auto refused = rebind(spoilt, points);
     CHECK(refused.report.status == Status::weight_not_finite);
     CHECK(refused.report.culprit == 33);
-    CHECK(refused.binding.point_count() == 0);
+    CHECK(refused.value.point_count() == 0);
 
 #if !defined(CAGEFORM_SANITIZED) // sanitizers end a program that asks for so much
     struct Endless {

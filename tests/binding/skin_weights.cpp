@@ -38,7 +38,7 @@ Binding<T, D> random_binding(std::uint64_t seed) {
         const cageform::Polygon<T> cage(random_star<T>(seed));
         Points2<T> points;
         for (int i = 0; i < 40; ++i) points.push_back(random_inside(cage, random, 1e-3));
-        return cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), points).binding;
+        return cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), points).value;
     } else {
         const MeshData data = random_mesh(seed);
         const cageform::MeanValueCoordinates<T, 3> coordinates(data.mesh<T>());
@@ -48,7 +48,7 @@ Binding<T, D> random_binding(std::uint64_t seed) {
             if (weights_at(coordinates, cageform::vec_cast<T>(p), row) == PointState::inside)
                 inside.push_back(p);
         }
-        return cageform::bind(coordinates, inside).binding;
+        return cageform::bind(coordinates, inside).value;
     }
 }
 
@@ -205,8 +205,7 @@ TEST_CASE("with a place for every handle the weights are the nearest of all",
 TEST_CASE("weights that are a skin's already stay", "[binding][skin_weights]") {
     const Points2<double> triangle{{0, 0}, {5, 1}, {2, 6}};
     const Points2<double> points{{2, 2}, {3, 1.5}, {0, 0}, {2.5, 0.5}};
-    const auto binding =
-        cageform::bind(cageform::BarycentricCoordinates<double, 2>(triangle), points).binding;
+    const auto binding = cageform::bind(cageform::BarycentricCoordinates<double, 2>(triangle), points).value;
     const auto [skin, report] = cageform::skin_weights(binding);
     check_skin(binding, skin, report, 4);
     CHECK(report.weight_error.value <= 1e-7);
@@ -220,7 +219,7 @@ TEST_CASE("weights that are a skin's already stay", "[binding][skin_weights]") {
     Points2<double> inside;
     for (int i = 0; i < 20; ++i) inside.push_back(random_inside(cage, random, 0.01));
     const auto harmonic =
-        cageform::bind(cageform::HarmonicCoordinates<double, 2>(cage, {.resolution = 64}), inside).binding;
+        cageform::bind(cageform::HarmonicCoordinates<double, 2>(cage, {.resolution = 64}), inside).value;
     const auto all = cageform::skin_weights(harmonic, {.influences = harmonic.handle_count()});
     CHECK(all.report.weight_error.value <= 1e-5);
 }
@@ -236,7 +235,7 @@ TEST_CASE("points on vertices, edges and faces are in the hull", "[binding][skin
         points.push_back(0.999 * a + 0.001 * b);
     }
     const auto binding =
-        cageform::bind(cageform::MeanValueCoordinates<double, 3>(data.mesh<double>()), points).binding;
+        cageform::bind(cageform::MeanValueCoordinates<double, 3>(data.mesh<double>()), points).value;
     const auto [skin, report] = cageform::skin_weights(binding);
     check_skin(binding, skin, report, 4);
     CHECK(report.not_reproduced.empty());
@@ -250,12 +249,12 @@ TEST_CASE("points on vertices, edges and faces are in the hull", "[binding][skin
 TEST_CASE("outside the hull the skin is at the nearest place, and says so", "[binding][skin_weights]") {
     const Points2<double> points{{1, 1}, {6, 1}, {-1, -2}, {2, 5}};
     const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points);
-    const auto [skin, report] = cageform::skin_weights(bound.binding, {.influences = 3});
-    check_skin(bound.binding, skin, report, 3);
+    const auto [skin, report] = cageform::skin_weights(bound.value, {.influences = 3});
+    check_skin(bound.value, skin, report, 3);
     CHECK(report.not_reproduced == Indices{1, 2, 3});
     const Points2<double> nearest{{1, 1}, {4, 1}, {0, 0}, {2, 4}};
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto off = miss(bound.binding, skin, i) + (points[i] - nearest[i]);
+        const auto off = miss(bound.value, skin, i) + (points[i] - nearest[i]);
         CHECK(std::sqrt(dot(off, off)) <= 1e-4);
     }
     CHECK(report.reproduction_error.point == 2);
@@ -266,7 +265,7 @@ TEST_CASE("points that follow the boundary are reproduced where they follow", "[
     const Points2<double> points{{6, 1}, {-1, -2}};
     const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points,
                                       {.outside = cageform::OutsidePoints::nearest_boundary});
-    const auto [skin, report] = cageform::skin_weights(bound.binding);
+    const auto [skin, report] = cageform::skin_weights(bound.value);
     REQUIRE(report.status == Status::ok);
     CHECK(report.not_reproduced.empty());
     CHECK(report.weight_error.value <= 1e-6);
@@ -277,12 +276,12 @@ TEST_CASE("points that follow the boundary are reproduced where they follow", "[
 TEST_CASE("with too few influences the point is listed", "[binding][skin_weights]") {
     const Points2<double> points{{2, 2}, {2, 0}, {4, 4}};
     const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points);
-    const auto one = cageform::skin_weights(bound.binding, {.influences = 1});
+    const auto one = cageform::skin_weights(bound.value, {.influences = 1});
     CHECK(one.report.not_reproduced == Indices{0, 1});
-    CHECK(one.skin.weights == std::vector<float>{1, 1, 1});
-    CHECK(one.skin.joints[2] == 2);
-    const auto two = cageform::skin_weights(bound.binding, {.influences = 2});
-    check_skin(bound.binding, two.skin, two.report, 2);
+    CHECK(one.value.weights == std::vector<float>{1, 1, 1});
+    CHECK(one.value.joints[2] == 2);
+    const auto two = cageform::skin_weights(bound.value, {.influences = 2});
+    check_skin(bound.value, two.value, two.report, 2);
     CHECK(two.report.not_reproduced.empty()); // the middle lies between opposite vertices
 }
 
@@ -291,14 +290,14 @@ TEST_CASE("points kept in place and points that are not finite have no weights",
     const Points2<double> points{{1, 1}, {nan, 1}, {6, 1}, {2, 3}};
     const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points,
                                       {.outside = cageform::OutsidePoints::keep_in_place});
-    const auto [skin, report] = cageform::skin_weights(bound.binding);
-    check_skin(bound.binding, skin, report, 4);
+    const auto [skin, report] = cageform::skin_weights(bound.value);
+    check_skin(bound.value, skin, report, 4);
     CHECK(report.without_weights == Indices{1, 2});
     CHECK(report.not_reproduced.empty());
     for (const std::size_t i : {1u, 2u}) CHECK(report.weight_errors[i] == 0);
     for (const int integer : cageform::to_normalised<std::uint8_t>(skin)) CHECK(integer >= 0);
     Binding<double, 2> played;
-    REQUIRE(cageform::skin_to_binding(bound.binding, skin, played) == Status::ok);
+    REQUIRE(cageform::skin_to_binding(bound.value, skin, played) == Status::ok);
     Points2<double> pose = square, out(points.size());
     pose[2] = {9, 9};
     REQUIRE(clone(played, pose, out) == Status::ok);
@@ -354,7 +353,7 @@ TEMPLATE_TEST_CASE("integers sum exactly and still fall", "[binding][skin_weight
     CAPTURE(seed);
     const auto binding = random_binding<double, 3>(std::uint64_t(seed));
     for (const std::size_t influences : {1u, 3u, 4u, 8u, 16u}) {
-        const auto skin = cageform::skin_weights(binding, {.influences = influences}).skin;
+        const auto skin = cageform::skin_weights(binding, {.influences = influences}).value;
         const auto integers = cageform::to_normalised<TestType>(skin);
         REQUIRE(integers.size() == skin.weights.size());
         for (std::size_t i = 0; i < skin.point_count(); ++i) {
@@ -430,7 +429,7 @@ TEMPLATE_TEST_CASE("skins of given weights keep the largest, which sum to one",
     CHECK(cageform::skin_weights(std::span<const W>(shares), bones).report.without_weights[0] == 0);
     const auto refused = [&](std::size_t of, const cageform::SkinWeightsOptions& options) {
         const auto result = cageform::skin_weights(std::span<const W>(shares), of, options);
-        CHECK(result.skin.point_count() == 0);
+        CHECK(result.value.point_count() == 0);
         return result.report.status;
     };
     CHECK(refused(0, {}) == Status::bone_weights_do_not_match);
@@ -459,15 +458,15 @@ TEST_CASE("a skin of what cannot be one is refused", "[binding][skin_weights]") 
 
     const auto nothing = cageform::skin_weights(Binding<float, 3>{});
     CHECK(nothing.report.status == Status::ok);
-    CHECK(nothing.skin.point_count() == 0);
+    CHECK(nothing.value.point_count() == 0);
 }
 
 TEST_CASE("a skin does not depend on the threads", "[binding][skin_weights]") {
     const auto binding = random_binding<float, 3>(2);
     const auto one = cageform::skin_weights(binding),
                some = cageform::skin_weights(binding, {}, {.parallel = cageform::ThreadedFor{3}});
-    CHECK(one.skin.joints == some.skin.joints);
-    CHECK(one.skin.weights == some.skin.weights);
+    CHECK(one.value.joints == some.value.joints);
+    CHECK(one.value.weights == some.value.weights);
     CHECK(one.report.weight_error.value == some.report.weight_error.value);
     CHECK(one.report.mean_weight_error == some.report.mean_weight_error);
 }

@@ -50,10 +50,10 @@ struct Scene {
         }
         binding =
             cageform::bind(cageform::MeanValueCoordinates<double, 3>(cage.mesh<double>()), figure.vertices)
-                .binding;
+                .value;
     }
-    cageform::SkinWeightsResult smooth(const SkinWeightsOptions& options,
-                                       const cageform::Running& running = {}) const {
+    cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
+    smooth(const SkinWeightsOptions& options, const cageform::Running& running = {}) const {
         return cageform::smooth_skin_weights(binding, figure.faces, options, running);
     }
     Points3<double> played(const SkinWeights& skin, const Points3<double>& pose) const {
@@ -144,7 +144,7 @@ TEST_CASE("edges lose less by smooth skins than by those of each point alone",
     for (const std::size_t influences : {8u, 16u}) {
         const auto alone = cageform::skin_weights(scene.binding, {.influences = influences});
         const auto smooth = scene.smooth({.influences = influences});
-        const double before = scene.edge_loss(alone.skin, pose), after = scene.edge_loss(smooth.skin, pose);
+        const double before = scene.edge_loss(alone.value, pose), after = scene.edge_loss(smooth.value, pose);
         CAPTURE(influences, before, after);
         CHECK(after <= 0.8 * before);
     }
@@ -184,7 +184,7 @@ TEST_CASE("points that the binding keeps have no weights, and edges to them coun
     scene.figure.vertices[7] = {50, 0, 0};
     scene.binding = cageform::bind(cageform::MeanValueCoordinates<double, 3>(scene.cage.mesh<double>()),
                                    scene.figure.vertices, {.outside = cageform::OutsidePoints::keep_in_place})
-                        .binding;
+                        .value;
     const auto [skin, report] = scene.smooth({.influences = 8});
     REQUIRE(report.status == Status::ok);
     CHECK(report.without_weights == std::vector<std::size_t>{7});
@@ -205,15 +205,15 @@ TEST_CASE("threads do not change a smooth skin", "[binding][smooth_skin_weights]
     const Scene scene(4);
     const auto serial = scene.smooth({.influences = 8});
     const auto parallel = scene.smooth({.influences = 8}, {.parallel = cageform::ThreadedFor{3}});
-    CHECK(serial.skin.joints == parallel.skin.joints);
-    CHECK(serial.skin.weights == parallel.skin.weights);
+    CHECK(serial.value.joints == parallel.value.joints);
+    CHECK(serial.value.weights == parallel.value.weights);
 }
 
 TEST_CASE("a smooth skin of what cannot be one is refused", "[binding][smooth_skin_weights]") {
     Scene scene(5);
     const auto status = [&](const SkinWeightsOptions& options) {
         const auto result = scene.smooth(options);
-        CHECK(result.skin.weights.empty());
+        CHECK(result.value.weights.empty());
         return result.report.status;
     };
     CHECK(status({.influences = 0}) == Status::too_few_influences);

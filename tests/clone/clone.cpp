@@ -173,7 +173,7 @@ TEMPLATE_TEST_CASE("clones are linear in the displacement of the pose", "[clone]
     const auto seed = GENERATE(seeds(6));
     CAPTURE(seed);
     const Case<TestType> example{std::uint64_t(seed)};
-    const auto binding = cageform::bind(example.coordinates(), example.inside).binding;
+    const auto binding = cageform::bind(example.coordinates(), example.inside).value;
     REQUIRE(binding.point_count() == example.inside.size());
     const double size = size_of(example.handles);
     Random random(std::uint64_t(seed) + 2);

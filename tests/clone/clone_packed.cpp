@@ -29,7 +29,7 @@ std::vector<Vec<T, D>> cloned(const PackedBindingView<T, D>& binding, const std:
 TEST_CASE("a view in order clones points in the order of the binding", "[clone][packed]") {
     const auto packed = cageform::pack(random_binding<float, 3>(100, 9, 1), {.largest = 4});
     REQUIRE(packed.report.status == Status::ok);
-    const auto view = packed.binding.view();
+    const auto view = packed.value.view();
     REQUIRE(view.order != nullptr);
     const auto pose = random_points<float, 3>(9, 10, 2);
     const auto as_bound = cloned(view, pose), in_order = cloned(view.in_order(), pose);
@@ -173,7 +173,7 @@ TEMPLATE_TEST_CASE("several bindings fill one buffer, in either layout", "[clone
     const auto coat_pose = random_points<T, 3>(9, 10, 34);
     const auto first = cageform_tests::cloned(body, body_pose),
                second = cageform_tests::cloned(coat, coat_pose);
-    const auto packed = cageform::pack(coat, {.format = WeightFormat::int16, .largest = 5}).binding;
+    const auto packed = cageform::pack(coat, {.format = WeightFormat::int16, .largest = 5}).value;
     const auto third = cloned(packed.view(), coat_pose);
 
     std::vector<T> numbers(3 * (37 + 21 + 21));
@@ -196,7 +196,7 @@ TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits from pa
     using T = TestType;
     const auto binding = random_binding<T, 3>(5000, 100, 35);
     const auto pose = random_points<T, 3>(100, 10, 36);
-    const auto packed = cageform::pack(binding, {.format = WeightFormat::int16, .largest = 10}).binding;
+    const auto packed = cageform::pack(binding, {.format = WeightFormat::int16, .largest = 10}).value;
     const auto expected = cloned(packed.view(), pose);
     std::vector<Vec<T, 3>> out(5000);
     CHECK(cageform::clone(packed.view(), pose, out, {}, cageform::ThreadedFor{3}) == Status::ok);
@@ -211,7 +211,7 @@ TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits from pa
 
 TEST_CASE("a packed binding refuses poses and outputs as a binding does", "[clone][packed][status]") {
     const auto binding = random_binding<float, 2>(20, 6, 37);
-    const auto packed = cageform::pack(binding, {.largest = 4}).binding;
+    const auto packed = cageform::pack(binding, {.largest = 4}).value;
     auto pose = random_points<float, 2>(6, 10, 38);
     std::vector<Vec<float, 2>> out(20);
     const auto before = out;

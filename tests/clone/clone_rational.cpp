@@ -58,7 +58,7 @@ std::vector<T> random_weights(std::size_t count, double reach, std::uint64_t see
 
 template <class B, class Pose, class T>
 auto rational(const B& binding, const Pose& pose, const std::vector<T>& weights) {
-    std::vector<Vec<T, B::dimension>> out(cageform::detail::as_rational(binding).binding.point_count());
+    std::vector<Vec<T, B::dimension>> out(cageform::detail::as_rational(binding).value.point_count());
     REQUIRE(cageform::clone_rational(binding, pose, weights, out) == Status::ok);
     return out;
 }
@@ -128,7 +128,7 @@ TEMPLATE_TEST_CASE("equal weights give what clone does, bit for bit", "[clone][r
     for (const T weight : {T(1), T(0.7), T(3e5)}) {
         const std::vector<T> equal(80, weight);
         CHECK(rational(binding, pose, equal) == expected);
-        CHECK(rational(rational_view(binding).binding, pose, equal) == expected);
+        CHECK(rational(rational_view(binding).value, pose, equal) == expected);
         std::vector<Vec<T, 3>> rest, at_rest = rational(binding, binding_handles(binding), equal);
         for (std::size_t i = 0; i < 1000; ++i) rest.push_back(binding.rest_point(i));
         CHECK(std::memcmp(rest.data(), at_rest.data(), rest.size() * sizeof(rest[0])) == 0);
@@ -150,9 +150,9 @@ TEMPLATE_TEST_CASE("packed bindings clone rationally as their weights in effect 
         const auto [packed, report] = cageform::pack(binding, {.format = format, .threshold = 1e-30});
         REQUIRE(report.status == Status::ok);
         const auto view = rational_view(packed);
-        CAPTURE(int(format), double(view.binding.slack()));
-        REQUIRE(view.status == Status::ok);
-        const auto out = rational(view.binding, pose, weights);
+        CAPTURE(int(format), double(view.value.slack()));
+        REQUIRE(view.status() == Status::ok);
+        const auto out = rational(view.value, pose, weights);
         CHECK(out == rational(packed, pose, weights));
         double worst = 0;
         for (std::size_t i = 0; i < out.size(); ++i)
@@ -172,13 +172,13 @@ TEMPLATE_TEST_CASE("rational clones by threads and in pieces are the same bits",
     const auto binding = convex_binding<T, 2>(3000, 50, 5, 46);
     const auto pose = random_points<T, 2>(50, 10, 47);
     const auto weights = random_weights<T>(50, 2, 48);
-    const auto packed = cageform::pack(binding, {.threshold = 1e-30}).binding;
+    const auto packed = cageform::pack(binding, {.threshold = 1e-30}).value;
     const auto backwards = [](std::size_t count, std::size_t, const auto& body) {
         for (std::size_t end = count; end > 0; --end) body(end - 1, end);
     };
     const auto check = [&](const auto& any) {
         const auto fit = rational_view(any);
-        REQUIRE(fit.status == Status::ok);
+        REQUIRE(fit.status() == Status::ok);
         const auto expected = rational(fit.binding, pose, weights);
         std::vector<Vec<T, 2>> out(3000);
         CHECK(cageform::clone_rational(fit.binding, pose, weights, out, cageform::ThreadedFor{3}) ==
@@ -210,7 +210,7 @@ TEMPLATE_TEST_CASE("points kept in place stay under any weights", "[clone][ratio
 TEST_CASE("a heavier site among five draws a point by as much as exact computation says",
           "[clone][rational]") {
     const std::vector<Vec<double, 2>> sites{{0, 0}, {4, 0}, {4, 3}, {0, 3}, {2, 1}}, points{{1.5, 1.25}};
-    const auto binding = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), points).binding;
+    const auto binding = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), points).value;
     const auto out = rational(binding, sites, std::vector<double>{1, 1, 1, 1, 3});
     CHECK(out[0][0] == Approx(80621.0 / 44897).epsilon(1e-14));
     CHECK(out[0][1] == Approx(98967.0 / 89794).epsilon(1e-14));
@@ -257,7 +257,7 @@ TEST_CASE("a rational clone refuses what it cannot do, and leaves the output alo
     };
     CHECK(status(with(-2, 2)) == Status::binding_weights_negative);
     CHECK(status(with(std::nan(""), 0)) == Status::weight_not_finite);
-    CHECK(rational_view(with(-2, 2)).status == Status::binding_weights_negative);
+    CHECK(rational_view(with(-2, 2)).status() == Status::binding_weights_negative);
 
     // Little of them passes, until weights are such that it counts.
     auto little = convex_binding<double, 2>(20, 6, 3, 50);
@@ -278,7 +278,7 @@ TEST_CASE("a rational clone refuses what it cannot do, and leaves the output alo
     for (int i = 0; i < 20; ++i) figure.push_back({2.5, 1.5 + 0.1 * i}); // within a leg, next to the other
     weights.assign(8, 1.0);
     weights[0] = 2;
-    CHECK(status(cageform::bind(cageform::MeanValueCoordinates<double, 2>(two_legs), figure).binding) ==
+    CHECK(status(cageform::bind(cageform::MeanValueCoordinates<double, 2>(two_legs), figure).value) ==
           Status::binding_weights_negative);
 
     const std::vector kinds{cageform::HandleKind::point, cageform::HandleKind::point,

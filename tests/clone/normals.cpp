@@ -7,7 +7,7 @@
 #include "../support/larger.hpp"
 #include "../support/weights.hpp"
 
-#include <cageform/binding/bind_vectors.hpp>
+#include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/jacobians.hpp>
@@ -96,7 +96,7 @@ BoundTangents<T> random_tangents(const C& coordinates, const Points3<T>& points,
         Vec<double, 3> n{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
         result.normals.push_back(vec_cast<T>((1 / std::sqrt(dot(n, n))) * n));
     }
-    result.tangents = bind_vectors(coordinates, points, cageform::tangents_of(result.normals)).bindings;
+    result.tangents = bind_vectors(coordinates, points, cageform::tangents_of(result.normals)).value;
     return result;
 }
 /// Largest angle between the normals of clones and those of differences of clones.
@@ -114,12 +114,12 @@ double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed
     const auto tangents = bind_vectors(coordinates, middles, cageform::tangents_of(normals));
     REQUIRE(tangents.report.status == Status::ok);
     REQUIRE(tangents.report.outside.empty());
-    const auto beside = cageform::bind(coordinates, around).binding;
+    const auto beside = cageform::bind(coordinates, around).value;
     double worst = 0;
     for (int n = 0; n < 3; ++n) {
         const auto pose = shaken(coordinates.handles(), reach, seed + 10 * std::uint64_t(n));
         Points3<double> moved(middles.size());
-        REQUIRE(cageform::clone_normals(tangents.bindings, pose, moved) == Status::ok);
+        REQUIRE(cageform::clone_normals(tangents.value, pose, moved) == Status::ok);
         Points3<double> ends;
         for (const auto& p : cloned(beside, pose)) ends.push_back(vec_cast<double>(p));
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -211,7 +211,7 @@ TEMPLATE_TEST_CASE("at rest normals are as given", "[clone][normals][rest]", CAG
         CHECK(distance(normals[i], bound.normals[i]) <= 8 * double(epsilon<T>));
     const auto jacobians = bind_jacobians(coordinates, points);
     std::vector<T> matrices(9 * points.size());
-    REQUIRE(clone_jacobians(jacobians.bindings, pose,
+    REQUIRE(clone_jacobians(jacobians.value, pose,
                             cageform::StridedMatrices<T, 3>(matrices.data(), points.size())) == Status::ok);
     for (std::size_t n = 0; n < matrices.size(); ++n) CHECK(matrices[n] == (n % 9 % 4 == 0 ? T(1) : T(0)));
 }
@@ -231,9 +231,9 @@ TEST_CASE("normals in the plane are those of deformed curves", "[clone][normals]
         const Vec<double, 2> step{1e-5 * size * std::sin(angle), -1e-5 * size * std::cos(angle)};
         ends.insert(ends.end(), {points.back() - step, points.back() + step});
     }
-    const auto tangents = bind_vectors(coordinates, points, cageform::tangents_of(normals)).bindings;
+    const auto tangents = bind_vectors(coordinates, points, cageform::tangents_of(normals)).value;
     const auto pose = shaken(coordinates.handles(), 0.1 * size, seed);
-    const auto moved = cloned(cageform::bind(coordinates, ends).binding, pose);
+    const auto moved = cloned(cageform::bind(coordinates, ends).value, pose);
     Points2<double> found(points.size());
     REQUIRE(clone_normals(tangents, pose, found) == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -254,7 +254,7 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     auto bound = random_tangents<T>(coordinates, points, 5);
     bound.normals[3] = {}; // and none at rest either
     const auto frames = cageform::tangents_of(bound.normals);
-    const auto tangents = bind_vectors(coordinates, points, frames).bindings;
+    const auto tangents = bind_vectors(coordinates, points, frames).value;
     Points3<T> normals(points.size()), unit(points.size());
     const auto check_rest = [&](const Points3<T>& pose) {
         REQUIRE(clone_tangent_frames(tangents, pose, normals, unit) == Status::ok);
@@ -287,7 +287,7 @@ TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", CAG
     const auto mesh = random_mesh(2).mesh<T>();
     const Mean3<T> coordinates(mesh);
     const auto points = points_in(mesh, 75, 8);
-    const auto columns = bind_jacobians(coordinates, points).bindings;
+    const auto columns = bind_jacobians(coordinates, points).value;
     const double size = double(bounds_of(mesh.vertices()).diagonal());
     const auto pose = shaken(mesh.vertices(), 0.2 * size, 8);
     // Columns padded to four floats, matrices among other things.
@@ -298,7 +298,7 @@ TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", CAG
                                                                 stride * sizeof(float), 4 * sizeof(float)),
                             cageform::ThreadedFor{2}) == Status::ok);
     Points3<T> vectors(points.size(), {T(0.6), T(-0.3), T(0.7)});
-    const auto moved = cloned(bind_vectors(coordinates, points, vectors).binding, pose);
+    const auto moved = cloned(bind_vectors(coordinates, points, vectors).value, pose);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const float* const j = buffer.data() + stride * i;
         Vec<double, 3> product{};
@@ -316,7 +316,7 @@ TEST_CASE("Jacobians in the plane are those of an affine map", "[clone][jacobian
     using T = double;
     const Polygon<T> cage(random_star<T>(4));
     const Points2<T> flat{cage[0], T(0.25) * (cage[0] + cage[1] + cage[2] + cage[3])};
-    const auto in_plane = bind_jacobians(Mean2<T>(cage), flat).bindings;
+    const auto in_plane = bind_jacobians(Mean2<T>(cage), flat).value;
     Random random(3);
     const auto map = random_affine<2>(random, 1);
     std::vector<T> matrices(8);
@@ -368,7 +368,7 @@ TEST_CASE("normals of a frame allocate nothing", "[clone][normals][frame]") {
     const auto points = points_in(mesh, 500, 9);
     const Mean3<float> coordinates(mesh);
     const auto bound = random_tangents<float>(coordinates, points, 9);
-    const auto columns = bind_jacobians(coordinates, points).bindings;
+    const auto columns = bind_jacobians(coordinates, points).value;
     const auto pose = shaken(mesh.vertices(), 0.01, 9);
     Points3<float> normals(500), tangents(500);
     std::vector<float> matrices(4500);
@@ -403,7 +403,7 @@ TEST_CASE("bindings that do not belong together are refused, and outputs are lef
     const auto binding = [](std::size_t points, std::size_t handles, std::size_t largest) {
         return cageform::pack(random_binding<float, 3>(points, handles, points + handles),
                               {.largest = largest})
-            .binding;
+            .value;
     };
     const auto first = binding(70, 12, 4);
     std::vector<std::uint32_t> order(first.view().order, first.view().order + 70);

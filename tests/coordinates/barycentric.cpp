@@ -62,7 +62,7 @@ TEMPLATE_TEST_CASE("the worked example: a triangle whose first vertex is moved",
     const auto bound = cageform::bind(coordinates, std::vector<Vec<T, 2>>{{1, 2}});
     REQUIRE(bound.report.status == Status::ok);
     std::vector<Vec<T, 2>> moved(1);
-    REQUIRE(cageform::clone(bound.binding, std::vector<Vec<T, 2>>{{4, 1}, {0, 3}, {3, 3}}, moved) ==
+    REQUIRE(cageform::clone(bound.value, std::vector<Vec<T, 2>>{{4, 1}, {0, 3}, {3, 3}}, moved) ==
             Status::ok);
     CHECK(std::fabs(moved[0][0] - T(7) / 3) <= 4 * epsilon<T>);
     CHECK(std::fabs(moved[0][1] - T(7) / 3) <= 4 * epsilon<T>);

@@ -145,7 +145,7 @@ TEST_CASE("Green weights in the plane are those of the oracle", "[coordinates][g
         Points2<double> pose, out(file.points.size());
         const auto places = file.json["pose"];
         for (const auto& p : places) pose.push_back({p[0].get<double>(), p[1].get<double>()});
-        REQUIRE(clone(bound.binding, posed_handles(bound.binding, pose), out) == Status::ok);
+        REQUIRE(clone(bound.value, posed_handles(bound.value, pose), out) == Status::ok);
         for (std::size_t i = 0; i < out.size(); ++i) {
             const auto at = file.json["rows"][i]["posed_numbers"].get<std::vector<double>>();
             CHECK(distance(out[i], Vec<double, 2>{at[0], at[1]}) <= 1e-14);
@@ -232,7 +232,7 @@ TEMPLATE_TEST_CASE("gradients of Green weights: sums, and the Cauchy-Riemann equ
     const double diagonal = double(bounds_of(cage.vertices()).diagonal());
     const auto points = points_about(cage, std::uint64_t(seed));
     const auto slopes = gradients_of<T, 2>(green, points);
-    const auto binding = bind(green, points).binding;
+    const auto binding = bind(green, points).value;
     Random random(std::uint64_t(seed) + 5);
     Points2<T> pose(cage.size());
     for (auto& v : pose) v = {T(diagonal * random.uniform(-1, 1)), T(diagonal * random.uniform(-1, 1))};
@@ -350,7 +350,7 @@ TEST_CASE("an edge divided by a vertex that stays on it moves nothing", "[coordi
     };
     const Green2<double> green(whole), divided(divide(whole));
     for (int i = 0; i < 10; ++i) points.push_back(random_inside(green.cage(), random, 0));
-    const auto one = bind(green, points).binding, two = bind(divided, points).binding;
+    const auto one = bind(green, points).value, two = bind(divided, points).value;
     Points2<double> here(points), there(points);
     REQUIRE(clone(one, posed_handles(one, pose), here) == Status::ok);
     REQUIRE(clone(two, posed_handles(two, divide(pose)), there) == Status::ok);
@@ -393,7 +393,7 @@ TEMPLATE_TEST_CASE("a binding by Green coordinates rests to the bit and follows 
     CHECK(bound.report.unreached.empty());
     CHECK(bound.report.not_restored.empty());
     points[3] = points[4];
-    const auto& binding = bound.binding;
+    const auto& binding = bound.value;
     const Points2<T> vertices(green.cage().vertices().begin(), green.cage().vertices().end());
     Points2<T> out(points.size());
     REQUIRE(clone(binding, posed_handles(binding, vertices), out) == Status::ok);

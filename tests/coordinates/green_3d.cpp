@@ -133,8 +133,8 @@ TEST_CASE("Green weights in space are those of the oracle", "[coordinates][green
         const auto slopes = gradients_of<double, 3>(green, points);
         const auto bound = bind(green, points, {.outside = OutsidePoints::extend});
         Points3<double> out(points.size());
-        const auto handles = posed_handles(bound.binding, pose);
-        REQUIRE(clone(bound.binding, handles, out) == Status::ok);
+        const auto handles = posed_handles(bound.value, pose);
+        REQUIRE(clone(bound.value, handles, out) == Status::ok);
         const auto expected_handles = places(json["pose_handles"]);
         REQUIRE(points.size() == 8);
         for (std::size_t h = 0; h < handles.size(); ++h) { // those of the file are s n'
@@ -325,7 +325,7 @@ TEMPLATE_TEST_CASE("a binding by Green coordinates in space rests to the bit and
     REQUIRE(bound.report.status == Status::ok);
     CHECK(bound.report.unreached.empty());
     CHECK(bound.report.not_restored.empty());
-    const auto& binding = bound.binding;
+    const auto& binding = bound.value;
     const Points3<T> vertices(green.cage().vertices().begin(), green.cage().vertices().end());
     Points3<T> out(points.size());
     REQUIRE(clone(binding, posed_handles(binding, vertices), out) == Status::ok);
@@ -380,8 +380,8 @@ TEMPLATE_TEST_CASE("Green coordinates of thin cages in space", "[coordinates][gr
             // The faces of the rim are `width` high, and farther away than that.
             CHECK(missed(green, weights.rows[i], points[i]) <= 4 * double(epsilon<T>) / width);
             std::vector<T> row;
-            for (std::size_t h = 0; h < bound.binding.handle_count(); ++h)
-                row.push_back(bound.binding.weight(i, h));
+            for (std::size_t h = 0; h < bound.value.handle_count(); ++h)
+                row.push_back(bound.value.weight(i, h));
             CHECK(missed(green, row, points[i]) <= 64 * double(epsilon<T>));
         }
     }
@@ -428,7 +428,7 @@ TEMPLATE_TEST_CASE("a cage near the largest number is refused or clones at rest"
         CHECK(bound.report.status == green.cage_report().status);
         if (bound.report.status != Status::ok) return bound.report.status;
         Points3<T> out(2);
-        CHECK(clone(bound.binding, green.handles(), out) == Status::ok);
+        CHECK(clone(bound.value, green.handles(), out) == Status::ok);
         CHECK(out == points);
         return Status::ok;
     };

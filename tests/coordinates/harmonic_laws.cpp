@@ -362,7 +362,7 @@ TEST_CASE("the letter aleph in its square goes where fractions say", "[coordinat
     const auto bound = cageform::bind(HarmonicCoordinates(cageform::Polygon<double>(cage)), points);
     REQUIRE(bound.report.status == Status::ok);
     moved.resize(points.size());
-    REQUIRE(cageform::clone(bound.binding, pose, moved) == Status::ok);
+    REQUIRE(cageform::clone(bound.value, pose, moved) == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i);
         for (std::size_t k = 0; k < 2; ++k)

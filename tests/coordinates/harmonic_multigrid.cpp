@@ -387,7 +387,7 @@ TEST_CASE("a solve that begins with an edited cage's functions meets the toleran
         for (std::size_t i = 0; i < points.size(); ++i) {
             for (std::size_t h = 0; h < edited.size(); ++h) {
                 CAPTURE(i, h);
-                CHECK(std::fabs(a.binding.weight(i, h) - b.binding.weight(i, h)) <= 4 * tolerance);
+                CHECK(std::fabs(a.value.weight(i, h) - b.value.weight(i, h)) <= 4 * tolerance);
             }
         }
         return std::pair{solved.solver.cycles, anew.solver.cycles};
@@ -437,7 +437,7 @@ TEST_CASE("without functions to begin with a solve is as any other", "[coordinat
         const auto found = all_weights(other, points);
         for (std::size_t i = 0; i < points.size(); ++i) {
             for (std::size_t h = 0; h < star.size(); ++h)
-                CHECK(found.binding.weight(i, h) == expected.binding.weight(i, h));
+                CHECK(found.value.weight(i, h) == expected.value.weight(i, h));
         }
     }
     // Another resolution is no hindrance, and by the pyramid nothing is begun with.

@@ -358,7 +358,7 @@ TEST_CASE("bind takes polyhedral cages, points outside too", "[coordinates][poly
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i);
             if (locate(cage, points[i], 0.0) == PointState::inside) {
-                for (std::size_t h = 0; h < cage.size(); ++h) row[h] = bound.binding.view().weights(i, h);
+                for (std::size_t h = 0; h < cage.size(); ++h) row[h] = bound.value.view().weights(i, h);
                 CHECK(distance(combine(row, cage.vertices()), points[i]) <= 1e-14 * size_of(cage.vertices()));
             }
             const auto place = coordinates.nearest_boundary(points[i], row);

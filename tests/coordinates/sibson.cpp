@@ -673,9 +673,9 @@ TEMPLATE_TEST_CASE("where bind restores linear precision local zeros stay zeros"
     std::size_t lost = 0, lost_everywhere = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         for (std::size_t h = 0; h < sites.size(); ++h) {
-            if (exact.binding.weight(i, h) != 0) continue;
-            lost += result.binding.weight(i, h) != 0 ? 1 : 0;
-            lost_everywhere += everywhere.binding.weight(i, h) != 0 ? 1 : 0;
+            if (exact.value.weight(i, h) != 0) continue;
+            lost += result.value.weight(i, h) != 0 ? 1 : 0;
+            lost_everywhere += everywhere.value.weight(i, h) != 0 ? 1 : 0;
         }
     }
     CHECK(lost == 0);
@@ -967,7 +967,7 @@ TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates]
     for (const auto& p : sites) to.push_back(map(p));
     std::vector<std::array<Vec<T, 3>, 3>> frames(sites.size(), columns);
     REQUIRE(sibson.pose_of(to, std::span(std::as_const(frames)), std::span(pose)) == Status::ok);
-    REQUIRE(clone(bound.binding, pose, moved) == Status::ok);
+    REQUIRE(clone(bound.value, pose, moved) == Status::ok);
     const double size = double(bounds_of(std::span<const Vec<T, 3>>(sites)).diagonal()) + 10;
     for (std::size_t i = 0; i < points.size(); ++i)
         CHECK(distance(moved[i], map(points[i])) <= 2000 * double(epsilon<T>) * size);
@@ -988,7 +988,7 @@ TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates]
             const auto near = bind(sibson, Points<3>{sites[3] + toward});
             Points<3> out(1);
             if (!near.report.outside.empty()) return; // the site is on the hull
-            REQUIRE(clone(near.binding, pose, out) == Status::ok);
+            REQUIRE(clone(near.value, pose, out) == Status::ok);
             const auto expected =
                 sites[3] + toward[0] * columns[0] + toward[1] * columns[1] + toward[2] * columns[2];
             errors[level] = distance(out[0], expected) / step;
@@ -1017,7 +1017,7 @@ TEST_CASE("rebound, local zeros stay zeros", "[coordinates][sibson][rebind]") {
     Points<3> between;
     for (std::size_t i = 1; i < figure.size(); ++i)
         between.push_back(figure[i] + 0.3 * (figure[i] - figure[i - 1]));
-    const auto rebound = rebind(bound.binding, between);
+    const auto rebound = rebind(bound.value, between);
     REQUIRE(rebound.report.status == Status::ok);
     // A handle that none of the places next to a new one hears, that one does not hear either.
     std::size_t lost = 0;
@@ -1027,9 +1027,9 @@ TEST_CASE("rebound, local zeros stay zeros", "[coordinates][sibson][rebind]") {
         std::partial_sort(near.begin(), near.begin() + 12, near.end());
         for (std::size_t h = 0; h < sites.size(); ++h) {
             const bool heard = std::any_of(near.begin(), near.begin() + 12, [&](const auto& place) {
-                return bound.binding.weight(place.second, h) != 0;
+                return bound.value.weight(place.second, h) != 0;
             });
-            lost += !heard && rebound.binding.weight(i, h) != 0 ? 1 : 0;
+            lost += !heard && rebound.value.weight(i, h) != 0 ? 1 : 0;
         }
     }
     CHECK(lost == 0);

@@ -321,12 +321,12 @@ TEST_CASE("handles of Lottie are parts of the interval and the rise", "[animate]
     CHECK(result.kind == KeyKind::bezier);
     CHECK(result.curve == curve_of({10, 4}, {15, 2}, {25, -2}, {30, 0}));
     const auto back = to_lottie(result.curve);
-    CHECK(back.status == Status::ok);
-    CHECK(back.easing == easing);
+    CHECK(back.status() == Status::ok);
+    CHECK(back.value == easing);
     const auto linear = from_lottie({}, {1, 2}, {3, 8});
     CHECK(linear.curve == curve_of({1, 2}, {1, 2}, {3, 8}, {3, 8}));
-    CHECK(to_lottie(linear.curve).easing == LottieEasing{});
-    CHECK(to_lottie(result.curve, KeyKind::linear).easing == LottieEasing{});
+    CHECK(to_lottie(linear.curve).value == LottieEasing{});
+    CHECK(to_lottie(result.curve, KeyKind::linear).value == LottieEasing{});
 }
 
 TEST_CASE("Lottie's hold keeps the first value", "[animate][import][lottie]") {
@@ -338,8 +338,8 @@ TEST_CASE("Lottie's hold keeps the first value", "[animate][import][lottie]") {
     CHECK(result.curve.end() == 30);
     for (const double t : {10.0, 17.0, 30.0}) CHECK(BezierFunction(result.curve)(t) == 4);
     const auto back = to_lottie(result.curve, KeyKind::hold);
-    CHECK(back.status == Status::ok);
-    CHECK(back.easing.hold);
+    CHECK(back.status() == Status::ok);
+    CHECK(back.value.hold);
 }
 
 TEST_CASE("curves come back from Lottie to rounding", "[animate][import][lottie]") {
@@ -349,8 +349,8 @@ TEST_CASE("curves come back from Lottie to rounding", "[animate][import][lottie]
     for (int i = 0; i < 100; ++i) {
         const auto curve = random_segment(random);
         const auto lottie = to_lottie(curve);
-        REQUIRE(lottie.status == Status::ok);
-        const auto back = from_lottie(lottie.easing, curve.points[0], curve.points[3]);
+        REQUIRE(lottie.status() == Status::ok);
+        const auto back = from_lottie(lottie.value, curve.points[0], curve.points[3]);
         REQUIRE(back.status == Status::ok);
         CHECK(back.curve.points[0] == curve.points[0]);
         CHECK(back.curve.points[3] == curve.points[3]);
@@ -372,10 +372,10 @@ TEST_CASE("what Lottie cannot say is refused", "[animate][import][lottie]") {
     CHECK(refused(from_lottie({}, a, {1, no_number}), Status::value_not_finite));
     CHECK(refused(from_lottie({{}, {}, true}, b, a), Status::interval_empty));
     CHECK(refused(from_lottie({{}, {}, true}, {0, inf}, b), Status::value_not_finite));
-    CHECK(to_lottie(curve_of(a, {1.2, 0}, {0.65, 1}, b)).status == Status::handle_not_allowed);
-    CHECK(to_lottie(curve_of(a, {0.5, 1}, {0.5, 1}, {1, 0})).status == Status::handle_not_allowed);
-    CHECK(to_lottie(curve_of(a, {-0.5, 1}, {0.5, 1}, b)).status == Status::curve_turns_back);
-    CHECK(to_lottie(curve_of(b, b, a, a), KeyKind::hold).status == Status::interval_empty);
+    CHECK(to_lottie(curve_of(a, {1.2, 0}, {0.65, 1}, b)).status() == Status::handle_not_allowed);
+    CHECK(to_lottie(curve_of(a, {0.5, 1}, {0.5, 1}, {1, 0})).status() == Status::handle_not_allowed);
+    CHECK(to_lottie(curve_of(a, {-0.5, 1}, {0.5, 1}, b)).status() == Status::curve_turns_back);
+    CHECK(to_lottie(curve_of(b, b, a, a), KeyKind::hold).status() == Status::interval_empty);
 }
 
 // Blender
@@ -1047,7 +1047,7 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
             // Every sound curve can be offered to every exporter, and what it writes is finite.
             const auto& curve = results[f].curve;
             const auto lottie = to_lottie(curve, kind());
-            good = good && is_finite(lottie.easing.out.y) && is_finite(lottie.easing.in.y);
+            good = good && is_finite(lottie.value.out.y) && is_finite(lottie.value.in.y);
             BlenderKey b0, b1;
             if (to_blender(curve, b0, b1, KeyKind::bezier, limit) == Status::ok)
                 good = good && is_finite(b0.handle_right) && is_finite(b1.handle_left);
@@ -1068,7 +1068,7 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
         UnityKey u0, u1;
         UnrealKey r0, r1;
         const bool refuses = check(curve).status != Status::ok;
-        const bool all = to_css(curve).status != Status::ok && to_lottie(curve).status != Status::ok &&
+        const bool all = to_css(curve).status() != Status::ok && to_lottie(curve).status() != Status::ok &&
                          to_blender(curve, b0, b1) != Status::ok && to_unity(curve, u0, u1) != Status::ok &&
                          to_unreal(curve, r0, r1) != Status::ok;
         if (refuses && !all && wrong++ == 0) wrong_at = i;

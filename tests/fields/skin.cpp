@@ -236,8 +236,8 @@ TEST_CASE("weights of bones: bound, posed and cloned they are linear blend skinn
         REQUIRE(bound.report.status == Status::ok);
         for (const auto& moves : {own, common}) {
             std::vector<Point> pose(4 * rest.size()), out(points.size());
-            REQUIRE(cageform::pose_bones(bound.binding, std::span<const Move>(moves), pose) == Status::ok);
-            REQUIRE(clone(bound.binding, pose, out) == Status::ok);
+            REQUIRE(cageform::pose_bones(bound.value, std::span<const Move>(moves), pose) == Status::ok);
+            REQUIRE(clone(bound.value, pose, out) == Status::ok);
             for (std::size_t i = 0; i < points.size(); ++i) {
                 Point expected{};
                 for (std::size_t b = 0; b < rest.size(); ++b) {

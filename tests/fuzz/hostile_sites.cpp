@@ -98,7 +98,7 @@ Status try_sites(Random& random, unsigned long long seed) {
     const auto result = bind(sibson, points, {.outside = outside});
     REQUIRE(result.report.status == sibson.cage_report().status);
     if (result.report.status != Status::ok) return result.report.status;
-    const auto weights = result.binding.view().weights;
+    const auto weights = result.value.view().weights;
     const double size = double(bounds_of(std::span<const Vec<T, D>>(sites)).magnitude());
     const double extent = double(bounds_of(std::span<const Vec<T, D>>(sites)).diagonal());
     // What bind says that was not restored: a point within tolerance of the hull, which is relative to the

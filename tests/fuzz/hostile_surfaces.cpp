@@ -365,23 +365,23 @@ void try_binding(Random& random, unsigned long long seed) {
         bind_bones(places, std::span<const Transform<T, D>>(rest), std::span<const double>(shares), options);
     count("bind_bones", bound.report.status);
     if (bound.report.status != Status::ok) {
-        REQUIRE(bound.binding.point_count() == 0);
+        REQUIRE(bound.value.point_count() == 0);
         REQUIRE(bound.report.status == Status::bone_weights_do_not_match ||
                 !bound.report.cage.faults.empty());
         return;
     }
     for (std::size_t i = 0; i < points; ++i) {
-        for (std::size_t h = 0; h < bound.binding.handle_count(); ++h)
-            REQUIRE(is_finite(bound.binding.weight(i, h)));
+        for (std::size_t h = 0; h < bound.value.handle_count(); ++h)
+            REQUIRE(is_finite(bound.value.weight(i, h)));
     }
     std::vector<Vec<T, D>> pose(bones * (D + 1)), out(points);
-    const Status posed = pose_bones(bound.binding, std::span<const Transform<T, D>>(moves), pose);
+    const Status posed = pose_bones(bound.value, std::span<const Transform<T, D>>(moves), pose);
     count("pose_bones", posed);
     if (posed != Status::ok) {
         REQUIRE(posed == Status::pose_not_finite);
         return;
     }
-    REQUIRE(clone(bound.binding, pose, out) == Status::ok);
+    REQUIRE(clone(bound.value, pose, out) == Status::ok);
 }
 
 template <class T, std::size_t D>

@@ -150,7 +150,7 @@ void open_as(std::span<const std::byte> bytes) {
     for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
         const auto opened = cageform::open_blob<T, D>(bytes, {.check = check});
         if (opened.status != Status::ok) {
-            REQUIRE(opened.binding.point_count() == 0 && opened.binding.weights == nullptr);
+            REQUIRE(opened.value.point_count() == 0 && opened.value.weights == nullptr);
             continue;
         }
         REQUIRE(opened.bytes <= bytes.size());
@@ -158,7 +158,7 @@ void open_as(std::span<const std::byte> bytes) {
             (cageform::open_blob<T, D>(bytes.first(opened.bytes), {.check = check}).status == Status::ok));
         REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.bytes - 1), {.check = check}).status !=
                  Status::ok));
-        if (check == BlobCheck::structure) clone_all_ways(opened.binding);
+        if (check == BlobCheck::structure) clone_all_ways(opened.value);
     }
 }
 
@@ -229,14 +229,14 @@ void play(const cageform::PackedFigureView<T, D>& figure) {
 template <class T, std::size_t D>
 void open_figure_as(std::span<const std::byte> bytes) {
     for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
-        const auto opened = cageform::open_figure<T, D>(bytes, {.check = check});
+        const auto opened = cageform::open<T, D>(bytes, {.check = check});
         if (opened.status != Status::ok) {
             REQUIRE(opened.figure.point_count() == 0 && opened.figure.table.empty());
             continue;
         }
         REQUIRE(opened.bytes <= bytes.size());
         const auto again = [&](std::size_t size) {
-            return cageform::open_figure<T, D>(bytes.first(size), {.check = check}).status;
+            return cageform::open<T, D>(bytes.first(size), {.check = check}).status;
         };
         REQUIRE(again(opened.bytes) == Status::ok && again(opened.bytes - 1) != Status::ok);
         if (check == BlobCheck::structure) play(opened.figure);
@@ -387,7 +387,7 @@ std::vector<std::byte> packed(Numbers& numbers, const cageform::PackOptions& opt
     }
     const auto result = cageform::pack(cageform::Binding<T, D>(weights, rest, rest_handles, points), options);
     REQUIRE(result.report.status == Status::ok);
-    return {result.binding.bytes().begin(), result.binding.bytes().end()};
+    return {result.value.bytes().begin(), result.value.bytes().end()};
 }
 
 /// Sets or shifts a number by what may matter; `limit` is one that others are checked against.

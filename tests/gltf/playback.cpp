@@ -240,7 +240,8 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
         const int weights = file.model.meshes[0].primitives[0].attributes.at("WEIGHTS_0");
         integers = file.model.accessors[std::size_t(weights)].normalized;
         cageform::Binding<double, 3> skinned;
-        static std::map<std::size_t, cageform::SkinWeightsResult> skins; // of the figure, by influences
+        static std::map<std::size_t, cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>>
+            skins; // of the figure, by influences
         auto& made = skins[skin.count];
         if (made.skin.influences == 0)
             made = cageform::smooth_skin_weights(binding, figure.triangles, {.influences = skin.count});

@@ -5,7 +5,7 @@
 #include "support/larger.hpp"
 #include "support/meshes.hpp"
 
-#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/tangents.hpp>
 #include <cageform/cage/detail/primitives.hpp>
@@ -154,7 +154,7 @@ void for_each_packing(const Check& check) {
     options.largest = sparse ? D + 3 : 0;
     const auto packed = cageform::pack(figure.binding, options);
     REQUIRE(packed.report.status == Status::ok);
-    check(figure, packed.binding, format);
+    check(figure, packed.value, format);
 }
 
 template <std::size_t D>
@@ -193,21 +193,20 @@ TEST_CASE("the compute shader writes into vertices of others' making, from the s
     const Figure<3> figure(5), other(6);
     const auto first = cageform::pack(other.binding, {.format = WeightFormat::int16});
     const auto second = cageform::pack(figure.binding, {.format = WeightFormat::int8, .largest = 5});
-    std::vector<std::byte> both(first.binding.bytes().begin(), first.binding.bytes().end());
-    both.insert(both.end(), second.binding.bytes().begin(), second.binding.bytes().end());
-    const auto binding = second.binding.view();
+    std::vector<std::byte> both(first.value.bytes().begin(), first.value.bytes().end());
+    both.insert(both.end(), second.value.bytes().begin(), second.value.bytes().end());
+    const auto binding = second.value.view();
     auto displacements = displacements_of(binding, figure.pose);
     Points<3> expected(binding.point_count());
     REQUIRE(clone(binding, figure.pose, expected) == Status::ok);
 
     constexpr std::size_t stride = 7, offset = 2;
     std::vector<float> vertices(stride * binding.point_count() + stride, -1.0f);
-    gl().run_compute("#version 430\n" + buffers +
-                         "#define CAGEFORM_OUT_STRIDE 7\n#define CAGEFORM_OUT_OFFSET 2\n" +
-                         "#define CAGEFORM_BASE " + std::to_string(first.binding.bytes().size() / 4) + "u\n" +
-                         compute_text,
-                     GLuint((binding.point_count() + 63) / 64),
-                     {{0, both}, {1, bytes_of(displacements)}, {2, bytes_of(vertices)}});
+    gl().run_compute(
+        "#version 430\n" + buffers + "#define CAGEFORM_OUT_STRIDE 7\n#define CAGEFORM_OUT_OFFSET 2\n" +
+            "#define CAGEFORM_BASE " + std::to_string(first.value.bytes().size() / 4) + "u\n" + compute_text,
+        GLuint((binding.point_count() + 63) / 64),
+        {{0, both}, {1, bytes_of(displacements)}, {2, bytes_of(vertices)}});
     Points<3> found(binding.point_count());
     std::size_t touched = 0;
     for (std::size_t n = 0; n < vertices.size(); ++n) {
@@ -266,9 +265,9 @@ TEST_CASE("the compute shader makes normals of three blobs in one buffer", "[gpu
     const auto points = random_points<float, 3>(normals.size(), 10, seed);
     const auto handles = random_points<float, 3>(12, 10, seed + 1), pose = moved<3>(handles, 0.05, seed + 2);
     const cageform::PackOptions options{.format = WeightFormat::int16};
-    const auto of_points = cageform::pack(bound<3>(points, handles, seed), options).binding;
-    const auto of_tangents = cageform::pack(bound<3>(frames[0], handles, seed + 3), options).binding;
-    const auto of_bitangents = cageform::pack(bound<3>(frames[1], handles, seed + 4), options).binding;
+    const auto of_points = cageform::pack(bound<3>(points, handles, seed), options).value;
+    const auto of_tangents = cageform::pack(bound<3>(frames[0], handles, seed + 3), options).value;
+    const auto of_bitangents = cageform::pack(bound<3>(frames[1], handles, seed + 4), options).value;
     Points<3> expected(points.size());
     REQUIRE(clone_normals(std::array{of_tangents.view(), of_bitangents.view()}, pose, expected) ==
             Status::ok);
@@ -283,12 +282,12 @@ TEST_CASE("the compute shader takes poses of faces: Green coordinates, points an
     CAPTURE(int(format));
     const cageform::GreenCoordinates<float, 3> coordinates(sphere(2).mesh<float>());
     const auto points = random_points<float, 3>(101, 0.5, 1), normals = random_points<float, 3>(101, 1, 2);
-    const auto made = bind_figure(coordinates, cageform::FigurePoints{points, normals});
+    const auto made = cageform::bind(coordinates, cageform::FigurePoints{points, normals});
     REQUIRE(made.report.status == Status::ok);
     const cageform::PackOptions options{.format = format};
-    const auto of_points = cageform::pack(made.figure.points, options).binding;
-    const auto of_tangents = cageform::pack(made.figure.tangents[0], options).binding;
-    const auto of_bitangents = cageform::pack(made.figure.tangents[1], options).binding;
+    const auto of_points = cageform::pack(made.value.points, options).value;
+    const auto of_tangents = cageform::pack(made.value.tangents[0], options).value;
+    const auto of_bitangents = cageform::pack(made.value.tangents[1], options).value;
     const auto vertices = coordinates.cage().vertices();
     const auto check_pose = [&](const Points<3>& pose, double tolerance) {
         Points<3> handles(coordinates.handles().size()), placed(points.size()), turned(points.size());

@@ -14,8 +14,8 @@ const char* CAGEFORM_TEST_JOIN(namespace_, LEVEL)();
 bool CAGEFORM_TEST_JOIN(clone_, LEVEL)(const std::byte* packed, std::size_t bytes, const float* pose,
                                        std::size_t handles, float* out, std::size_t points) {
     const auto opened = cageform::open_blob<float, 3>({packed, bytes});
-    return opened.status == cageform::Status::ok &&
-           cageform::clone(opened.binding, cageform::StridedPoints<const float, 3>(pose, handles),
+    return opened.status() == cageform::Status::ok &&
+           cageform::clone(opened.value, cageform::StridedPoints<const float, 3>(pose, handles),
                            cageform::StridedPoints<float, 3>(out, points)) == cageform::Status::ok;
 }
 

@@ -84,19 +84,19 @@ int play(std::size_t points, std::size_t handles) {
         const std::array<cageform::BindingView<T, 3>, 3> axes{dense.view(), dense.view(), dense.view()};
         expect(clone_normals(std::array{axes[0], axes[1]}, pose, normals));
         expect(clone_jacobians(axes, pose, cageform::StridedMatrices<T, 3>(numbers.data(), points)));
-        const auto opened = cageform::open_figure<T, 3>(whole.bytes());
-        expect(opened.status);
-        expect(clone(opened.figure, pose, cageform::FigureOutput{figure, normals, signed_tangents}));
+        const auto opened = cageform::open<T, 3>(whole.bytes());
+        expect(opened.status());
+        expect(clone(opened.value, pose, cageform::FigureOutput{figure, normals, signed_tangents}));
         std::size_t blobs = 0;
         for (std::size_t at = 0; at < file_bytes; ++blobs) {
             const auto blob =
                 cageform::open_blob<T, 3>(std::span<const std::byte>(file, file_bytes).subspan(at));
-            expect(blob.status);
-            if (blob.status != Status::ok) break;
-            at += blob.bytes;
-            expect(clone(blob.binding, pose, figure, {{mask.data(), points}, cageform::CloneOnto::output}));
-            expect(clone_tangent_frames(std::array{blob.binding, blob.binding}, pose, normals, tangents));
-            expect(write_displacements(blob.binding, pose, uniforms));
+            expect(blob.status());
+            if (blob.status() != Status::ok) break;
+            at += blob.report.bytes;
+            expect(clone(blob.value, pose, figure, {{mask.data(), points}, cageform::CloneOnto::output}));
+            expect(clone_tangent_frames(std::array{blob.value, blob.value}, pose, normals, tangents));
+            expect(write_displacements(blob.value, pose, uniforms));
         }
         failures += blobs == 8 ? 0 : 1;
     }
@@ -116,9 +116,9 @@ int play_file(std::size_t points, std::size_t handles) {
     auto beside = clip_in_memory.make_cursor();
     loaded = true;
     int failures = 0;
-    const auto opened = cageform::open_figure<float, 3>(file_of_figure.bytes());
-    failures += opened.status == Status::ok && opened.figure.clip_count() == 1 ? 0 : 1;
-    const auto clip = opened.figure.clip(opened.figure.find_clip("play"));
+    const auto opened = cageform::open<float, 3>(file_of_figure.bytes());
+    failures += opened.status() == Status::ok && opened.value.clip_count() == 1 ? 0 : 1;
+    const auto clip = opened.value.clip(opened.value.find_clip("play"));
     failures += clip.vertex_count() == handles && clip.cursor_rows() == memory.size() ? 0 : 1;
     auto cursor = clip.make_cursor(memory);
     for (int frame = 0; frame < 1000; ++frame) {
@@ -126,7 +126,7 @@ int play_file(std::size_t points, std::size_t handles) {
         clip.sample(time, cursor, pose);
         clip_in_memory.sample(time, beside, expected);
         failures += pose == expected ? 0 : 1;
-        failures += clone(opened.figure, pose, cageform::FigureOutput{figure, normals}) == Status::ok ? 0 : 1;
+        failures += clone(opened.value, pose, cageform::FigureOutput{figure, normals}) == Status::ok ? 0 : 1;
     }
     loaded = false;
     return failures;

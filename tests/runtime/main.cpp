@@ -79,9 +79,9 @@ void check_blobs() {
         for (const bool sparse : {false, true}) {
             const auto packed = made_up::packed_binding<T, D>(format, sparse, points, handles, 1);
             const auto opened = cageform::open_blob<T, D>(packed.bytes());
-            expect(opened.status == Status::ok, "a blob opens");
-            if (opened.status != Status::ok) continue;
-            const auto& view = opened.binding;
+            expect(opened.status() == Status::ok, "a blob opens");
+            if (opened.status() != Status::ok) continue;
+            const auto& view = opened.value;
             std::vector<Vec<T, D>> out(points), masked(from);
             expect(cageform::clone(view, pose, out) == Status::ok, "clone of a packed binding");
             const cageform::CloneOptions<T> options{{mask.data(), points}, CloneOnto::output};
@@ -112,11 +112,11 @@ void check_refusals() {
     std::memcpy(memory.data(), packed.bytes().data(), packed.bytes().size());
     const auto bytes = std::as_writable_bytes(std::span(memory));
     const auto status = [](std::span<const std::byte> of) {
-        return cageform::open_blob<double, 2>(of).status;
+        return cageform::open_blob<double, 2>(of).status();
     };
     expect(status(bytes) == Status::ok, "copied bytes");
     expect(status(bytes.first(bytes.size() - 64)) == Status::blob_truncated, "a blob cut off");
-    expect(cageform::open_blob<double, 3>(bytes).status == Status::blob_kind_differs, "a blob of the plane");
+    expect(cageform::open_blob<double, 3>(bytes).status() == Status::blob_kind_differs, "a blob of the plane");
     bytes[bytes.size() - 64] ^= std::byte{1};
     expect(status(bytes) == Status::blob_corrupt, "a bit that differs");
     const auto pose = made_up::points<double, 2>(5, 5);
@@ -130,9 +130,9 @@ void check_refusals() {
 void check_figures() {
     constexpr std::size_t points = 50, handles = 7;
     const auto packed = made_up::figure<float>(WeightFormat::int16, true, points, handles, 12);
-    const auto opened = cageform::open_figure<float, 3>(packed.bytes());
-    expect(opened.status == Status::ok, "a figure opens");
-    const auto& figure = opened.figure;
+    const auto opened = cageform::open<float, 3>(packed.bytes());
+    expect(opened.status() == Status::ok, "a figure opens");
+    const auto& figure = opened.value;
     expect(figure.label(2) == "C" && figure.find_handle("F") == 5, "labels of handles");
     const auto pose = made_up::points<float, 3>(handles, 13);
     std::vector<Vec<float, 3>> out(points), normals(points), tangents(points), alone(points), along(points);
@@ -148,9 +148,9 @@ void check_figures() {
         expect(Vec<float, 3>{x, y, z} == along[i] && sign == (i % 3 == 0 ? -1.0f : 1.0f),
                "tangents of a figure");
     }
-    expect(cageform::open_figure<float, 3>(packed.bytes().first(1000)).status == Status::blob_truncated,
+    expect(cageform::open<float, 3>(packed.bytes().first(1000)).status() == Status::blob_truncated,
            "a figure cut off");
-    expect(cageform::open_figure<double, 3>(packed.bytes()).status == Status::blob_kind_differs,
+    expect(cageform::open<double, 3>(packed.bytes()).status() == Status::blob_kind_differs,
            "a figure of float");
 }
 

@@ -14,11 +14,11 @@ Status move(const Binding<T, D>& dense, std::span<const std::byte> file, const C
             StridedPoints<T, D> strided, const CloneOptions<T>& options) noexcept {
     clip.sample(time, cursor, pose);
     const auto blob = open_blob<T, D>(file);
-    Status status = blob.status;
+    Status status = blob.status();
     if (status == Status::ok) status = clone(dense, pose, out, options);
-    if (status == Status::ok) status = clone(blob.binding, pose, strided, options);
-    if (status == Status::ok) status = clone_rational(blob.binding, pose, {}, out);
-    if (status == Status::ok) status = clone_rational(rational_view(dense).binding, pose, {}, out);
+    if (status == Status::ok) status = clone(blob.value, pose, strided, options);
+    if (status == Status::ok) status = clone_rational(blob.value, pose, {}, out);
+    if (status == Status::ok) status = clone_rational(rational_view(dense).value, pose, {}, out);
     return status;
 }
 template <class T>
@@ -34,13 +34,13 @@ Status turn(const Binding<T, 3>& dense, const PackedBindingView<T, 3>& packed, P
 template <class T>
 Status play(std::span<const std::byte> file, T time, CurveCursor<T>& cursor, Points<T, 3> pose,
             Points<T, 3> out, Points<T, 3> normals, std::span<std::array<T, 4>> tangents) noexcept {
-    const auto opened = open_figure<T, 3>(file);
-    if (opened.status != Status::ok || opened.figure.find_handle("hand") == 0) return opened.status;
-    const std::size_t clip = opened.figure.find_clip("walk");
-    if (clip == opened.figure.clip_count()) return opened.status;
-    if (time == T(0)) opened.figure.clip(clip).start(cursor);
-    opened.figure.clip(clip).sample(time, cursor, pose);
-    return clone(opened.figure, pose, FigureOutput{out, normals, tangents});
+    const auto opened = cageform::open<T, 3>(file);
+    if (opened.status() != Status::ok || opened.value.find_handle("hand") == 0) return opened.status();
+    const std::size_t clip = opened.value.find_clip("walk");
+    if (clip == opened.value.clip_count()) return opened.status();
+    if (time == T(0)) opened.value.clip(clip).start(cursor);
+    opened.value.clip(clip).sample(time, cursor, pose);
+    return clone(opened.value, pose, FigureOutput{out, normals, tangents});
 }
 
 #define CAGEFORM_TEST_MOVE(T, D)                                                                             \

@@ -103,9 +103,9 @@ void check_restored(const Result& left, const Result& restored, std::span<const 
     const auto& listed = restored.report.not_restored;
     CHECK(left.report.not_restored.empty());
     CHECK(std::is_sorted(listed.begin(), listed.end()));
-    for (std::size_t i = 0; i < left.binding.point_count(); ++i) {
-        const auto before = row_of(left.binding, i), after = row_of(restored.binding, i);
-        const auto p = left.binding.rest_point(i);
+    for (std::size_t i = 0; i < left.value.point_count(); ++i) {
+        const auto before = row_of(left.value, i), after = row_of(restored.value, i);
+        const auto p = left.value.rest_point(i);
         // The library measures in the scalar itself.
         const double rounding = 2 * double(handles.size()) * eps * (absolute_sum(before) + 1);
         const double missed = affine_residual(after, handles, p);

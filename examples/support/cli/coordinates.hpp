@@ -8,7 +8,7 @@
 #include "files/obj_file.hpp"
 #include "files/site_file.hpp"
 
-#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/bind.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
@@ -114,17 +114,18 @@ public:
 
     /// Solves the functions and keeps them, for several batches of points. Nothing where closed_form.
     virtual cageform::Evaluation solve(const cageform::Running& running = {}) = 0;
-    virtual cageform::BindResult<T, D> bind(Points points, const cageform::BindOptions& options = {},
-                                            const cageform::Running& running = {}) const = 0;
+    virtual cageform::Result<cageform::Binding<T, D>, cageform::BindReport>
+    bind(Points points, const cageform::BindOptions& options = {},
+         const cageform::Running& running = {}) const = 0;
     /// The cells of the adaptive grid; solver_not_supported of what is made by none.
     virtual cageform::Evaluation
     for_each_cell(const std::function<void(const cageform::GridCell<T, D>&)>& f) const = 0;
 
     using PointsAndNormals = cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>;
     /// Of float in space, of types that have gradients; solver_not_supported of others.
-    virtual cageform::FigureBindResult<T, D> bind_figure(const PointsAndNormals& figure,
-                                                         const cageform::BindOptions& options,
-                                                         const cageform::Running& running) const = 0;
+    virtual cageform::Result<cageform::FigureBinding<T, D>, cageform::FigureBindReport>
+    bind(const PointsAndNormals& figure, const cageform::BindOptions& options,
+         const cageform::Running& running) const = 0;
 };
 
 template <class T>

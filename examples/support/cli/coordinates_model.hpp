@@ -51,8 +51,9 @@ public:
         else
             return {};
     }
-    cageform::BindResult<T, D> bind(Points points, const cageform::BindOptions& options,
-                                    const cageform::Running& running) const override {
+    cageform::Result<cageform::Binding<T, D>, cageform::BindReport>
+    bind(Points points, const cageform::BindOptions& options,
+         const cageform::Running& running) const override {
         return cageform::bind(own, points, options, running);
     }
     cageform::Evaluation
@@ -63,14 +64,14 @@ public:
             return {cageform::Status::solver_not_supported, {}};
     }
 
-    cageform::FigureBindResult<T, D>
-    bind_figure([[maybe_unused]] const typename AnyCoordinates<T, D>::PointsAndNormals& figure,
-                [[maybe_unused]] const cageform::BindOptions& options,
-                [[maybe_unused]] const cageform::Running& running) const override {
+    cageform::Result<cageform::FigureBinding<T, D>, cageform::FigureBindReport>
+    bind([[maybe_unused]] const typename AnyCoordinates<T, D>::PointsAndNormals& figure,
+         [[maybe_unused]] const cageform::BindOptions& options,
+         [[maybe_unused]] const cageform::Running& running) const override {
         if constexpr (std::is_same_v<T, float> && D == 3 && cageform::GradientCoordinates<C>) {
-            return cageform::bind_figure(own, figure, options, running);
+            return cageform::bind(own, figure, options, running);
         } else {
-            cageform::FigureBindResult<T, D> none;
+            cageform::Result<cageform::FigureBinding<T, D>, cageform::FigureBindReport> none;
             none.report.status = cageform::Status::solver_not_supported;
             return none;
         }

@@ -4,6 +4,7 @@
 
 #include <cageform/animate/clip_blob.hpp>
 #include <cageform/animate/detail/quantised_cubic.hpp>
+#include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 
 #include <algorithm>
@@ -35,12 +36,6 @@ struct ClipPackReport {
     std::size_t bytes = 0;             ///< of the packed clip
     std::size_t unquantised_bytes = 0; ///< of one without any curve in 16 bits
     double seconds = 0;
-};
-
-template <Scalar T, std::size_t D>
-struct ClipPackResult {
-    PackedClip<T, D> clip; ///< empty unless the report's status is ok
-    ClipPackReport report;
 };
 
 namespace detail {
@@ -210,14 +205,17 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
 ///            clip is not finite or a rotation is not of length 1; out_of_memory
 ///   cost     O(#pieces): some 10 ms for 10,000
 template <Scalar T, std::size_t D>
-ClipPackResult<T, D> pack_clip(const CageClipView<T, D>& clip, const ClipPackOptions& options = {}) {
-    ClipPackResult<T, D> result;
-    detail::run_into(result.report,
-                     [&] { return detail::pack_clip_into<T, D>(clip, options, result.clip, result.report); });
+Result<PackedClip<T, D>, ClipPackReport> pack_clip(const CageClipView<T, D>& clip,
+                                                   const ClipPackOptions& options = {}) {
+    Result<PackedClip<T, D>, ClipPackReport> result;
+    detail::run_into(result.report, [&] {
+        return detail::pack_clip_into<T, D>(clip, options, result.value, result.report);
+    });
     return result;
 }
 template <Scalar T, std::size_t D>
-ClipPackResult<T, D> pack_clip(const CageClip<T, D>& clip, const ClipPackOptions& options = {}) {
+Result<PackedClip<T, D>, ClipPackReport> pack_clip(const CageClip<T, D>& clip,
+                                                   const ClipPackOptions& options = {}) {
     return pack_clip(clip.view(), options);
 }
 

@@ -1,315 +1,64 @@
-// From a coordinate type and a figure's points to a binding, and the report of how it went.
+// From a coordinate type and a figure to a binding, and the report of how it went.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
-#include <cageform/binding/detail/bind_input.hpp>
-#include <cageform/binding/detail/piece_measures.hpp>
-#include <cageform/core/affine/linear_restorer.hpp>
-#include <cageform/core/detail/huge_pages.hpp>
+#include <cageform/binding/detail/figure_binder.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What happens to points outside the cage.
-enum class OutsidePoints : std::uint8_t {
-    extend,           ///< the coordinate type's own extension; kept in place where it has none
-    keep_in_place,    ///< no pose moves them
-    nearest_boundary, ///< they follow the nearest point of the cage's boundary, at the same offset
-};
-
-/// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least
-/// change, in the sense of least squares over the handles, that restores both. Affine poses are
-/// then exact; a weight near zero may turn negative, by about BindReport::weight_change. No change
-/// is made where it would not lower what is missed (BindReport::not_restored).
-enum class LinearPrecision : std::uint8_t { restore, leave };
-
-struct BindOptions {
-    OutsidePoints outside = OutsidePoints::extend;
-    LinearPrecision linear_precision = LinearPrecision::restore;
-};
-
-template <Scalar T, std::size_t D>
-struct BindResult {
-    Binding<T, D> binding; ///< empty unless the report's status is ok
-    BindReport report;
-};
-
 namespace detail {
-
-/// What binding points and binding vectors share; one or more bindings are made of the same points.
-/// Blocks are worked on in pieces that stay in cache. What a piece finds out is kept apart and put
-/// together in the end, so that nothing depends on the threads.
-template <Scalar T, std::size_t D>
-class Binder {
-protected:
-    static constexpr std::size_t lanes = lane_count<T>;
-
-    Binder(const BindInput<T, D>& input, const BindOptions& options, std::size_t piece_blocks)
-        : input_(input)
-        , options_(options)
-        , piece_blocks_(piece_blocks)
-        , handles_(input.handles())
-        , restorer_(handles_, input.local)
-        , count_(input.points.size)
-        , states_(count_, PointState::unreached)
-        , missed_(count_)
-        , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
-
-    /// Makes the bindings in the memory of those given; fill() sets weights, rest and states.
-    template <class Fill>
-    Status run(std::span<Binding<T, D>> bindings, BindReport& report, const Fill& fill) {
-        const std::size_t blocks = block_count<T>(count_);
-        std::vector<typename Binding<T, D>::Memory> memory(bindings.size());
-        for (std::size_t n = 0; n < bindings.size(); ++n) {
-            memory[n] = std::move(bindings[n]).release();
-            memory[n].rest.resize(blocks * D);
-            resize_large(memory[n].weights, blocks * handles_.count);
-            rest_.push_back({memory[n].rest.data(), D, count_});
-            weights_.push_back({memory[n].weights.data(), handles_.count, count_});
-        }
-        Status status = fill();
-        if (status == Status::ok) status = report_into(report);
-        if (status != Status::ok) return status;
-        for (std::size_t n = 0; n < bindings.size(); ++n)
-            bindings[n] =
-                Binding<T, D>(std::move(memory[n].weights), std::move(memory[n].rest), handles_, count_);
-        return Status::ok;
-    }
-
-    /// Runs body(piece) for all pieces in parallel.
-    template <class Body>
-    Status for_each_piece(const Running& running, const Body& body) const {
-        return for_each_block(pieces_.size(), running, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t piece = begin; piece < end; ++piece) body(piece);
-        });
-    }
-
-    /// The first point of a piece, and the states of all.
-    std::size_t first_of(std::size_t piece) const noexcept { return piece * piece_blocks_ * lanes; }
-    std::span<PointState> states_of(std::size_t piece) noexcept {
-        const std::size_t first = first_of(piece);
-        return std::span(states_).subspan(first, (std::min)(piece_blocks_ * lanes, count_ - first));
-    }
-
-    /// Whether a point of this state gets weights.
-    bool is_bound(PointState state) const noexcept {
-        if (state == PointState::inside || state == PointState::on_boundary) return true;
-        return state == PointState::outside &&
-               (options_.outside == OutsidePoints::nearest_boundary ||
-                (options_.outside == OutsidePoints::extend && input_.has_extension));
-    }
-    bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
-
-    /// Takes the measures of a block. A point so far away that the scalar does not hold its
-    /// weights, or what they make, becomes unreached. Returns whether there was one.
-    template <class Outcome>
-    bool take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block,
-              PieceMeasures<T>& measures) noexcept {
-        using Number = Simd<T>;
-        const Number most((std::numeric_limits<T>::max)()), zero(T(0)), one(T(1));
-        const auto finite = Number::load(outcome.partition) + Number::load(outcome.reproduction) <= most;
-        Lanes<T> reached = bound;
-        bool unreached = false;
-        if (any(zero < select<T>(finite, Number::load(outcome.missed), one))) {
-            for (std::size_t lane = 0; lane < lanes; ++lane) {
-                if (bound[lane] == T(0)) continue;
-                const std::size_t i = block * lanes + lane;
-                if (outcome.missed[lane] != T(0)) missed_[i] = 1;
-                if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) continue;
-                reached[lane] = T(0);
-                states_[i] = PointState::unreached;
-                unreached = true;
-            }
-        }
-        measures.note(outcome, reached, block);
-        return unreached;
-    }
-    /// No weights for points that `take` has found unreached, nor for those beside them without any:
-    /// where lengths overflow, the restorer's zero changes are none.
-    void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
-            if (bound[lane] == T(0) || states_[block * lanes + lane] == PointState::unreached)
-                clear(row, lane);
-        }
-    }
-    void clear(Lanes<T>* row, std::size_t lane) const noexcept {
-        for (std::size_t h = 0; h < handles_.count; ++h) row[h][lane] = T(0);
-    }
-
-    /// Puts the pieces together, in their order, and lists the points.
-    Status report_into(BindReport& report) const {
-        for (const BindPiece& piece : pieces_) {
-            if (piece.status != Status::ok) return piece.status;
-            piece.put_into(report);
-        }
-        for (std::size_t i = 0; i < count_; ++i) {
-            switch (states_[i]) {
-            case PointState::inside: break;
-            case PointState::on_boundary: report.on_boundary.push_back(i); break;
-            case PointState::outside: report.outside.push_back(i); break;
-            case PointState::not_finite: report.not_finite.push_back(i); break;
-            case PointState::unreached: report.unreached.push_back(i); break;
-            }
-            if (missed_[i] != 0 && states_[i] != PointState::unreached) report.not_restored.push_back(i);
-        }
-        return Status::ok;
-    }
-
-    const BindInput<T, D>& input_;
-    const BindOptions& options_;
-    std::size_t piece_blocks_;
-    HandleView<T, D> handles_;
-    LinearRestorer<T, D> restorer_;
-    std::size_t count_;
-    std::vector<BlockView<T>> weights_, rest_; // of each binding
-    std::vector<PointState> states_;
-    std::vector<char> missed_; // more than rounding is left to restore
-    std::vector<BindPiece> pieces_;
-};
-
-/// One bind of points.
-template <Scalar T, std::size_t D>
-class PointBinder : Binder<T, D> {
-    using Base = Binder<T, D>;
-    using Base::input_, Base::count_, Base::handles_, Base::lanes, Base::states_;
-
-public:
-    PointBinder(const BindInput<T, D>& input, const BindOptions& options)
-        : Base(input, options, 16) {}
-
-    Status run(Binding<T, D>& binding, const Running& running, BindReport& report) {
-        return Base::run({&binding, 1}, report,
-                         [&] { return input_.closed_form ? in_pieces(running) : at_once(running, report); });
-    }
-
-private:
-    Status in_pieces(const Running& running) {
-        return this->for_each_piece(running, [this](std::size_t piece) {
-            load(piece);
-            this->pieces_[piece].status =
-                input_
-                    .evaluate(
-                        {part(this->rest_[0], piece), part(this->weights_[0], piece), this->states_of(piece)},
-                        {})
-                    .status;
-            finish(piece);
-        });
-    }
-
-    /// All points together, so that a solver solves once.
-    Status at_once(const Running& running, BindReport& report) {
-        const Status status =
-            this->for_each_piece(running.part(0, 0.1), [this](std::size_t piece) { load(piece); });
-        if (status != Status::ok) return status;
-        const Evaluation evaluation =
-            input_.evaluate({this->rest_[0], this->weights_[0], states_}, running.part(0.1, 0.9));
-        report.solver = evaluation.solver;
-        if (evaluation.status != Status::ok) return evaluation.status;
-        return this->for_each_piece(running.part(0.9, 1), [this](std::size_t piece) { finish(piece); });
-    }
-
-    BlockView<T> part(const BlockView<T>& all, std::size_t piece) noexcept {
-        return {all.block(this->first_of(piece) / lanes), all.rows, this->states_of(piece).size()};
-    }
-
-    /// Reads the user's points.
-    void load(std::size_t piece) {
-        const BlockView<T> places = part(this->rest_[0], piece);
-        for (std::size_t b = 0; b < places.blocks(); ++b)
-            input_.points.read(this->first_of(piece) / lanes + b, places.block(b));
-        const std::span<PointState> states = this->states_of(piece);
-        for (std::size_t i = 0; i < states.size(); ++i) {
-            if (!is_finite(block_point<D>(places, i))) states[i] = PointState::not_finite;
-        }
-    }
-
-    /// Treats the points that are not simply inside, restores linear precision, takes the measures.
-    void finish(std::size_t piece) {
-        const auto weights = part(this->weights_[0], piece);
-        const std::size_t first = this->first_of(piece) / lanes;
-        PieceMeasures<T> measures(this->first_of(piece));
-        for (std::size_t b = first; b < first + weights.blocks(); ++b) {
-            Lanes<T>* const row = this->weights_[0].block(b);
-            Lanes<T> target[D], bound;
-            for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
-            for (std::size_t lane = 0; lane < lanes; ++lane)
-                bound[lane] = settle(b * lanes + lane, target) ? T(1) : T(0);
-            if (this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b, measures))
-                this->clear_unreached(bound, b, row);
-        }
-        measures.put_into(this->pieces_[piece]);
-    }
-
-    /// Whether a point gets weights. One outside may get those of the nearest boundary point, which
-    /// goes into `target`; one without weights gets zeros, and any finite target.
-    bool settle(std::size_t i, Lanes<T> (&target)[D]) {
-        const PointState state = i < count_ ? states_[i] : PointState::not_finite;
-        const bool as_nearest =
-            state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary;
-        if (!as_nearest && this->is_bound(state)) return true;
-        Lanes<T>* const row = this->weights_[0].block(i / lanes);
-        const std::size_t lane = i % lanes;
-        if (as_nearest) {
-            std::vector<T> weights(handles_.count);
-            const auto q = input_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
-            for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
-            for (std::size_t h = 0; h < weights.size(); ++h) row[h][lane] = weights[h];
-            return true;
-        }
-        this->clear(row, lane);
-        for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_.rest[0][k];
-        return false;
-    }
-};
-
-/// Checks the cage, and runs make(report) if it is sound.
-template <Scalar T, std::size_t D, class Make>
-BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
-    BindReport report;
-    report.points = input.points.size;
-    run_into(report, [&] {
-        report.cage = input.cage;
-        if (report.cage.status != Status::ok) return report.cage.status;
-        return input.handles().count == 0 ? Status::coordinates_empty : make(report);
-    });
-    return report;
-}
-
-template <Scalar T, std::size_t D>
-BindResult<T, D> bind_points(const BindInput<T, D>& input, const BindOptions& options,
-                             Binding<T, D>&& recycled, const Running& running) {
-    BindResult<T, D> result;
-    result.report = report_bind(input, [&](BindReport& report) {
-        PointBinder<T, D> binder(input, options);
-        result.binding = std::move(recycled);
-        return binder.run(result.binding, running, report);
-    });
-    return result;
-}
 
 struct Bind {
     template <CageCoordinates C, PointRangeIn<C::dimension> R>
-    BindResult<typename C::scalar, C::dimension> operator()(const C& coordinates, const R& points,
-                                                            const BindOptions& options = {},
-                                                            const Running& running = {}) const {
+    Result<Binding<typename C::scalar, C::dimension>, BindReport>
+    operator()(const C& coordinates, const R& points, const BindOptions& options = {},
+               const Running& running = {}) const {
         return (*this)(coordinates, points, options, Binding<typename C::scalar, C::dimension>{}, running);
     }
 
     template <CageCoordinates C, PointRangeIn<C::dimension> R,
               std::same_as<Binding<typename C::scalar, C::dimension>> Recycled>
-    BindResult<typename C::scalar, C::dimension> operator()(const C& coordinates, const R& points,
-                                                            const BindOptions& options, Recycled&& recycled,
-                                                            const Running& running = {}) const {
+    Result<Binding<typename C::scalar, C::dimension>, BindReport>
+    operator()(const C& coordinates, const R& points, const BindOptions& options, Recycled&& recycled,
+               const Running& running = {}) const {
         return bind_points(bind_input(coordinates, read_points<typename C::scalar>(points)), options,
                            std::forward<Recycled>(recycled), running);
     }
 
+    template <CageCoordinates C, class P, class N, class G>
+        requires(PointsFor<P, C>&& NormalsFor<N, C>&& TangentsFor<G, N, C>)
+    Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>
+    operator()(const C& coordinates, const FigurePoints<P, N, G>& figure, const BindOptions& options = {},
+               const Running& running = {}) const {
+        using T = typename C::scalar;
+        Result<FigureBinding<T, C::dimension>, FigureBindReport> result;
+        run_into(result.report, [&] {
+            FigureInput<T, C::dimension> input{read_points<T>(figure.points), {}, {}};
+            const auto bind_input = [&] {
+                return bind_read_figure(coordinates, input, options, running, result);
+            };
+            if constexpr (is_wanted<N>) {
+                return read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
+                    for (std::size_t k = 0; k < tangents.size(); ++k)
+                        input.tangents[k] = read_points<T>(tangents[k]);
+                    input.handedness = std::move(handedness);
+                    return bind_input();
+                });
+            } else {
+                return bind_input();
+            }
+        });
+        return result;
+    }
+
     // Other arguments are taken too, so that the first line that compilers print names the reason.
     template <CageCoordinates C, UnknownPointRange R, class... More>
-    ReasonOr<PointTraitsNotSpecialisedForThesePoints, BindResult<typename C::scalar, C::dimension>>
+    ReasonOr<PointTraitsNotSpecialisedForThesePoints,
+             Result<Binding<typename C::scalar, C::dimension>, BindReport>>
     operator()(const C&, const R&, const More&...) const = CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
     template <CageCoordinates C, PointRange R, class... More>
         requires(range_dimension<R> != C::dimension)
-    ReasonOr<PointsOfAnotherDimensionThanTheCage, BindResult<typename C::scalar, C::dimension>>
+    ReasonOr<PointsOfAnotherDimensionThanTheCage,
+             Result<Binding<typename C::scalar, C::dimension>, BindReport>>
     operator()(const C&, const R&, const More&...) const = CAGEFORM_DETAIL_DELETE_DIMENSION;
 };
 
@@ -331,7 +80,94 @@ struct Bind {
 ///   fails     as the cage's check and the coordinates say; coordinates_empty; cancelled;
 ///             out_of_memory
 ///
+/// A figure with normals:
+///
+///     bind(coordinates, FigurePoints{points, normals, tangents}, options, running)
+///
+/// Binds the points as above, and the normals and tangents
+/// as `bind_vectors` does with what `tangents_of` makes of them, to the bit.
+///
+///   figure   see FigurePoints
+///   options  as for `bind`, of points and vectors
+///   returns  the figure and its report, which lists bad points and vectors, and no reason to
+///            refuse the others
+///   cost     that of `bind` and `bind_vectors`; but coordinates that solve do so once, where they
+///            have not before, and keep their functions meanwhile (half of SolverMemory::block for
+///            each group)
+///   fails    vectors_do_not_match; as `bind` and `bind_vectors`
+///
 /// A function object, so that argument-dependent lookup never finds std::bind in its place.
 inline constexpr detail::Bind bind{};
+
+/// Binds vectors attached to points, so that a pose moves them as the matter around the points:
+///
+///     t' = t + Σ (t·∇w_i(p)) (C'_i − C_i) = J t,   J the Jacobian of the deformation at p
+///
+/// That is a Binding with vectors in place of points and directional derivatives in place of
+/// weights; `clone` moves it, and at rest gives the vectors bit for bit. Affine poses x ↦ A x + b
+/// give A t to rounding.
+///
+///   points    as for `bind`
+///   vectors   K families in an array, as `tangents_of` returns them, each as many as points, of
+///             any length, read as the scalar of the coordinates
+///   options   as for `bind`. With nearest_boundary, vectors of points outside turn as matter does
+///             at the nearest place of the boundary. Without extension, or with keep_in_place, they
+///             keep their direction and length
+///   returns   a binding for each family and the report, as `bind` does: lists of points (not
+///             finite: the point or one of its vectors); the largest |Σw| and |Σwc − t|; the
+///             changes and the least of these weights
+///   cost      that of evaluate_gradients once for all families, plus O(K #handles) a point; closed
+///             forms a few points at a time. A solver's gradients are taken all at once, D #handles
+///             scalars a point, and anew with nearest_boundary if points lie outside
+///   fails     as `bind`, and as evaluate_gradients
+template <GradientCoordinates C, PointRangeIn<C::dimension> R, PointRangeIn<C::dimension> V, std::size_t K>
+Result<std::array<Binding<typename C::scalar, C::dimension>, K>, BindReport>
+bind_vectors(const C& coordinates, const R& points, const std::array<V, K>& vectors,
+             const BindOptions& options = {}, const Running& running = {}) {
+    for ([[maybe_unused]] const V& family : vectors)
+        CAGEFORM_ASSERT(std::size(family) == std::size(points), "a vector for every point");
+    using T = typename C::scalar;
+    std::array<detail::PointReader<T>, K> readers;
+    for (std::size_t n = 0; n < K; ++n) readers[n] = detail::read_points<T>(vectors[n]);
+    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
+}
+
+/// The same with one vector a point, or the same one for all points.
+template <GradientCoordinates C, PointRangeIn<C::dimension> R, class V>
+    requires(PointRangeIn<V, C::dimension> ||
+             (Point<V> && !PointRange<V> && PointTraits<V>::dimension == C::dimension))
+Result<Binding<typename C::scalar, C::dimension>, BindReport> bind_vectors(const C& coordinates,
+                                                                           const R& points, const V& vectors,
+                                                                           const BindOptions& options = {},
+                                                                           const Running& running = {}) {
+    using T = typename C::scalar;
+    std::array<detail::PointReader<T>, 1> reader;
+    [[maybe_unused]] Vec<T, C::dimension> same{};
+    if constexpr (PointRange<V>) {
+        CAGEFORM_ASSERT(std::size(vectors) == std::size(points), "a vector for every point");
+        reader[0] = detail::read_points<T>(vectors);
+    } else {
+        same = to_vec<T>(vectors);
+        reader[0] = detail::repeat_vector(std::size(points), same);
+    }
+    auto result =
+        detail::bind_each_vector(coordinates, detail::read_points<T>(points), reader, options, running);
+    return {std::move(result.value[0]), std::move(result.report)};
+}
+
+/// Binds the D axes at every point, for `clone_jacobians`. Contract and cost as of `bind_vectors`.
+template <GradientCoordinates C, PointRangeIn<C::dimension> R>
+Result<std::array<Binding<typename C::scalar, C::dimension>, C::dimension>, BindReport>
+bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},
+               const Running& running = {}) {
+    using T = typename C::scalar;
+    std::array<Vec<T, C::dimension>, C::dimension> axes{};
+    std::array<detail::PointReader<T>, C::dimension> readers;
+    for (std::size_t n = 0; n < C::dimension; ++n) {
+        axes[n][n] = 1;
+        readers[n] = detail::repeat_vector(std::size(points), axes[n]);
+    }
+    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -6,10 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-template <Scalar T, std::size_t D>
-struct BindBonesResult {
-    Binding<T, D> binding; ///< empty unless the report's status is ok
-    BindReport report;
+struct BindBonesReport : BindReport {
     std::vector<std::uint32_t> unused; ///< bones whose weights are all zero, in ascending order
 };
 
@@ -123,10 +120,10 @@ struct BoneShares {
 ///            cancelled, out_of_memory
 template <PointRange R, Scalar T, std::size_t D, Scalar W>
     requires(range_dimension<R> == D && (D == 2 || D == 3))
-BindBonesResult<T, D> bind_bones(const R& points, std::span<const Transform<T, D>> bones,
-                                 std::span<const W> weights, const BindOptions& options = {},
-                                 const Running& running = {}) {
-    BindBonesResult<T, D> result;
+Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, std::span<const Transform<T, D>> bones,
+                                                  std::span<const W> weights, const BindOptions& options = {},
+                                                  const Running& running = {}) {
+    Result<Binding<T, D>, BindBonesReport> result;
     result.report.points = std::size(points);
     if (bones.empty() || weights.size() / bones.size() != std::size(points) ||
         weights.size() % bones.size() != 0) {
@@ -162,18 +159,22 @@ BindBonesResult<T, D> bind_bones(const R& points, std::span<const Transform<T, D
                                             [](const Vec<T, D>& p, std::span<T>) { return p; },
                                             detail::read_points<T>(points)};
         auto bound = detail::bind_points(input, options, Binding<T, D>{}, running);
-        result.binding = std::move(bound.binding);
-        result.report = std::move(bound.report);
+        result.value = std::move(bound.value);
+        static_cast<BindReport&>(result.report) = std::move(bound.report);
         for (std::size_t b = 0; b < bones.size() && result.report.status == Status::ok; ++b) {
             bool moves = false;
             for (std::size_t i = b; i < weights.size() && !moves; i += bones.size())
                 moves = weights[i] != W(0);
-            if (!moves) result.unused.push_back(static_cast<std::uint32_t>(b));
+            if (!moves) result.report.unused.push_back(static_cast<std::uint32_t>(b));
         }
         return result.report.status;
     });
     if (status == Status::out_of_memory) result.report.status = status;
-    if (status != Status::ok) return {{}, std::move(result.report), {}};
+    if (status != Status::ok) {
+        result.value = {};
+        result.report.unused.clear();
+        return result;
+    }
     result.report.weight_change.raise(missed);
     return result;
 }

@@ -25,6 +25,7 @@
 
 #include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/detail/packed_memory.hpp>
+#include <cageform/core/result.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -55,13 +56,10 @@ struct BlobExpectation {
     BlobCheck check = BlobCheck::all;
 };
 
-/// `binding` points into the blob; it is empty unless `status` is ok.
-template <Scalar T, std::size_t D>
-struct OpenedBlob {
+struct BlobReport {
     Status status = Status::ok;
-    PackedBindingView<T, D> binding;
     std::uint64_t cage_hash = 0, figure_hash = 0;
-    std::size_t bytes = 0; ///< of the blob; the next one may begin there
+    std::size_t bytes = 0; ///< size of the blob; the next one may begin there
 };
 
 namespace detail {
@@ -181,10 +179,11 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
 ///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all
 ///            everything once
 template <Scalar T, std::size_t D>
-OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectation& expected = {}) noexcept {
+Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte> data,
+                                                      const BlobExpectation& expected = {}) noexcept {
     const auto refused = [](Status status) {
-        OpenedBlob<T, D> result;
-        result.status = status;
+        Result<PackedBindingView<T, D>, BlobReport> result;
+        result.report.status = status;
         return result;
     };
     const Status begins = detail::check_prefix(data, detail::prefix_of(BlobHeader{}), sizeof(BlobHeader),
@@ -200,8 +199,8 @@ OpenedBlob<T, D> open_blob(std::span<const std::byte> data, const BlobExpectatio
         return refused(Status::blob_of_another_cage);
     if (expected.figure_hash != 0 && header.figure_hash != expected.figure_hash)
         return refused(Status::blob_of_another_figure);
-    return {Status::ok, detail::view_blob<T, D>(data.data(), header), header.cage_hash, header.figure_hash,
-            std::size_t(header.bytes)};
+    return {detail::view_blob<T, D>(data.data(), header),
+            {Status::ok, header.cage_hash, header.figure_hash, std::size_t(header.bytes)}};
 }
 
 /// The owner of a blob; made by `pack`. Copies and moves are whole bindings.

@@ -4,15 +4,14 @@
 #include <cageform/binding/binding.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
+#include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-template <Scalar T, std::size_t D>
-struct ComposeResult {
-    Binding<T, D> binding; ///< of the fine one's points to the coarse one's handles; empty unless ok
+struct ComposeReport {
     Status status = Status::ok;
-    std::vector<std::uint32_t> still; ///< sites that listen to no coarse handle, and so never move
+    std::vector<std::uint32_t> still; ///< sites without weights on coarse handles, which never move
 };
 
 namespace detail {
@@ -66,16 +65,17 @@ Status check_compose(const Binding<T, D>& fine, const Binding<T, D>& coarse) noe
 ///            (#coarse handles + D) scalars of memory a point. Sums are in double
 ///   fails    handles_not_points, bindings_differ, cancelled, out_of_memory
 template <Scalar T, std::size_t D>
-ComposeResult<T, D> compose(const Binding<T, D>& fine, const Binding<T, D>& coarse,
-                            const Running& running = {}) {
+Result<Binding<T, D>, ComposeReport> compose(const Binding<T, D>& fine, const Binding<T, D>& coarse,
+                                             const Running& running = {}) {
     constexpr std::size_t lanes = lane_count<T>;
-    ComposeResult<T, D> result;
-    result.status = detail::guard_memory([&] {
+    Result<Binding<T, D>, ComposeReport> result;
+    result.report.status = detail::guard_memory([&] {
         Status status = detail::check_compose(fine, coarse);
         if (status != Status::ok) return status;
         const detail::SparseRows<T> rows(coarse);
         for (std::size_t i = 0; i < fine.handle_count(); ++i) {
-            if (rows.begin[i] == rows.begin[i + 1]) result.still.push_back(static_cast<std::uint32_t>(i));
+            if (rows.begin[i] == rows.begin[i + 1])
+                result.report.still.push_back(static_cast<std::uint32_t>(i));
         }
         const auto view = fine.view();
         const std::size_t handles = coarse.handle_count(), blocks = view.weights.blocks();
@@ -98,11 +98,11 @@ ComposeResult<T, D> compose(const Binding<T, D>& fine, const Binding<T, D>& coar
         });
         if (status != Status::ok) return status;
         std::vector<Lanes<T>> rest(view.rest.data, view.rest.data + blocks * D);
-        result.binding =
+        result.value =
             Binding<T, D>(std::move(weights), std::move(rest), coarse.handle_view(), fine.point_count());
         return Status::ok;
     });
-    if (result.status != Status::ok) result.still.clear();
+    if (result.report.status != Status::ok) result.report.still.clear();
     return result;
 }
 

@@ -93,7 +93,7 @@ struct PackedFigureView {
         const auto bytes = part(FigureTags::clips).subspan(clips[clip].name, clips[clip].name_bytes);
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }
-    /// The bytes of a clip, as `open_clip` and `pack_figure` take them.
+    /// The bytes of a clip, as `open_clip` and `pack` take them.
     std::span<const std::byte> clip_bytes(std::size_t clip) const noexcept {
         CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
         return part(FigureTags::clips).subspan(clips[clip].offset, clips[clip].bytes);
@@ -131,14 +131,8 @@ struct PackedFigureView {
     }
 };
 
-/// `figure` points into the memory given; it is empty unless `status` is ok.
-template <Scalar T, std::size_t D>
-struct OpenedFigure {
-    Status status = Status::ok;
+struct OpenReport : BlobReport {
     FigureTag culprit; ///< the part that the status is about; 0: the figure as a whole
-    PackedFigureView<T, D> figure;
-    std::uint64_t cage_hash = 0, figure_hash = 0; ///< of the points' blob
-    std::size_t bytes = 0;                        ///< of the figure; what follows may begin there
 };
 
 namespace detail {
@@ -171,52 +165,55 @@ bool same_handles(const HandleView<T, D>& a, const HandleView<T, D>& b) noexcept
 
 /// Opens the bindings of a figure whose table is sound.
 template <Scalar T, std::size_t D>
-Status open_bindings(OpenedFigure<T, D>& opened, const BlobExpectation& expected) noexcept {
+Status open_bindings(Result<PackedFigureView<T, D>, OpenReport>& opened,
+                     const BlobExpectation& expected) noexcept {
     const auto open = [&opened](FigureTag tag, const BlobExpectation& wanted) {
-        opened.culprit = tag;
-        return open_blob<T, D>(opened.figure.part(tag), wanted);
+        opened.report.culprit = tag;
+        return open_blob<T, D>(opened.value.part(tag), wanted);
     };
     const auto points =
         open(FigureTags::points, {expected.cage_hash, expected.figure_hash, BlobCheck::structure});
-    if (points.status != Status::ok) return points.status;
-    opened.figure.points = points.binding;
-    opened.cage_hash = points.cage_hash;
-    opened.figure_hash = points.figure_hash;
+    if (!points) return points.status();
+    opened.value.points = points.value;
+    opened.report.cage_hash = points.report.cage_hash;
+    opened.report.figure_hash = points.report.figure_hash;
     const std::array<FigureTag, 2> tags{FigureTags::tangents, FigureTags::bitangents};
-    const bool wanted = opened.figure.part(tags[0]).data() != nullptr;
+    const bool wanted = opened.value.part(tags[0]).data() != nullptr;
     for (std::size_t k = 0; k < 2; ++k) {
-        const bool there = opened.figure.part(tags[k]).data() != nullptr;
-        opened.culprit = tags[k];
+        const bool there = opened.value.part(tags[k]).data() != nullptr;
+        opened.report.culprit = tags[k];
         if (there != (wanted && k + 1 < D)) return Status::blob_malformed;
         if (!there) continue;
         const auto vectors = open(tags[k], {0, 0, BlobCheck::structure});
-        if (vectors.status != Status::ok) return vectors.status;
-        if (vectors.cage_hash != points.cage_hash || !bindings_match(points.binding, vectors.binding) ||
-            !same_handles(points.binding.handle_view(), vectors.binding.handle_view()))
+        if (!vectors) return vectors.status();
+        if (vectors.report.cage_hash != points.report.cage_hash ||
+            !bindings_match(points.value, vectors.value) ||
+            !same_handles(points.value.handle_view(), vectors.value.handle_view()))
             return Status::bindings_differ;
-        opened.figure.tangents[k] = vectors.binding;
+        opened.value.tangents[k] = vectors.value;
     }
     return Status::ok;
 }
 
 /// The parts of a figure that are no bindings.
 template <Scalar T, std::size_t D>
-Status open_tables(OpenedFigure<T, D>& opened) noexcept {
-    auto& figure = opened.figure;
-    opened.culprit = FigureTags::handedness;
-    if (const auto signs = figure.template part_as<std::int8_t>(opened.culprit); signs.data() != nullptr) {
+Status open_tables(Result<PackedFigureView<T, D>, OpenReport>& opened) noexcept {
+    auto& figure = opened.value;
+    opened.report.culprit = FigureTags::handedness;
+    if (const auto signs = figure.template part_as<std::int8_t>(opened.report.culprit);
+        signs.data() != nullptr) {
         if (signs.size() != figure.point_count() || !figure.has_normals()) return Status::blob_malformed;
         for (const std::int8_t sign : signs) {
             if (sign != 1 && sign != -1) return Status::blob_malformed;
         }
         figure.handedness = signs.data();
     }
-    opened.culprit = FigureTags::labels;
-    const auto begin = figure.template part_as<std::uint32_t>(opened.culprit);
+    opened.report.culprit = FigureTags::labels;
+    const auto begin = figure.template part_as<std::uint32_t>(opened.report.culprit);
     if (begin.data() == nullptr) return Status::ok;
     const std::size_t handles = figure.handle_count();
     if (begin.size() <= handles || begin[0] != 0) return Status::blob_malformed;
-    const auto bytes = figure.part(opened.culprit);
+    const auto bytes = figure.part(opened.report.culprit);
     for (std::size_t i = 0; i < handles; ++i) {
         if (begin[i] > begin[i + 1]) return Status::blob_malformed;
     }
@@ -237,59 +234,61 @@ Status check_clip_of(const OpenedClip<T, D>& clip, const HandleView<T, D>& handl
 }
 
 template <Scalar T, std::size_t D>
-Status open_clips(OpenedFigure<T, D>& opened) noexcept {
-    opened.culprit = FigureTags::clips;
-    const auto bytes = opened.figure.part(opened.culprit);
+Status open_clips(Result<PackedFigureView<T, D>, OpenReport>& opened) noexcept {
+    opened.report.culprit = FigureTags::clips;
+    const auto bytes = opened.value.part(opened.report.culprit);
     if (bytes.data() == nullptr) return Status::ok;
     std::uint64_t count = 0;
     if (bytes.size() < sizeof(count)) return Status::blob_malformed;
     std::memcpy(&count, bytes.data(), sizeof(count));
     if (count > (bytes.size() - sizeof(count)) / sizeof(FigureClip)) return Status::blob_malformed;
-    opened.figure.clips = {reinterpret_cast<const FigureClip*>(bytes.data() + sizeof(count)),
-                           static_cast<std::size_t>(count)};
+    opened.value.clips = {reinterpret_cast<const FigureClip*>(bytes.data() + sizeof(count)),
+                          static_cast<std::size_t>(count)};
     std::uint64_t end = sizeof(count) + count * sizeof(FigureClip); // clips lie one after the other
-    for (const FigureClip& clip : opened.figure.clips) {
+    for (const FigureClip& clip : opened.value.clips) {
         if (clip.name > bytes.size() || clip.name_bytes > bytes.size() - clip.name || clip.offset < end ||
             clip.offset > bytes.size() || clip.bytes > bytes.size() - clip.offset)
             return Status::blob_malformed;
         end = clip.offset + clip.bytes;
         const auto packed = bytes.subspan(std::size_t(clip.offset), std::size_t(clip.bytes));
         const Status status =
-            check_clip_of(open_clip<T, D>(packed, BlobCheck::structure), opened.figure.handle_view());
+            check_clip_of(open_clip<T, D>(packed, BlobCheck::structure), opened.value.handle_view());
         if (status != Status::ok) return status;
     }
     return Status::ok;
 }
 
 template <Scalar T, std::size_t D>
-OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const BlobExpectation& expected,
-                                      bool may_have_levels) noexcept;
+Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const std::byte> data,
+                                                              const BlobExpectation& expected,
+                                                              bool may_have_levels) noexcept;
 
 /// Levels are figures of the same handles, without levels of their own.
 template <Scalar T, std::size_t D>
-Status open_levels(OpenedFigure<T, D>& opened, bool may_have_levels) noexcept {
+Status open_levels(Result<PackedFigureView<T, D>, OpenReport>& opened, bool may_have_levels) noexcept {
     for (std::size_t n = 1; n <= FigureTags::most_levels; ++n) {
-        opened.culprit = FigureTags::level(n);
-        const auto bytes = opened.figure.part(opened.culprit);
+        opened.report.culprit = FigureTags::level(n);
+        const auto bytes = opened.value.part(opened.report.culprit);
         if (bytes.data() == nullptr) continue;
-        if (!may_have_levels || opened.figure.levels + 1 < n) return Status::blob_malformed;
+        if (!may_have_levels || opened.value.levels + 1 < n) return Status::blob_malformed;
         const auto level = open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
-        if (level.status != Status::ok) return level.status;
-        if (!same_handles(level.figure.handle_view(), opened.figure.handle_view()))
+        if (!level) return level.status();
+        if (!same_handles(level.value.handle_view(), opened.value.handle_view()))
             return Status::blob_of_another_cage;
-        opened.figure.levels = n;
+        opened.value.levels = n;
     }
     return Status::ok;
 }
 
 template <Scalar T, std::size_t D>
-OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const BlobExpectation& expected,
-                                      bool may_have_levels) noexcept {
-    OpenedFigure<T, D> opened;
+Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const std::byte> data,
+                                                              const BlobExpectation& expected,
+                                                              bool may_have_levels) noexcept {
+    Result<PackedFigureView<T, D>, OpenReport> opened;
     const auto refused = [&opened](Status status) {
-        OpenedFigure<T, D> result;
-        result.status = status;
-        result.culprit = opened.culprit;
+        Result<PackedFigureView<T, D>, OpenReport> result;
+        result.report.status = status;
+        result.report.culprit = opened.report.culprit;
         return result;
     };
     Status status = check_prefix(data, prefix_of(FigureHeader{}), sizeof(FigureHeader), expected.check,
@@ -301,23 +300,23 @@ OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const Blo
     if (header.parts > FigureHeader::most_parts ||
         header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))
         return refused(Status::blob_malformed);
-    opened.figure.data = data.data();
-    opened.figure.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
-    if (!is_sound(opened.figure.table, header.bytes)) return refused(Status::blob_malformed);
+    opened.value.data = data.data();
+    opened.value.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
+    if (!is_sound(opened.value.table, header.bytes)) return refused(Status::blob_malformed);
     status = open_bindings(opened, expected);
     if (status == Status::ok) status = open_tables(opened);
     if (status == Status::ok && header.version > 1) status = open_clips(opened);
     if (status == Status::ok && header.version > 1) status = open_levels(opened, may_have_levels);
     if (status != Status::ok) return refused(status);
-    opened.culprit = {};
-    opened.bytes = static_cast<std::size_t>(header.bytes);
+    opened.report.culprit = {};
+    opened.report.bytes = static_cast<std::size_t>(header.bytes);
     return opened;
 }
 
 } // namespace detail
 
-/// Makes use of a figure where it lies, in a mapped file for instance; `data` must stay as it is
-/// while the figure is used.
+/// Opens a packed figure, or a single packed binding, where it lies, in a mapped file for instance; `data`
+/// must stay as it is while the figure is used. A single binding becomes a figure of points alone.
 ///
 ///   data      at least the figure, aligned to 64 bytes; what follows it is left alone
 ///   expected  as for `open_blob`; the hashes are those of the points' blob
@@ -332,22 +331,31 @@ OpenedFigure<T, D> open_figure_within(std::span<const std::byte> data, const Blo
 ///             clips
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
-OpenedFigure<T, D> open_figure(std::span<const std::byte> data, const BlobExpectation& expected = {})
+Result<PackedFigureView<T, D>, OpenReport> open(std::span<const std::byte> data,
+                                                const BlobExpectation& expected = {})
 noexcept {
-    return detail::open_figure_within<T, D>(data, expected, true);
+    std::uint64_t magic = 0;
+    if (data.size() >= sizeof(magic)) std::memcpy(&magic, data.data(), sizeof(magic));
+    if (magic != BlobHeader::magic_number) return detail::open_figure_within<T, D>(data, expected, true);
+    const auto blob = open_blob<T, D>(data, expected);
+    Result<PackedFigureView<T, D>, OpenReport> opened;
+    opened.value.points = blob.value;
+    static_cast<BlobReport&>(opened.report) = blob.report;
+    return opened;
 }
 
-/// A level of less detail of a figure that `open_figure` gave: another figure of the same cage, which
+/// A level of less detail of a figure that `open` gave: another figure of the same cage, which
 /// the same poses and clips move.
 ///
 ///   level    0: the figure itself; up to PackedFigureView::level_count
-///   returns  as `open_figure`; not_a_figure where there is no such level. No allocation; reads the
+///   returns  as `open`; not_a_figure where there is no such level. No allocation; reads the
 ///            tables of that level
 template <Scalar T, std::size_t D>
-OpenedFigure<T, D> open_level(const PackedFigureView<T, D>& figure, std::size_t level) noexcept {
+Result<PackedFigureView<T, D>, OpenReport> open_level(const PackedFigureView<T, D>& figure,
+                                                      std::size_t level) noexcept {
     if (level == 0) {
-        OpenedFigure<T, D> itself;
-        itself.figure = figure;
+        Result<PackedFigureView<T, D>, OpenReport> itself;
+        itself.value = figure;
         return itself;
     }
     const auto bytes =
@@ -355,7 +363,7 @@ OpenedFigure<T, D> open_level(const PackedFigureView<T, D>& figure, std::size_t 
     return detail::open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
 }
 
-/// The owner of a packed figure; made by `pack_figure`. Copies are whole figures.
+/// The owner of a packed figure; made by `pack`. Copies are whole figures.
 template <Scalar T, std::size_t D>
 class PackedFigure {
 public:
@@ -391,7 +399,7 @@ public:
         memory_.seal();
     }
 
-    /// What to write to a file, and what `open_figure` takes: aligned to 64 bytes.
+    /// What to write to a file, and what `open` takes: aligned to 64 bytes.
     std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
 
 private:

@@ -1,367 +1,11 @@
-// From a binding to what is shipped: weights dropped, by number or by the distance that points may
+// From a binding or a figure to what is shipped: weights dropped, by number or by the distance that points may
 // be off, rounded, put into an order that lets neighbours share rows.
 #pragma once
 
-#include <cageform/binding/blob.hpp>
-#include <cageform/binding/detail/choose_rows.hpp>
-#include <cageform/binding/detail/order_by_place.hpp>
-#include <cageform/binding/detail/pack_options.hpp>
-
-#include <memory>
+#include <cageform/binding/detail/figure_packer.hpp>
+#include <cageform/binding/detail/streamed_packer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-template <Scalar T, std::size_t D>
-struct PackResult {
-    PackedBinding<T, D> binding; ///< empty unless the report's status is ok
-    PackReport report;
-};
-
-namespace detail {
-
-template <Scalar T, std::size_t D>
-class Packer {
-public:
-    Packer(const BindingView<T, D>& binding, const PackOptions& options, const Running& running)
-        : binding_(binding)
-        , options_(options)
-        , running_(running)
-        , handles_(binding.handle_count())
-        , points_(binding.point_count())
-        , blocks_(block_count<T>(points_))
-        , sparse_((options.largest != 0 && options.largest < handles_) || options.threshold > 0)
-        , moments_(binding.handle_view())
-        , format_(options.format.value_or(WeightFormat::scalar)) {}
-
-    Status run(PackedBinding<T, D>& packed, PackReport& report) {
-        Status status = check_input(report);
-        if (status != Status::ok) return status;
-        report.poses = loss_.poses();
-        report.reach = loss_.reach();
-        report.size = size_of_points();
-        pieces_.resize(blocks_);
-        if (has_order()) {
-            status = choose_all_rows(report);
-            if (status != Status::ok) return status;
-        }
-        status = count_rows();
-        if (status != Status::ok) return status;
-        PackedBinding<T, D> result(header());
-        fill_tables(result);
-        report.errors.resize(points_);
-        report.distances.resize(points_);
-        status = for_each_block(blocks_, running_.part(has_order() ? 0.7 : 0, 1),
-                                [&](std::size_t begin, std::size_t end) {
-                                    for (std::size_t b = begin; b < end; ++b) fill_block(b, result, report);
-                                });
-        if (status != Status::ok) return status;
-        result.seal();
-        summarise(result, report);
-        if (keeps_distance() && report.distance.value > options_.tolerance)
-            return too_coarse(report, report.distance);
-        packed = std::move(result);
-        return Status::ok;
-    }
-
-private:
-    static constexpr std::size_t lanes = lane_count<T>;
-    using Column = typename Moments<D>::Column;
-
-    struct Piece {
-        std::vector<std::uint32_t> handles; ///< of the rows; ascending but where a distance is kept
-        std::vector<RowTrial> trials;       ///< where a distance is kept
-        std::size_t added = 0;
-        Extreme change, distance;
-        std::size_t pose = Extreme::none;
-    };
-
-    bool keeps_distance() const { return options_.tolerance > 0; }
-    bool has_order() const { return sparse_ || keeps_distance(); }
-
-    Status check_input(PackReport& report) {
-        if (options_.largest != 0 && options_.largest < D + 1) return Status::too_few_weights;
-        if (has_order() && handles_ > 0xFFFFu) return Status::too_many_handles;
-        if (points_ > 0xFFFFFFFFu || handles_ > 0xFFFFFFFFu) return Status::too_many_handles;
-        for (std::size_t i = 0; i < points_; ++i) {
-            for (std::size_t h = 0; h < handles_; ++h) {
-                if (is_finite(binding_.weights(i, h))) continue;
-                report.culprit = i;
-                return Status::weight_not_finite;
-            }
-        }
-        return loss_.load(binding_.handle_view(), options_, report.culprit);
-    }
-
-    /// The order of the points, and the rows of every block.
-    Status choose_all_rows(PackReport& report) {
-        order_ = options_.order.empty() ? order_by_place<T, D>(binding_.rest)
-                                        : std::vector(options_.order.begin(), options_.order.end());
-        if (!detail::is_permutation(order_, points_)) return Status::order_not_a_permutation;
-        if (keeps_distance()) square_loss_ = std::make_unique<const SquareLoss<D>>(moments_, loss_);
-        Status status =
-            for_each_block(blocks_, running_.part(0, 0.7), [this](std::size_t begin, std::size_t end) {
-                for (std::size_t b = begin; b < end; ++b) choose_rows(b);
-            });
-        if (status == Status::ok && keeps_distance()) status = choose_format(report);
-        if (status == Status::ok && options_.order.empty()) sort_blocks();
-        return status;
-    }
-
-    void choose_rows(std::size_t block) {
-        Piece& piece = pieces_[block];
-        const BlockPoints<T> points = points_of(block);
-        if (sparse_) {
-            RowsBySize rows = rows_by_size(binding_, moments_, points, options_);
-            piece.handles = std::move(rows.handles);
-            piece.added = rows.added;
-        }
-        if (!keeps_distance()) return;
-        for (const WeightFormat format :
-             {WeightFormat::int8, WeightFormat::int16, WeightFormat::half, WeightFormat::scalar}) {
-            if (!options_.format || *options_.format == format) piece.trials.emplace_back(format);
-        }
-        RowChooser<T, D> chooser(packer_, *square_loss_, points, piece.handles);
-        chooser.run(piece.trials, options_.tolerance);
-        piece.handles.assign(chooser.order().begin(), chooser.order().end());
-    }
-
-    /// The format that takes the fewest bytes of those in which every block keeps the tolerance.
-    Status choose_format(PackReport& report) {
-        std::optional<std::size_t> best;
-        std::size_t least_bytes = 0;
-        Extreme reachable;
-        for (std::size_t t = 0; t < (blocks_ > 0 ? pieces_[0].trials.size() : 0); ++t) {
-            const WeightFormat format = pieces_[0].trials[t].format;
-            std::size_t rows = 0;
-            bool all = true;
-            for (const Piece& piece : pieces_) {
-                const RowTrial& trial = piece.trials[t];
-                all = all && trial.is_met();
-                rows += trial.is_met() ? trial.count : 0;
-                if (!trial.is_met()) reachable.raise(trial.distance);
-            }
-            const std::size_t bytes = bytes_of(format, rows);
-            if (!all || (best && bytes >= least_bytes)) continue;
-            best = t;
-            least_bytes = bytes;
-        }
-        if (blocks_ == 0) return Status::ok;
-        if (!best) return too_coarse(report, reachable);
-        format_ = pieces_[0].trials[*best].format;
-        for (Piece& piece : pieces_) piece.handles.resize(piece.trials[*best].count);
-        return Status::ok;
-    }
-
-    /// Of the parts of a blob that depend on its format and rows.
-    std::size_t bytes_of(WeightFormat format, std::size_t rows) const {
-        BlobHeader header;
-        header.format = std::uint32_t(format);
-        header.handles = handles_;
-        header.points = points_;
-        header.rows = rows;
-        header.row_begin = 1;
-        std::size_t sum = 0;
-        for_each_blob_part<T, D>(header, [&sum](std::uint64_t, std::uint64_t bytes, bool wanted) {
-            if (wanted) sum += std::size_t(bytes + 63) / 64 * 64;
-        });
-        return sum;
-    }
-
-    static Status too_coarse(PackReport& report, const Extreme& distance) {
-        report.distance = distance;
-        report.culprit = distance.point;
-        return Status::format_too_coarse;
-    }
-
-    Status count_rows() {
-        row_begin_.assign(1, 0);
-        for (const Piece& piece : pieces_) {
-            rows_ += has_order() ? piece.handles.size() : handles_;
-            if (has_order() && rows_ > 0xFFFFFFFFu) return Status::too_many_handles;
-            row_begin_.push_back(static_cast<std::uint32_t>(rows_));
-        }
-        return Status::ok;
-    }
-
-    BlobHeader header() const {
-        BlobHeader header;
-        header.format = std::uint32_t(format_);
-        header.handles = handles_;
-        header.points = points_;
-        header.rows = rows_;
-        header.row_begin = header.order = has_order() ? 1 : 0;
-        header.handle_kinds = binding_.handle_kinds != nullptr ? 1 : 0;
-        header.handle_faces = binding_.handle_faces != nullptr ? 1 : 0;
-        header.vectors = binding_.handle_view().vector_count();
-        header.cage_hash = options_.cage_hash;
-        header.figure_hash = options_.figure_hash;
-        if (header.cage_hash == 0)
-            header.cage_hash = hash_memory(std::span<const Vec<T, D>>(binding_.rest_handles, handles_));
-        if (header.figure_hash == 0) {
-            std::vector<Vec<T, D>> at_rest(points_);
-            for (std::size_t i = 0; i < points_; ++i) at_rest[i] = block_point<D>(binding_.rest, i);
-            header.figure_hash = hash_memory(std::span<const Vec<T, D>>(at_rest));
-        }
-        return header;
-    }
-
-    void summarise(const PackedBinding<T, D>& packed, PackReport& report) const {
-        for (const Piece& piece : pieces_) {
-            report.weight_change.raise(piece.change);
-            report.rows_added += piece.added;
-            const Extreme before = report.distance;
-            report.distance.raise(piece.distance);
-            if (report.distance.point != before.point) report.distance_pose = piece.pose;
-        }
-        for (std::size_t i = 0; i < points_; ++i) {
-            report.error.raise({double(report.errors[i]), i});
-            report.mean_error += double(report.errors[i]) / double(points_);
-            report.mean_distance += double(report.distances[i]) / double(points_);
-        }
-        report.format = format_;
-        report.rows = std::size_t(rows_);
-        report.weights_per_point = points_ > 0 ? double(rows_) / double(blocks_) : 0;
-        report.bytes = packed.bytes().size();
-        report.dense_bytes = blocks_ * (handles_ + D) * sizeof(Lanes<T>) + handles_ * sizeof(Vec<T, D>);
-    }
-
-    /// The diagonal of the box around the finite points at rest.
-    double size_of_points() const {
-        std::vector<Vec<double, D>> at_rest;
-        for (std::size_t i = 0; i < points_; ++i) {
-            const auto p = vec_cast<double>(block_point<D>(binding_.rest, i));
-            if (is_finite(p)) at_rest.push_back(p);
-        }
-        return at_rest.empty() ? 0 : bounds_of(std::span<const Vec<double, D>>(at_rest)).diagonal();
-    }
-
-    std::size_t used(std::size_t block) const { return (std::min)(lanes, points_ - block * lanes); }
-    std::size_t point(std::size_t block, std::size_t lane) const {
-        return has_order() ? order_[block * lanes + lane] : block * lanes + lane;
-    }
-    BlockPoints<T> points_of(std::size_t block) const {
-        BlockPoints<T> points;
-        points.count = used(block);
-        for (std::size_t lane = 0; lane < points.count; ++lane) points.index[lane] = point(block, lane);
-        return points;
-    }
-
-    /// Puts blocks with the same number of rows beside each other, or a processor would guess wrong
-    /// at the end of each. A last block that is not full stays last.
-    void sort_blocks() {
-        std::vector<std::uint32_t> sequence(points_ / lanes);
-        std::iota(sequence.begin(), sequence.end(), 0u);
-        std::sort(sequence.begin(), sequence.end(), [this](std::uint32_t a, std::uint32_t b) {
-            const std::size_t rows_a = pieces_[a].handles.size(), rows_b = pieces_[b].handles.size();
-            return rows_a != rows_b ? rows_a < rows_b : a < b;
-        });
-        std::vector<std::uint32_t> order(order_);
-        std::vector<Piece> pieces(blocks_);
-        for (std::size_t b = 0; b < sequence.size(); ++b) {
-            std::copy_n(order_.begin() + std::ptrdiff_t(sequence[b] * lanes), lanes,
-                        order.begin() + std::ptrdiff_t(b * lanes));
-            pieces[b] = std::move(pieces_[sequence[b]]);
-        }
-        if (sequence.size() < blocks_) pieces.back() = std::move(pieces_.back());
-        order_ = std::move(order);
-        pieces_ = std::move(pieces);
-    }
-
-    void fill_tables(PackedBinding<T, D>& blob) const {
-        const auto out = blob.view();
-        if (has_order()) {
-            std::copy(row_begin_.begin(), row_begin_.end(), blob.writable(out.row_begin));
-            auto* place = blob.writable(out.row_handle);
-            for (const Piece& piece : pieces_) {
-                std::vector<std::uint32_t> handles(piece.handles);
-                std::sort(handles.begin(), handles.end());
-                for (const std::uint32_t h : handles) *place++ = static_cast<std::uint16_t>(h);
-            }
-            std::copy(order_.begin(), order_.end(), blob.writable(out.order));
-        }
-        std::copy_n(binding_.rest_handles, handles_, blob.writable(out.rest_handles));
-        if (out.handle_kinds != nullptr)
-            std::copy_n(binding_.handle_kinds, handles_, blob.writable(out.handle_kinds));
-        if (out.handle_faces != nullptr)
-            std::copy_n(binding_.handle_faces, binding_.handle_view().vector_count(),
-                        blob.writable(out.handle_faces));
-        for (std::size_t h = 0; out.affine_fit != nullptr && h < handles_; ++h) {
-            const Column fit = moments_.fit(h);
-            for (std::size_t r = 0; r <= D; ++r) blob.writable(out.affine_fit)[h][r] = static_cast<T>(fit[r]);
-        }
-    }
-
-    /// The rows of a block, with weights that restore the row sums of its points.
-    PackedRows rows_of(std::size_t block, const BlockPoints<T>& points) {
-        Piece& piece = pieces_[block];
-        if (!has_order()) {
-            std::vector<std::uint32_t> all(handles_);
-            std::iota(all.begin(), all.end(), 0u);
-            return packer_.rows_of(points, std::move(all));
-        }
-        PackedRows rows;
-        if (keeps_distance()) { // as they were tried
-            rows = RowChooser<T, D>(packer_, *square_loss_, points, piece.handles).rows(piece.handles.size());
-        } else {
-            rows = packer_.rows_of(points, piece.handles);
-        }
-        piece.change = packer_.restore(points, rows);
-        return rows;
-    }
-
-    void fill_block(std::size_t block, PackedBinding<T, D>& blob, PackReport& report) {
-        const auto out = blob.view();
-        const BlockPoints<T> points = points_of(block);
-        Lanes<T>* const rest = blob.writable(out.rest) + block * D;
-        for (std::size_t lane = 0; lane < lanes; ++lane) { // copies of the last point fill the block
-            const std::size_t i = points.index[(std::min)(lane, points.count - 1)];
-            for (std::size_t k = 0; k < D; ++k) rest[k][lane] = binding_.rest(i, k);
-        }
-        PackedRows rows = rows_of(block, points);
-        std::byte* const place =
-            blob.writable(out.weights) + out.first_row(block) * lanes * weight_bytes<T>(format_);
-        const T scale = store_weights<T>(format_, rows.weights, place);
-        if (out.scale != nullptr) blob.writable(out.scale)[block] = scale;
-        const auto residuals = packer_.residuals(format_, points, rows);
-        for (std::size_t lane = 0; lane < residuals.size(); ++lane) {
-            for (std::size_t k = 0; k <= D; ++k)
-                blob.writable(out.residual)[block * (D + 1) + k][lane] = static_cast<T>(residuals[lane][k]);
-        }
-        measure(pieces_[block], points, packer_.change(points, rows, residuals), report);
-    }
-
-    /// Tells what a change of the weights of a block's points does to them.
-    void measure(Piece& piece, const BlockPoints<T>& points, std::span<const double> change,
-                 PackReport& report) const {
-        const auto distances = loss_.template distances<lanes>(change);
-        for (std::size_t lane = 0; lane < points.count; ++lane) {
-            const std::size_t i = points.index[lane];
-            double error = 0;
-            for (std::size_t h = 0; h < handles_; ++h) error += std::fabs(change[h * lanes + lane]);
-            report.errors[i] = static_cast<float>(error);
-            report.distances[i] = static_cast<float>(distances[lane].value);
-            if (piece.distance.point == Extreme::none || distances[lane].value > piece.distance.value)
-                piece.pose = distances[lane].pose;
-            piece.distance.raise({distances[lane].value, i});
-        }
-    }
-
-    const BindingView<T, D> binding_;
-    const PackOptions& options_;
-    const Running& running_;
-    std::size_t handles_, points_, blocks_;
-    bool sparse_; ///< by number or size of weights
-    Moments<D> moments_;
-    WeightLoss<D> loss_;
-    BlockPacker<T, D> packer_{binding_, moments_, loss_};
-    std::unique_ptr<const SquareLoss<D>> square_loss_; ///< where a distance is kept
-    WeightFormat format_;
-    std::vector<std::uint32_t> order_, row_begin_;
-    std::uint64_t rows_ = 0;
-    std::vector<Piece> pieces_;
-};
-
-} // namespace detail
 
 /// Packs a binding: drops weights, rounds them, and restores Σ w and Σ w c of every point, so that
 /// rest and affine poses stay as exact as they were. Dropping is followed by the least change of
@@ -384,20 +28,88 @@ private:
 ///            O(#points · #handles · rows) a block: 0.5 s for 8,000 points, 112 handles and 24 poses
 ///   memory   with a tolerance over poses #handles² numbers, besides what is packed
 template <Scalar T, std::size_t D>
-PackResult<T, D> pack(const BindingView<T, D>& binding, const PackOptions& options = {},
-                      const Running& running = {}) {
-    PackResult<T, D> result;
-    result.report.points = binding.point_count();
-    result.report.handles = binding.handle_count();
-    detail::run_into(result.report, [&] {
-        return detail::Packer<T, D>(binding, options, running).run(result.binding, result.report);
-    });
-    return result;
+Result<PackedBinding<T, D>, PackReport> pack(const BindingView<T, D>& binding,
+                                             const PackOptions& options = {}, const Running& running = {}) {
+    return detail::pack_binding(binding, options, running);
 }
 template <Scalar T, std::size_t D>
-PackResult<T, D> pack(const Binding<T, D>& binding, const PackOptions& options = {},
-                      const Running& running = {}) {
+Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const PackOptions& options = {},
+                                             const Running& running = {}) {
     return pack(binding.view(), options, running);
+}
+
+/// Packs a figure for `open`: its bindings as `pack` does, the tangents in the order of the
+/// points, its labels, clips and levels, and parts of the user's.
+///
+///   returns  the packed figure and its report; fails as `pack`, with the part in
+///            FigurePackReport::culprit; tag_taken, name_taken, too_many_parts; of a clip or level, as
+///            `open_clip` and `open`, and blob_of_another_cage; bindings_differ,
+///            vectors_do_not_match, labels_do_not_match, where the parts of the figure were replaced
+///            by others that are of different points or handles
+///   cost     that of `pack` for each binding, and a copy of all parts
+template <Scalar T, std::size_t D>
+Result<PackedFigure<T, D>, FigurePackReport>
+pack(const FigureBinding<T, D>& figure, const FigurePackOptions& options = {}, const Running& running = {}) {
+    Result<PackedFigure<T, D>, FigurePackReport> result;
+    detail::run_into(result.report,
+                     [&] { return detail::pack_parts<T, D>(figure, options, running, result); });
+    return result;
+}
+
+/// `pack` of `bind`, without the weights between in memory: the same bytes, and the same reports but
+/// for the times and PackReport::culprit of what is refused. Coordinates that are solved for are
+/// solved once, their functions kept meanwhile; few points, of one batch, are bound as `bind` does.
+///
+///   points  any PointRange of the same dimension, converted to the scalar of the coordinates; copied
+///   fails   as `bind` and `pack`; too_many_handles also where all blocks have more than 2³² rows
+///   cost    that of `bind` and `pack`
+///   memory  see pack_memory
+template <CageCoordinates C, PointRangeIn<C::dimension> R>
+Result<PackedBinding<typename C::scalar, C::dimension>, StreamedPackReport>
+pack(const C& coordinates, const R& points, const StreamedPackOptions& options = {},
+     const Running& running = {}) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    Result<PackedBinding<T, D>, StreamedPackReport> result;
+    const double start = detail::seconds_now();
+    const std::size_t count = std::size(points), handles = coordinates.handles().size();
+    result.report.bound.points = result.report.packed.points = count;
+    result.report.packed.handles = handles;
+    const Status status = detail::guard_memory([&] {
+        std::vector<Vec<T, D>> all;
+        for (std::size_t i = 0; i < count; ++i) all.push_back(to_vec<T>(points[i]));
+        detail::PackedBinder<T, D> binder(std::move(all), options, handles);
+        return binder.batches() > 1 ? binder.run(coordinates, running, result)
+                                    : binder.run_at_once(coordinates, running, result);
+    });
+    result.report.status = status;
+    if (status != Status::ok && result.report.bound.status == Status::ok &&
+        result.report.packed.status == Status::ok)
+        result.report.packed.status = status;
+    result.report.bound.seconds = result.report.packed.seconds = detail::seconds_now() - start;
+    return result;
+}
+
+/// What that takes, told before; of coordinates that are solved for at the cost of making the grid.
+template <CageCoordinates C>
+StreamedPackMemory pack_memory(const C& coordinates, std::size_t points,
+                               const StreamedPackOptions& options = {}) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    const std::size_t handles = coordinates.handles().size();
+    const std::size_t together = detail::PackedBinder<T, D>::points_of_batch(options, handles);
+    const std::size_t format = weight_bytes<T>(options.pack.format.value_or(WeightFormat::scalar));
+    const std::size_t blocks = block_count<T>(points);
+    StreamedPackMemory memory;
+    memory.batch = block_count<T>((std::min)(together, points)) * (handles + D) * sizeof(Lanes<T>);
+    memory.packed =
+        blocks * lane_count<T> * (handles * format + 3 * D * sizeof(T)) + handles * 16 * sizeof(T);
+    if constexpr (requires { coordinates.solver_memory(); }) {
+        const auto solver = coordinates.solver_memory();
+        memory.solver = solver.hierarchy + solver.block;
+        if (points > together) memory.functions = (handles + 15) / 16 * (solver.block / 2);
+    }
+    return memory;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

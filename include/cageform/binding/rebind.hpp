@@ -42,12 +42,6 @@ struct RebindReport {
     double seconds = 0;        ///< wall-clock time
 };
 
-template <Scalar T, std::size_t D>
-struct RebindResult {
-    Binding<T, D> binding; ///< empty unless the report's status is ok
-    RebindReport report;
-};
-
 namespace detail {
 
 /// The state of one rebind.
@@ -358,12 +352,13 @@ private:
 };
 
 template <Scalar T, std::size_t D>
-RebindResult<T, D> rebind_points(const BindingView<T, D>& binding, const PointReader<T>& points,
-                                 const RebindOptions& options, const Running& running) {
-    RebindResult<T, D> result;
+Result<Binding<T, D>, RebindReport> rebind_points(const BindingView<T, D>& binding,
+                                                  const PointReader<T>& points, const RebindOptions& options,
+                                                  const Running& running) {
+    Result<Binding<T, D>, RebindReport> result;
     result.report.points = points.size;
     run_into(result.report, [&] {
-        return Rebinder<T, D>(binding, points, options, running).run(result.binding, result.report);
+        return Rebinder<T, D>(binding, points, options, running).run(result.value, result.report);
     });
     return result;
 }
@@ -397,14 +392,14 @@ RebindResult<T, D> rebind_points(const BindingView<T, D>& binding, const PointRe
 ///            cancelled; out_of_memory
 template <Scalar T, std::size_t D, PointRange R>
     requires(range_dimension<R> == D)
-RebindResult<T, D> rebind(const BindingView<T, D>& binding, const R& points,
-                          const RebindOptions& options = {}, const Running& running = {}) {
+Result<Binding<T, D>, RebindReport> rebind(const BindingView<T, D>& binding, const R& points,
+                                           const RebindOptions& options = {}, const Running& running = {}) {
     return detail::rebind_points(binding, detail::read_points<T>(points), options, running);
 }
 template <Scalar T, std::size_t D, PointRange R>
     requires(range_dimension<R> == D)
-RebindResult<T, D> rebind(const Binding<T, D>& binding, const R& points, const RebindOptions& options = {},
-                          const Running& running = {}) {
+Result<Binding<T, D>, RebindReport> rebind(const Binding<T, D>& binding, const R& points,
+                                           const RebindOptions& options = {}, const Running& running = {}) {
     return rebind(binding.view(), points, options, running);
 }
 

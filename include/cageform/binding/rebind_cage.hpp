@@ -1,17 +1,14 @@
 // A figure bound anew after an edit of its cage: vertices moved, added or removed.
 #pragma once
 
-#include <cageform/binding/bind_figure.hpp>
+#include <cageform/binding/detail/figure_binder.hpp>
 
 #include <map>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 /// What `rebind_cage` makes.
-template <Scalar T, std::size_t D>
-struct CageRebindResult {
-    FigureBinding<T, D> figure; ///< empty unless the report's status is ok
-    FigureBindReport report;
+struct CageRebindReport : FigureBindReport {
     /// #handles of the edited cage: the number that each had before, or `new_handle`.
     std::vector<std::size_t> old_handles;
 };
@@ -82,11 +79,11 @@ Status take_labels_over(const HandleLabels& before, std::span<const std::size_t>
 
 } // namespace detail
 
-/// Binds a figure anew to an edited cage: what `bind_figure` makes of its points, normals and
+/// Binds a figure anew to an edited cage: what `bind` makes of its points, normals and
 /// tangents, to the bit, without asking for them again. Labels go with their handles.
 ///
 ///   figure       as it was bound to the cage before the edit: a FigureBinding, or the view of one that
-///                `open_figure` gave, however it was packed: where the points are at rest is kept in
+///                `open` gave, however it was packed: where the points are at rest is kept in
 ///                all digits
 ///   coordinates  of the edited cage. Those of a solver may have been solved from the ones before
 ///                (HarmonicCoordinates::solve_from), which takes fewer cycles
@@ -94,30 +91,30 @@ Status take_labels_over(const HandleLabels& before, std::span<const std::size_t>
 ///                Empty: as `match_handles` has them, which takes a vertex removed and another one
 ///                added for a move. Used for labels alone
 ///   options      as for `bind`
-///   returns      the figure and its report; fails as `bind_figure`; labels_do_not_match, where
+///   returns      the figure and its report; fails as `bind`; labels_do_not_match, where
 ///                old_handles are not as many as the handles, or name one that there was not;
 ///                vectors_do_not_match, where there is not one handedness for every point
 template <CageCoordinates C>
-    requires GradientCoordinates<C> CageRebindResult<typename C::scalar, C::dimension>
+    requires GradientCoordinates<C> Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
     rebind_cage(const PackedFigureView<typename C::scalar, C::dimension>& figure, const C& coordinates,
                 std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
                 const Running& running = {}) {
         using T = typename C::scalar;
         constexpr std::size_t D = C::dimension;
-        CageRebindResult<T, D> result;
-        FigureBindResult<T, D> bound;
+        Result<FigureBinding<T, D>, CageRebindReport> result;
+        Result<FigureBinding<T, D>, FigureBindReport> bound;
         detail::run_into(bound.report, [&] {
             if (coordinates.cage_report().status != Status::ok) {
                 bound.report.points.cage = coordinates.cage_report();
                 return bound.report.points.status = coordinates.cage_report().status;
             }
             const HandleView<T, D> before = figure.points.handle_view(), after = handle_view(coordinates);
-            result.old_handles.assign(old_handles.begin(), old_handles.end());
-            if (old_handles.empty()) result.old_handles = match_handles(before, after);
-            for (const std::size_t handle : result.old_handles) {
+            result.report.old_handles.assign(old_handles.begin(), old_handles.end());
+            if (old_handles.empty()) result.report.old_handles = match_handles(before, after);
+            for (const std::size_t handle : result.report.old_handles) {
                 if (handle >= before.count && handle != new_handle) return Status::labels_do_not_match;
             }
-            if (result.old_handles.size() != after.count) return Status::labels_do_not_match;
+            if (result.report.old_handles.size() != after.count) return Status::labels_do_not_match;
             detail::FigureInput<T, D> input{detail::read_rest(figure.points), {}, {}};
             for (std::size_t k = 0; k + 1 < D && figure.has_normals(); ++k)
                 input.tangents[k] = detail::read_rest(figure.tangents[k]);
@@ -125,20 +122,20 @@ template <CageCoordinates C>
                 input.handedness.assign(figure.handedness, figure.handedness + figure.point_count());
             const Status status = detail::bind_read_figure(coordinates, input, options, running, bound);
             return status == Status::ok
-                       ? detail::take_labels_over(figure.labels, result.old_handles, bound.figure)
+                       ? detail::take_labels_over(figure.labels, result.report.old_handles, bound.value)
                        : status;
         });
-        result.report = std::move(bound.report);
-        if (result.report.status == Status::ok) result.figure = std::move(bound.figure);
+        static_cast<FigureBindReport&>(result.report) = std::move(bound.report);
+        if (result.report.status == Status::ok) result.value = std::move(bound.value);
         return result;
     }
 template <CageCoordinates C>
-    requires GradientCoordinates<C> CageRebindResult<typename C::scalar, C::dimension>
+    requires GradientCoordinates<C> Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
     rebind_cage(const FigureBinding<typename C::scalar, C::dimension>& figure, const C& coordinates,
                 std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
                 const Running& running = {}) {
         if (!figure.handedness.empty() && figure.handedness.size() != figure.points.point_count()) {
-            CageRebindResult<typename C::scalar, C::dimension> refused;
+            Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport> refused;
             refused.report.points.status = refused.report.status = Status::vectors_do_not_match;
             return refused;
         }

@@ -47,11 +47,6 @@ struct SkinWeightsReport {
     double seconds = 0;         ///< wall-clock time
 };
 
-struct SkinWeightsResult {
-    SkinWeights skin; ///< empty unless the report's status is ok
-    SkinWeightsReport report;
-};
-
 namespace detail {
 
 /// What the making of a skin finds out about a point.
@@ -276,21 +271,21 @@ private:
 
 /// Runs make(skin, report), a Status, for a skin of a binding where there can be one.
 template <Scalar T, std::size_t D, class Make>
-SkinWeightsResult make_skin(const BindingView<T, D>& binding, const SkinWeightsOptions& options,
-                            const Make& make) {
-    SkinWeightsResult result;
+Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& binding,
+                                                 const SkinWeightsOptions& options, const Make& make) {
+    Result<SkinWeights, SkinWeightsReport> result;
     result.report.points = binding.point_count();
     run_into(result.report, [&] {
         if (binding.handle_view().vector_count() > 0) return Status::handles_not_points;
         if (options.influences < 1) return Status::too_few_influences;
         if ((std::max)(binding.handle_count(), options.influences) > 65535) return Status::too_many_handles;
         if (!is_finite(options.threshold)) return Status::value_not_finite;
-        result.skin.influences = options.influences;
-        result.skin.joints.assign(binding.point_count() * options.influences, 0);
-        result.skin.weights.assign(binding.point_count() * options.influences, 0.0F);
-        return make(result.skin, result.report);
+        result.value.influences = options.influences;
+        result.value.joints.assign(binding.point_count() * options.influences, 0);
+        result.value.weights.assign(binding.point_count() * options.influences, 0.0F);
+        return make(result.value, result.report);
     });
-    if (result.report.status != Status::ok) result.skin = {};
+    if (result.report.status != Status::ok) result.value = {};
     return result;
 }
 
@@ -314,15 +309,17 @@ SkinWeightsResult make_skin(const BindingView<T, D>& binding, const SkinWeightsO
 ///               than 65535, or as many influences, as 16 bits count; value_not_finite: a threshold
 ///               that is no number; cancelled; out_of_memory
 template <Scalar T, std::size_t D>
-SkinWeightsResult skin_weights(const BindingView<T, D>& binding, const SkinWeightsOptions& options = {},
-                               const Running& running = {}) {
+Result<SkinWeights, SkinWeightsReport> skin_weights(const BindingView<T, D>& binding,
+                                                    const SkinWeightsOptions& options = {},
+                                                    const Running& running = {}) {
     return detail::make_skin(binding, options, [&](SkinWeights& skin, SkinWeightsReport& report) {
         return detail::Skinner<T, D>(binding, options, running).run(skin, report);
     });
 }
 template <Scalar T, std::size_t D>
-SkinWeightsResult skin_weights(const Binding<T, D>& binding, const SkinWeightsOptions& options = {},
-                               const Running& running = {}) {
+Result<SkinWeights, SkinWeightsReport> skin_weights(const Binding<T, D>& binding,
+                                                    const SkinWeightsOptions& options = {},
+                                                    const Running& running = {}) {
     return skin_weights(binding.view(), options, running);
 }
 
@@ -336,9 +333,10 @@ SkinWeightsResult skin_weights(const Binding<T, D>& binding, const SkinWeightsOp
 ///   fails    bone_weights_do_not_match, too_few_influences, too_many_handles, value_not_finite (the
 ///            threshold), cancelled, out_of_memory
 template <Scalar W>
-SkinWeightsResult skin_weights(std::span<const W> shares, std::size_t bones,
-                               const SkinWeightsOptions& options = {}, const Running& running = {}) {
-    SkinWeightsResult result;
+Result<SkinWeights, SkinWeightsReport> skin_weights(std::span<const W> shares, std::size_t bones,
+                                                    const SkinWeightsOptions& options = {},
+                                                    const Running& running = {}) {
+    Result<SkinWeights, SkinWeightsReport> result;
     detail::run_into(result.report, [&] {
         if (bones == 0 || shares.size() % bones != 0) return Status::bone_weights_do_not_match;
         if (options.influences < 1) return Status::too_few_influences;
@@ -346,23 +344,23 @@ SkinWeightsResult skin_weights(std::span<const W> shares, std::size_t bones,
         if (!is_finite(options.threshold)) return Status::value_not_finite;
         const std::size_t count = shares.size() / bones, most = options.influences;
         result.report.points = count;
-        result.skin.influences = most;
-        result.skin.joints.assign(count * most, 0);
-        result.skin.weights.assign(count * most, 0.0F);
+        result.value.influences = most;
+        result.value.joints.assign(count * most, 0);
+        result.value.weights.assign(count * most, 0.0F);
         std::vector<detail::SkinnedPoint> points(count);
         const Status status = detail::for_each_block(count, running, [&](std::size_t begin, std::size_t end) {
             std::vector<std::uint16_t> order(bones);
             for (std::size_t i = begin; i < end; ++i) {
                 points[i] = detail::keep_largest(shares.subspan(i * bones, bones), options.threshold,
                                                  std::span(order),
-                                                 std::span(result.skin.joints).subspan(i * most, most),
-                                                 std::span(result.skin.weights).subspan(i * most, most));
+                                                 std::span(result.value.joints).subspan(i * most, most),
+                                                 std::span(result.value.weights).subspan(i * most, most));
             }
         });
         if (status == Status::ok) detail::gather_skin(points, result.report);
         return status;
     });
-    if (result.report.status != Status::ok) result.skin = {};
+    if (result.report.status != Status::ok) result.value = {};
     return result;
 }
 

@@ -147,15 +147,17 @@ private:
 ///              and K of 8. Memory: #points · (#handles floats twice, and 120 doubles)
 ///   fails      as skin_weights(); index_out_of_range
 template <Scalar T, std::size_t D, FaceRange F>
-SkinWeightsResult smooth_skin_weights(const BindingView<T, D>& binding, const F& triangles,
-                                      const SkinWeightsOptions& options = {}, const Running& running = {}) {
+Result<SkinWeights, SkinWeightsReport>
+smooth_skin_weights(const BindingView<T, D>& binding, const F& triangles,
+                    const SkinWeightsOptions& options = {}, const Running& running = {}) {
     return detail::make_skin(binding, options, [&](SkinWeights& skin, SkinWeightsReport& report) {
         return detail::SmoothSkinner<T, D>(binding, options, running).run(triangles, skin, report);
     });
 }
 template <Scalar T, std::size_t D, FaceRange F>
-SkinWeightsResult smooth_skin_weights(const Binding<T, D>& binding, const F& triangles,
-                                      const SkinWeightsOptions& options = {}, const Running& running = {}) {
+Result<SkinWeights, SkinWeightsReport> smooth_skin_weights(const Binding<T, D>& binding, const F& triangles,
+                                                           const SkinWeightsOptions& options = {},
+                                                           const Running& running = {}) {
     return smooth_skin_weights(binding.view(), triangles, options, running);
 }
 

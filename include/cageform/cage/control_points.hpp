@@ -4,6 +4,7 @@
 
 #include <cageform/cage/detail/primitives.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
+#include <cageform/core/result.hpp>
 #include <cageform/core/view.hpp>
 
 #include <cstdint>
@@ -12,7 +13,6 @@ namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T, std::size_t D>
 struct ConstraintPoints {
-    Status status = Status::ok;
     std::vector<Vec<T, D>> sites;       ///< those given, then those added; empty unless ok
     std::vector<std::uint32_t> handles; ///< #indices: the site at each figure point
 };
@@ -33,13 +33,13 @@ sites_with_figure_points(const S& sites, const F& figure, std::span<const std::s
     using Site = Vec<T, range_dimension<S>>;
     ConstraintPoints<T, range_dimension<S>> result;
     const auto run = [&] {
-        for (std::size_t i = 0; i < std::size(sites); ++i) result.sites.push_back(to_vec<T>(sites[i]));
+        for (std::size_t i = 0; i < std::size(sites); ++i) result.value.sites.push_back(to_vec<T>(sites[i]));
         std::vector<Site> chosen;
         for (const std::size_t index : indices) {
             if (index >= std::size(figure)) return Status::index_out_of_range;
             chosen.push_back(to_vec<T>(figure[index]));
         }
-        std::vector<Site> all = result.sites;
+        std::vector<Site> all = result.value.sites;
         all.insert(all.end(), chosen.begin(), chosen.end());
         for (const Site& p : all) {
             if (!is_finite(p)) return Status::vertex_not_finite;
@@ -50,16 +50,16 @@ sites_with_figure_points(const S& sites, const F& figure, std::span<const std::s
                 const auto d = vec_cast<double>(site) - vec_cast<double>(p);
                 return std::sqrt(dot(d, d)) <= tolerance;
             };
-            const auto found = std::find_if(result.sites.begin(), result.sites.end(), at_it);
-            result.handles.push_back(static_cast<std::uint32_t>(found - result.sites.begin()));
-            if (found == result.sites.end()) result.sites.push_back(p);
+            const auto found = std::find_if(result.value.sites.begin(), result.value.sites.end(), at_it);
+            result.value.handles.push_back(static_cast<std::uint32_t>(found - result.value.sites.begin()));
+            if (found == result.value.sites.end()) result.value.sites.push_back(p);
         }
         return Status::ok;
     };
-    result.status = detail::guard_memory(run);
-    if (result.status != Status::ok) {
-        result.sites.clear();
-        result.handles.clear();
+    result.report = detail::guard_memory(run);
+    if (result.report != Status::ok) {
+        result.value.sites.clear();
+        result.value.handles.clear();
     }
     return result;
 }
@@ -75,12 +75,6 @@ struct SurroundOptions {
     SurroundSites sites = SurroundSites::corners;
 };
 
-template <Scalar T, std::size_t D>
-struct SurroundResult {
-    Status status = Status::ok;
-    std::vector<Vec<T, D>> sites; ///< the first axis fastest; empty unless ok
-};
-
 /// Sites of a box around points, to stand still: a deformation by sites among the points and these
 /// fades to nothing towards the box, and no point is outside.
 ///
@@ -89,12 +83,12 @@ struct SurroundResult {
 ///           cage_has_no_volume where all points are one, radius_not_positive of the margin,
 ///           value_not_finite where a corner is beyond the scalar's range, out_of_memory
 template <PointRange R>
-SurroundResult<range_scalar_t<R>, range_dimension<R>> surround(const R& points,
-                                                               const SurroundOptions& options = {}) {
+Result<std::vector<Vec<range_scalar_t<R>, range_dimension<R>>>>
+surround(const R& points, const SurroundOptions& options = {}) {
     using T = range_scalar_t<R>;
     constexpr std::size_t D = range_dimension<R>;
-    SurroundResult<T, D> result;
-    result.status = detail::guard_memory([&] {
+    Result<std::vector<Vec<T, D>>> result;
+    result.report = detail::guard_memory([&] {
         if (!is_finite(options.margin) || !(options.margin > 0)) return Status::radius_not_positive;
         std::vector<Vec<double, D>> places;
         for (std::size_t i = 0; i < std::size(points); ++i) {
@@ -116,12 +110,12 @@ SurroundResult<range_scalar_t<R>, range_dimension<R>> surround(const R& points,
                 const double share = double(rest % steps) / double(steps - 1);
                 site[k] = (1 - share) * box.lower[k] + share * box.upper[k];
             }
-            result.sites.push_back(vec_cast<T>(site));
-            if (!is_finite(result.sites.back())) return Status::value_not_finite;
+            result.value.push_back(vec_cast<T>(site));
+            if (!is_finite(result.value.back())) return Status::value_not_finite;
         }
         return Status::ok;
     });
-    if (result.status != Status::ok) result.sites.clear();
+    if (result.report != Status::ok) result.value.clear();
     return result;
 }
 

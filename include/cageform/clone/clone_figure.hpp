@@ -85,7 +85,7 @@ concept AnyFigure = detail::is_figure_view<decltype(detail::view_of(std::declval
 /// Moves a figure with a pose of its handles: its points as `clone` of their binding does, its
 /// normals and tangents as `clone_tangent_frames`, to the bit.
 ///
-///   figure        opened by `open_figure`, or bound by `bind_figure`
+///   figure        opened by `open`, or bound by `bind`
 ///   pose          any PointRange of #handles points
 ///   out           see FigureOutput. It is indexed as the points were when bound
 ///   parallel_for  see core/parallel.hpp; the result does not depend on it

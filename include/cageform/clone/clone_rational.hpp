@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/clone/clone.hpp>
+#include <cageform/core/result.hpp>
 
 #include <span>
 
@@ -30,12 +31,6 @@ public:
 private:
     View binding_;
     scalar slack_ = 0;
-};
-
-template <class View>
-struct RationalViewResult {
-    Status status = Status::ok;
-    RationalView<View> binding; ///< empty unless ok
 };
 
 namespace detail {
@@ -138,18 +133,18 @@ template <AnyBinding B>
 auto rational_view(const B& binding) noexcept {
     using T = typename B::scalar;
     const auto view = detail::view_of(binding);
-    RationalViewResult<std::remove_const_t<decltype(view)>> result;
+    Result<RationalView<std::remove_const_t<decltype(view)>>> result;
     if (view.handle_view().vector_count() != 0) {
-        result.status = Status::handles_not_points;
+        result.report = Status::handles_not_points;
         return result;
     }
     const T slack = detail::largest_slack(PackedBindingView<T, B::dimension>(view));
     if (!is_finite(slack)) {
-        result.status = Status::weight_not_finite;
+        result.report = Status::weight_not_finite;
     } else if (slack > T(0x1p-4)) {
-        result.status = Status::binding_weights_negative;
+        result.report = Status::binding_weights_negative;
     } else {
-        result.binding = {view, slack};
+        result.value = {view, slack};
     }
     return result;
 }
@@ -163,7 +158,7 @@ namespace detail {
 template <class B>
 auto as_rational(const B& binding) noexcept {
     if constexpr (is_rational_view<B>) {
-        return RationalViewResult<std::remove_cvref_t<decltype(binding.binding())>>{Status::ok, binding};
+        return Result<RationalView<std::remove_cvref_t<decltype(binding.binding())>>>{Status::ok, binding};
     } else {
         return rational_view(binding);
     }
@@ -274,7 +269,7 @@ Status clone_rational(const B& binding, const Pose& pose, std::span<const typena
                       Out&& out, const Parallel& parallel_for = {}) noexcept {
     using T = typename B::scalar;
     constexpr std::size_t D = B::dimension;
-    const auto [fit, rational] = detail::as_rational(binding);
+    const auto [rational, fit] = detail::as_rational(binding);
     if (fit != Status::ok) return fit;
     const auto& view = rational.binding();
     detail::WeightRange<T> range;

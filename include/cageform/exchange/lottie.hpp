@@ -1,6 +1,7 @@
 // The easing of Lottie keyframes.
 #pragma once
 
+#include <cageform/core/result.hpp>
 #include <cageform/exchange/detail/easing.hpp>
 
 #include <initializer_list>
@@ -48,11 +49,6 @@ inline ImportedCurve from_lottie(const LottieEasing& easing, const Vec<double, 2
     return detail::imported(KeyKind::bezier, {{first, place(easing.out), place(easing.in), second}});
 }
 
-struct LottieResult {
-    Status status = Status::ok;
-    LottieEasing easing;
-};
-
 /// The easing of the first of two keyframes at the curve's ends; a kind other than bezier goes
 /// without handles.
 ///
@@ -60,17 +56,17 @@ struct LottieResult {
 ///   fails  as `check`; handle_not_allowed where a handle's time leaves the interval, or where the
 ///          keys have one value and a handle another: an overshoot from a value to itself has no
 ///          easing in Lottie; value_not_finite
-inline LottieResult to_lottie(const BezierCurve& curve, KeyKind kind = KeyKind::bezier) noexcept {
-    LottieResult result;
-    result.easing.hold = kind == KeyKind::hold;
+inline Result<LottieEasing> to_lottie(const BezierCurve& curve, KeyKind kind = KeyKind::bezier) noexcept {
+    Result<LottieEasing> result;
+    result.value.hold = kind == KeyKind::hold;
     if (kind != KeyKind::bezier) {
-        result.status = detail::sound(curve);
+        result.report = detail::sound(curve);
         return result;
     }
     const auto unit = detail::unit_handles(curve);
-    result.status = unit.status;
+    result.report = unit.status;
     if (unit.status == Status::ok)
-        result.easing = {{unit.first[0], unit.first[1]}, {unit.second[0], unit.second[1]}, false};
+        result.value = {{unit.first[0], unit.first[1]}, {unit.second[0], unit.second[1]}, false};
     return result;
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic.hpp>
+#include <cageform/papers/averaging_pyramid.hpp>
 #include <cageform/papers/detail/rasterise.hpp>
+#include <cageform/papers/detail/sample.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

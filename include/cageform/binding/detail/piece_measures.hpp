@@ -1,7 +1,7 @@
 // The measures of the points of a piece, taken for all lanes at once, and put together in the report.
 #pragma once
 
-#include <cageform/binding/detail/bind_report.hpp>
+#include <cageform/binding/bind_options.hpp>
 #include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/detail/simd.hpp>
 

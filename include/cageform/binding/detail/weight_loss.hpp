@@ -1,7 +1,7 @@
 // How far points are moved by a change of their weights.
 #pragma once
 
-#include <cageform/binding/detail/pack_options.hpp>
+#include <cageform/binding/pack_options.hpp>
 #include <cageform/cage/detail/primitives.hpp>
 
 #include <algorithm>

@@ -1,8 +1,9 @@
 // What packing is asked for, and what it tells.
 #pragma once
 
-#include <cageform/binding/bind.hpp>
+#include <cageform/binding/bind_options.hpp>
 #include <cageform/binding/detail/packed_binding.hpp>
+#include <cageform/binding/figure.hpp>
 
 #include <optional>
 #include <span>
@@ -78,6 +79,60 @@ struct PackReport {
     std::size_t rows_added =
         0; ///< beyond those asked for, because a block's handles would lie too nearly in one plane
     double seconds = 0;
+};
+
+struct FigurePackOptions {
+    /// Of the weights. The order and the tolerance are those of the points; tangents take the order
+    /// over.
+    PackOptions weights{};
+    /// The largest change of a unit tangent, in radians where it turns; with points that have a
+    /// tolerance or none. 0: ten times that of the points over the size of the figure, 1 at most,
+    /// since a point that is off by d beside others that are not turns a surface whose features are
+    /// a tenth of the figure by ten times d; none where the points have none.
+    double tangent_tolerance = 0;
+    /// Clips that move the figure, as `pack_clip` packs them, each of a name of its own and of as
+    /// many vertices as there are handles, or handles that are points.
+    std::span<const FigureClipData> clips{};
+    /// Levels of less detail, 9 at most: packed figures of the same handles, without levels of their
+    /// own (PackedFigure::bytes).
+    std::span<const std::span<const std::byte>> levels{};
+    /// What else is to be in the figure, under tags of its own.
+    std::span<const FigurePartData> parts{};
+};
+
+struct FigurePackReport {
+    Status status = Status::ok;
+    FigureTag culprit;            ///< the part that the status is about; 0: the figure as a whole
+    std::size_t culprit_clip = 0; ///< with FigureTags::clips: the one of them
+    PackReport points;
+    std::array<PackReport, 2> vectors; ///< of tangents and bitangents
+    std::size_t bytes = 0;             ///< of the figure
+    double seconds = 0;
+};
+
+struct StreamedPackOptions {
+    BindOptions bind{};
+    /// Without a format weights are scalars: the one that takes the fewest bytes would be known in the
+    /// end alone.
+    PackOptions pack{};
+    /// In bytes: as many points are bound at once as their weights take, sixteen at least.
+    std::size_t batch = std::size_t{64} << 20;
+};
+
+/// The reports of both steps.
+struct StreamedPackReport {
+    Status status = Status::ok; ///< of the step that failed
+    BindReport bound;
+    PackReport packed; ///< as left where the bind fails
+};
+
+/// What a streamed `pack` takes besides its points and their order, in bytes.
+struct StreamedPackMemory {
+    std::size_t solver = 0;    ///< of coordinates that are solved for, of one thread; of others 0
+    std::size_t functions = 0; ///< of theirs, kept until all points are bound, at most
+    std::size_t batch = 0;     ///< the weights bound at once
+    std::size_t packed =
+        0; ///< the result, at most: where nothing is dropped; twice, while it is put together
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,36 +1,10 @@
-// From points straight to a packed binding, a batch of points after the other: #points × #handles
-// weights are never held at once.
+// Binds and packs points in batches, so that #points × #handles weights are never held at once.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/binding/pack.hpp>
+#include <cageform/binding/detail/packer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-struct BindPackedOptions {
-    BindOptions bind{};
-    /// Without a format weights are scalars: the one that takes the fewest bytes would be known in the
-    /// end alone.
-    PackOptions pack{};
-    /// In bytes: as many points are bound at once as their weights take, sixteen at least.
-    std::size_t batch = std::size_t{64} << 20;
-};
-
-template <Scalar T, std::size_t D>
-struct BindPackedResult {
-    PackedBinding<T, D> binding; ///< empty unless both reports' statuses are ok
-    BindReport bound;
-    PackReport packed; ///< as left where the bind fails
-};
-
-/// What `bind_packed` takes besides its points and their order, in bytes.
-struct BindPackedMemory {
-    std::size_t solver = 0;    ///< of coordinates that are solved for, of one thread; of others 0
-    std::size_t functions = 0; ///< of theirs, kept until all points are bound, at most
-    std::size_t batch = 0;     ///< the weights bound at once
-    std::size_t packed =
-        0; ///< the result, at most: where nothing is dropped; twice, while it is put together
-};
 
 namespace detail {
 
@@ -40,14 +14,14 @@ class PackedBinder {
     static constexpr std::size_t lanes = lane_count<T>;
 
 public:
-    PackedBinder(std::vector<Vec<T, D>> points, const BindPackedOptions& options, std::size_t handles)
+    PackedBinder(std::vector<Vec<T, D>> points, const StreamedPackOptions& options, std::size_t handles)
         : points_(std::move(points))
         , options_(options)
         , sparse_((options.pack.largest != 0 && options.pack.largest < handles) ||
                   options.pack.threshold > 0 || options.pack.tolerance > 0)
         , together_(points_of_batch(options, handles)) {}
 
-    static std::size_t points_of_batch(const BindPackedOptions& options, std::size_t handles) noexcept {
+    static std::size_t points_of_batch(const StreamedPackOptions& options, std::size_t handles) noexcept {
         const std::size_t of_block = sizeof(Lanes<T>) * (handles + D);
         return lanes * std::max<std::size_t>(options.batch / of_block, 1);
     }
@@ -55,20 +29,20 @@ public:
 
     /// One batch, of functions that need not be kept.
     template <class C>
-    Status run_at_once(const C& coordinates, const Running& running, BindPackedResult<T, D>& result) const {
+    Status run_at_once(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
         auto bound = bind(coordinates, points_, options_.bind, running.part(0, 0.5));
-        result.bound = std::move(bound.report);
-        if (result.bound.status != Status::ok) return result.bound.status;
-        auto packed = cageform::pack(bound.binding, pack_options(), running.part(0.5, 1));
-        result.packed = std::move(packed.report);
-        result.binding = std::move(packed.binding);
-        return result.packed.status;
+        result.report.bound = std::move(bound.report);
+        if (result.report.bound.status != Status::ok) return result.report.bound.status;
+        auto packed = pack_binding(bound.value.view(), pack_options(), running.part(0.5, 1));
+        result.report.packed = std::move(packed.report);
+        result.value = std::move(packed.value);
+        return result.report.packed.status;
     }
 
     /// One batch after the other; the first report that is not ok ends it.
     template <class C>
-    Status run(const C& coordinates, const Running& running, BindPackedResult<T, D>& result) {
-        Status status = result.packed.status = set_order();
+    Status run(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
+        Status status = result.report.packed.status = set_order();
         if (status != Status::ok) return status;
         {
             C solved = coordinates; // freed before the parts are joined
@@ -76,24 +50,24 @@ public:
             if constexpr (requires { solved.solve(running); }) {
                 from = 0.5;
                 const auto evaluation = solved.solve(running.part(0, from));
-                result.bound.solver = evaluation.solver;
-                status = result.bound.status = evaluation.status;
+                result.report.bound.solver = evaluation.solver;
+                status = result.report.bound.status = evaluation.status;
             }
             if (status == Status::ok) status = run_batches(solved, running.part(from, 1), result);
         }
         if (status != Status::ok) return status;
         std::uint64_t rows = 0;
         for (const auto& part : parts_) rows += part.view().row_count();
-        if (sparse_ && rows > 0xFFFFFFFFu) return result.packed.status = Status::too_many_handles;
+        if (sparse_ && rows > 0xFFFFFFFFu) return result.report.packed.status = Status::too_many_handles;
         join(rows, result);
         return status;
     }
 
 private:
     template <class C>
-    Status run_batches(const C& coordinates, const Running& running, BindPackedResult<T, D>& result) {
-        result.packed.errors.resize(points_.size());
-        result.packed.distances.resize(points_.size());
+    Status run_batches(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
+        result.report.packed.errors.resize(points_.size());
+        result.report.packed.distances.resize(points_.size());
         auto pack = pack_options();
         if (pack.figure_hash == 0) pack.figure_hash = hash_memory(std::span<const Vec<T, D>>(points_));
         Binding<T, D> recycled;
@@ -104,16 +78,16 @@ private:
             std::vector<Vec<T, D>> batch;
             for (std::size_t k = 0; k < count; ++k) batch.push_back(points_[order_[first + k]]);
             auto bound = bind(coordinates, batch, options_.bind, std::move(recycled), in_batch.part(0, 0.5));
-            add(bound.report, first, result.bound);
-            if (bound.report.status != Status::ok) return result.bound.status = bound.report.status;
+            add(bound.report, first, result.report.bound);
+            if (bound.report.status != Status::ok) return result.report.bound.status = bound.report.status;
             std::vector<std::uint32_t> as_it_is(sparse_ ? count : 0);
             std::iota(as_it_is.begin(), as_it_is.end(), 0u);
             pack.order = as_it_is;
-            auto packed = cageform::pack(bound.binding, pack, in_batch.part(0.5, 1));
-            add(packed.report, first, result.packed);
-            if (packed.report.status != Status::ok) return result.packed.status = packed.report.status;
-            parts_.push_back(std::move(packed.binding));
-            recycled = std::move(bound.binding);
+            auto packed = pack_binding(bound.value.view(), pack, in_batch.part(0.5, 1));
+            add(packed.report, first, result.report.packed);
+            if (packed.report.status != Status::ok) return result.report.packed.status = packed.report.status;
+            parts_.push_back(std::move(packed.value));
+            recycled = std::move(bound.value);
         }
         return Status::ok;
     }
@@ -124,7 +98,7 @@ private:
     }
 
     /// The parts as one, which frees them; as `pack` leaves it.
-    void join(std::uint64_t rows, BindPackedResult<T, D>& result) {
+    void join(std::uint64_t rows, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
         place_blocks();
         BlobHeader header = header_of(parts_[0]);
         header.points = points_.size();
@@ -136,7 +110,7 @@ private:
         parts_.clear();
         whole.seal();
         summarise(whole, result);
-        result.binding = std::move(whole);
+        result.value = std::move(whole);
     }
 
     Status set_order() {
@@ -198,12 +172,12 @@ private:
             batch.status == Status::weight_not_finite || batch.status == Status::format_too_coarse;
         all.culprit = names_point ? order_[first + batch.culprit] : batch.culprit;
     }
-    void summarise(const PackedBinding<T, D>& blob, BindPackedResult<T, D>& result) const {
-        BindReport& bound = result.bound;
+    void summarise(const PackedBinding<T, D>& blob, Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
+        BindReport& bound = result.report.bound;
         for (auto* list :
              {&bound.on_boundary, &bound.outside, &bound.not_finite, &bound.unreached, &bound.not_restored})
             std::sort(list->begin(), list->end());
-        PackReport& packed = result.packed;
+        PackReport& packed = result.report.packed;
         std::vector<Vec<double, D>> finite;
         for (std::size_t i = 0; i < points_.size(); ++i) {
             packed.error.raise({double(packed.errors[i]), i});
@@ -280,7 +254,7 @@ private:
     }
 
     std::vector<Vec<T, D>> points_;
-    const BindPackedOptions& options_;
+    const StreamedPackOptions& options_;
     bool sparse_;
     std::size_t together_; ///< points in a batch
     std::vector<std::uint32_t> order_;
@@ -289,59 +263,5 @@ private:
 };
 
 } // namespace detail
-
-/// `pack` of `bind`, without the weights between in memory: the same bytes, and the same reports but
-/// for the times and PackReport::culprit of what is refused. Coordinates that are solved for are
-/// solved once, their functions kept meanwhile; few points, of one batch, are bound as `bind` does.
-///
-///   points  any PointRange of the same dimension, converted to the scalar of the coordinates; copied
-///   fails   as `bind` and `pack`; too_many_handles also where all blocks have more than 2³² rows
-///   cost    that of `bind` and `pack`
-///   memory  see bind_packed_memory
-template <CageCoordinates C, PointRangeIn<C::dimension> R>
-BindPackedResult<typename C::scalar, C::dimension> bind_packed(const C& coordinates, const R& points,
-                                                               const BindPackedOptions& options = {},
-                                                               const Running& running = {}) {
-    using T = typename C::scalar;
-    constexpr std::size_t D = C::dimension;
-    BindPackedResult<T, D> result;
-    const double start = detail::seconds_now();
-    const std::size_t count = std::size(points), handles = coordinates.handles().size();
-    result.bound.points = result.packed.points = count;
-    result.packed.handles = handles;
-    const Status status = detail::guard_memory([&] {
-        std::vector<Vec<T, D>> all;
-        for (std::size_t i = 0; i < count; ++i) all.push_back(to_vec<T>(points[i]));
-        detail::PackedBinder<T, D> binder(std::move(all), options, handles);
-        return binder.batches() > 1 ? binder.run(coordinates, running, result)
-                                    : binder.run_at_once(coordinates, running, result);
-    });
-    if (status != Status::ok && result.bound.status == Status::ok && result.packed.status == Status::ok)
-        result.packed.status = status;
-    result.bound.seconds = result.packed.seconds = detail::seconds_now() - start;
-    return result;
-}
-
-/// What that takes, told before; of coordinates that are solved for at the cost of making the grid.
-template <CageCoordinates C>
-BindPackedMemory bind_packed_memory(const C& coordinates, std::size_t points,
-                                    const BindPackedOptions& options = {}) {
-    using T = typename C::scalar;
-    constexpr std::size_t D = C::dimension;
-    const std::size_t handles = coordinates.handles().size();
-    const std::size_t together = detail::PackedBinder<T, D>::points_of_batch(options, handles);
-    const std::size_t format = weight_bytes<T>(options.pack.format.value_or(WeightFormat::scalar));
-    const std::size_t blocks = block_count<T>(points);
-    BindPackedMemory memory;
-    memory.batch = block_count<T>((std::min)(together, points)) * (handles + D) * sizeof(Lanes<T>);
-    memory.packed =
-        blocks * lane_count<T> * (handles * format + 3 * D * sizeof(T)) + handles * 16 * sizeof(T);
-    if constexpr (requires { coordinates.solver_memory(); }) {
-        const auto solver = coordinates.solver_memory();
-        memory.solver = solver.hierarchy + solver.block;
-        if (points > together) memory.functions = (handles + 15) / 16 * (solver.block / 2);
-    }
-    return memory;
-}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -6,6 +6,24 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+/// What happens to points outside the cage.
+enum class OutsidePoints : std::uint8_t {
+    extend,           ///< the coordinate type's own extension; kept in place where it has none
+    keep_in_place,    ///< no pose moves them
+    nearest_boundary, ///< they follow the nearest point of the cage's boundary, at the same offset
+};
+
+/// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least
+/// change, in the sense of least squares over the handles, that restores both. Affine poses are
+/// then exact; a weight near zero may turn negative, by about BindReport::weight_change. No change
+/// is made where it would not lower what is missed (BindReport::not_restored).
+enum class LinearPrecision : std::uint8_t { restore, leave };
+
+struct BindOptions {
+    OutsidePoints outside = OutsidePoints::extend;
+    LinearPrecision linear_precision = LinearPrecision::restore;
+};
+
 /// The largest (or least) value met, and at which point.
 struct Extreme {
     static constexpr std::size_t none = ~std::size_t{0};

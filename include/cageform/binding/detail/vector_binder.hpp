@@ -1,17 +1,9 @@
-// Vectors attached to a figure's points (tangents, axes, fibres), bound so that `clone` moves them.
+// Binds vectors by the directional derivatives of the weights.
 #pragma once
 
-#include <cageform/binding/bind.hpp>
-#include <cageform/binding/tangents.hpp>
+#include <cageform/binding/detail/point_binder.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// Bindings of K vectors a point.
-template <Scalar T, std::size_t D, std::size_t K>
-struct VectorBindResult {
-    std::array<Binding<T, D>, K> bindings; ///< empty unless the report's status is ok
-    BindReport report;                     ///< of all vectors together
-};
 
 namespace detail {
 
@@ -173,7 +165,7 @@ BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<
 }
 
 template <class C, std::size_t K>
-VectorBindResult<typename C::scalar, C::dimension, K>
+Result<std::array<Binding<typename C::scalar, C::dimension>, K>, BindReport>
 bind_each_vector(const C& coordinates, const PointReader<typename C::scalar>& points,
                  const std::array<PointReader<typename C::scalar>, K>& vectors, const BindOptions& options,
                  const Running& running) {
@@ -182,81 +174,11 @@ bind_each_vector(const C& coordinates, const PointReader<typename C::scalar>& po
     input.evaluate = [&coordinates](const Batch<T>& batch, const Running& how) {
         return coordinates.evaluate_gradients(batch.points, batch.rows, batch.states, how);
     };
-    VectorBindResult<T, C::dimension, K> result;
-    result.report = bind_vectors_into<T, C::dimension>(result.bindings, input, vectors, options, running);
+    Result<std::array<Binding<T, C::dimension>, K>, BindReport> result;
+    result.report = bind_vectors_into<T, C::dimension>(result.value, input, vectors, options, running);
     return result;
 }
 
 } // namespace detail
-
-/// Binds vectors attached to points, so that a pose moves them as the matter around the points:
-///
-///     t' = t + Σ (t·∇w_i(p)) (C'_i − C_i) = J t,   J the Jacobian of the deformation at p
-///
-/// That is a Binding with vectors in place of points and directional derivatives in place of
-/// weights; `clone` moves it, and at rest gives the vectors bit for bit. Affine poses x ↦ A x + b
-/// give A t to rounding.
-///
-///   points    as for `bind`
-///   vectors   K families in an array, as `tangents_of` returns them, each as many as points, of
-///             any length, read as the scalar of the coordinates
-///   options   as for `bind`. With nearest_boundary, vectors of points outside turn as matter does
-///             at the nearest place of the boundary. Without extension, or with keep_in_place, they
-///             keep their direction and length
-///   returns   a binding for each family and the report, as `bind` does: lists of points (not
-///             finite: the point or one of its vectors); the largest |Σw| and |Σwc − t|; the
-///             changes and the least of these weights
-///   cost      that of evaluate_gradients once for all families, plus O(K #handles) a point; closed
-///             forms a few points at a time. A solver's gradients are taken all at once, D #handles
-///             scalars a point, and anew with nearest_boundary if points lie outside
-///   fails     as `bind`, and as evaluate_gradients
-template <GradientCoordinates C, PointRangeIn<C::dimension> R, PointRangeIn<C::dimension> V, std::size_t K>
-VectorBindResult<typename C::scalar, C::dimension, K>
-bind_vectors(const C& coordinates, const R& points, const std::array<V, K>& vectors,
-             const BindOptions& options = {}, const Running& running = {}) {
-    for ([[maybe_unused]] const V& family : vectors)
-        CAGEFORM_ASSERT(std::size(family) == std::size(points), "a vector for every point");
-    using T = typename C::scalar;
-    std::array<detail::PointReader<T>, K> readers;
-    for (std::size_t n = 0; n < K; ++n) readers[n] = detail::read_points<T>(vectors[n]);
-    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
-}
-
-/// The same with one vector a point, or the same one for all points.
-template <GradientCoordinates C, PointRangeIn<C::dimension> R, class V>
-    requires(PointRangeIn<V, C::dimension> ||
-             (Point<V> && !PointRange<V> && PointTraits<V>::dimension == C::dimension))
-BindResult<typename C::scalar, C::dimension> bind_vectors(const C& coordinates, const R& points,
-                                                          const V& vectors, const BindOptions& options = {},
-                                                          const Running& running = {}) {
-    using T = typename C::scalar;
-    std::array<detail::PointReader<T>, 1> reader;
-    [[maybe_unused]] Vec<T, C::dimension> same{};
-    if constexpr (PointRange<V>) {
-        CAGEFORM_ASSERT(std::size(vectors) == std::size(points), "a vector for every point");
-        reader[0] = detail::read_points<T>(vectors);
-    } else {
-        same = to_vec<T>(vectors);
-        reader[0] = detail::repeat_vector(std::size(points), same);
-    }
-    auto result =
-        detail::bind_each_vector(coordinates, detail::read_points<T>(points), reader, options, running);
-    return {std::move(result.bindings[0]), std::move(result.report)};
-}
-
-/// Binds the D axes at every point, for `clone_jacobians`. Contract and cost as of `bind_vectors`.
-template <GradientCoordinates C, PointRangeIn<C::dimension> R>
-VectorBindResult<typename C::scalar, C::dimension, C::dimension>
-bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},
-               const Running& running = {}) {
-    using T = typename C::scalar;
-    std::array<Vec<T, C::dimension>, C::dimension> axes{};
-    std::array<detail::PointReader<T>, C::dimension> readers;
-    for (std::size_t n = 0; n < C::dimension; ++n) {
-        axes[n][n] = 1;
-        readers[n] = detail::repeat_vector(std::size(points), axes[n]);
-    }
-    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
-}
 
 } // namespace cageform::inline CAGEFORM_ABI

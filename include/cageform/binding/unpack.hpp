@@ -2,16 +2,10 @@
 // of handles as one.
 #pragma once
 
-#include <cageform/binding/bind_figure.hpp>
 #include <cageform/binding/compose.hpp>
+#include <cageform/binding/detail/figure_binder.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-template <Scalar T, std::size_t D>
-struct FigureUnpackResult {
-    FigureBinding<T, D> figure; ///< empty unless ok
-    Status status = Status::ok;
-};
 
 namespace detail {
 
@@ -27,18 +21,18 @@ Binding<T, D> copy_binding(const BindingView<T, D>& view) {
 
 /// The figure that was packed, to the bit: bindings, handedness and labels. Clips, levels and parts of the
 /// user are read from the packed figure itself, and so are the faces of the cage, where they were shipped as
-/// such a part: a binding knows the handles alone. What `pack_figure` makes
+/// such a part: a binding knows the handles alone. What `pack` makes
 /// of a figure without further options is dense; an editor saves such a file beside the one for the
 /// game, and packs what it has opened anew.
 ///
-///   figure   as `open_figure` gives it, or any other view
+///   figure   as `open` gives it, or any other view
 ///   fails    binding_not_dense, where weights were dropped, rounded or put into another order;
 ///            out_of_memory
 ///   cost     a copy of all
 template <Scalar T, std::size_t D>
-FigureUnpackResult<T, D> unpack_figure(const PackedFigureView<T, D>& figure) {
-    FigureUnpackResult<T, D> result;
-    result.status = detail::guard_memory([&] {
+Result<FigureBinding<T, D>> unpack(const PackedFigureView<T, D>& figure) {
+    Result<FigureBinding<T, D>> result;
+    result.report = detail::guard_memory([&] {
         FigureBinding<T, D> made;
         const std::size_t vectors = figure.has_normals() ? D - 1 : 0;
         bool dense = figure.points.is_dense();
@@ -55,44 +49,37 @@ FigureUnpackResult<T, D> unpack_figure(const PackedFigureView<T, D>& figure) {
             const Status status = made.set_labels(labels);
             if (status != Status::ok) return status;
         }
-        result.figure = std::move(made);
+        result.value = std::move(made);
         return Status::ok;
     });
     return result;
 }
-
-template <Scalar T, std::size_t D>
-struct FigureComposeResult {
-    FigureBinding<T, D> figure; ///< of the fine one's points to the coarse one's handles; empty unless ok
-    Status status = Status::ok;
-    std::vector<std::uint32_t> still; ///< as of `compose` of bindings
-};
 
 /// `compose` of a whole figure: its points, and its normals and tangents with them. A cage in a
 /// coarser cage becomes one; the coarse binding has no labels, and neither has what is made.
 ///
 ///   fine, coarse, running, fails  as for `compose` of bindings
 template <Scalar T, std::size_t D>
-FigureComposeResult<T, D> compose(const FigureBinding<T, D>& fine, const Binding<T, D>& coarse,
-                                  const Running& running = {}) {
-    FigureComposeResult<T, D> result;
+Result<FigureBinding<T, D>, ComposeReport> compose(const FigureBinding<T, D>& fine,
+                                                   const Binding<T, D>& coarse, const Running& running = {}) {
+    Result<FigureBinding<T, D>, ComposeReport> result;
     FigureBinding<T, D> made;
     const std::size_t parts = fine.has_normals() ? D : 1;
-    result.status = detail::guard_memory([&] {
+    result.report.status = detail::guard_memory([&] {
         for (std::size_t n = 0; n < parts; ++n) {
             auto composed = compose(n == 0 ? fine.points : fine.tangents[n - 1], coarse,
                                     running.part(double(n) / double(parts), double(n + 1) / double(parts)));
-            if (composed.status != Status::ok) return composed.status;
-            if (n == 0) result.still = std::move(composed.still);
-            (n == 0 ? made.points : made.tangents[n - 1]) = std::move(composed.binding);
+            if (!composed) return composed.status();
+            if (n == 0) result.report.still = std::move(composed.report.still);
+            (n == 0 ? made.points : made.tangents[n - 1]) = std::move(composed.value);
         }
         made.handedness = fine.handedness;
         return Status::ok;
     });
-    if (result.status == Status::ok)
-        result.figure = std::move(made);
+    if (result)
+        result.value = std::move(made);
     else
-        result.still.clear();
+        result.report.still.clear();
     return result;
 }
 

@@ -1,0 +1,110 @@
+// Binds the points, normals and tangents of a figure; coordinates that solve do so once.
+#pragma once
+
+#include <cageform/binding/detail/vector_binder.hpp>
+#include <cageform/binding/figure_binding.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// A figure as it is bound, read where it lies.
+template <Scalar T, std::size_t D>
+struct FigureInput {
+    PointReader<T> points;
+    std::array<PointReader<T>, D - 1> tangents; ///< of no points where there are no normals
+    std::vector<std::int8_t> handedness;        ///< of tangents of the figure's own
+
+    bool has_normals() const noexcept { return bool(tangents[0].read); }
+};
+
+/// Tangents of three numbers, from those with a handedness.
+template <class Tangents>
+auto without_sign(const Tangents& tangents, std::vector<std::int8_t>& handedness) {
+    using S = range_scalar_t<Tangents>;
+    std::vector<Vec<S, 3>> result(std::size(tangents));
+    handedness.assign(result.size(), 1);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+        const auto t = to_vec<S>(tangents[i]);
+        result[i] = {t[0], t[1], t[2]};
+        if constexpr (range_dimension<Tangents> == 4) handedness[i] = t[3] < 0 ? -1 : 1;
+    }
+    return result;
+}
+
+/// What is left of a bind when the coordinates have solved, where they do.
+template <class C>
+Status bind_parts(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
+                  const BindOptions& options, const Running& running,
+                  Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>& result) {
+    using T = typename C::scalar;
+    auto& [figure, report] = result;
+    const Running first = running.part(0, input.has_normals() ? 0.4 : 1), second = running.part(0.4, 1);
+    auto points =
+        bind_points(bind_input(coordinates, input.points), options, Binding<T, C::dimension>{}, first);
+    report.points = std::move(points.report);
+    if (report.points.status != Status::ok) return report.points.status;
+    if constexpr (GradientCoordinates<C>) {
+        if (input.has_normals()) {
+            auto vectors = bind_each_vector(coordinates, input.points, input.tangents, options, second);
+            report.vectors = std::move(vectors.report);
+            if (report.vectors.status != Status::ok) return report.vectors.status;
+            figure.tangents = std::move(vectors.value);
+        }
+    }
+    figure.points = std::move(points.value);
+    figure.handedness = std::move(input.handedness);
+    return Status::ok;
+}
+
+/// Coordinates that solve do so once, for weights and gradients.
+template <class C>
+Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
+                        const BindOptions& options, const Running& running,
+                        Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>& result) {
+    if constexpr (requires(C solved) { solved.solve(running); }) {
+        if (input.has_normals() && coordinates.cage_report().status == Status::ok) {
+            C solved = coordinates;
+            const Evaluation solution = solved.solve(running.part(0, 0.7));
+            BindReport& report = result.report.points;
+            report.cage = coordinates.cage_report();
+            report.points = input.points.size;
+            report.solver = solution.solver;
+            report.status = solution.status;
+            if (report.status == Status::out_of_memory) // of functions kept; there may be enough for a group
+                return bind_parts(coordinates, input, options, running, result);
+            if (report.status != Status::ok) return report.status;
+            return bind_parts(solved, input, options, running.part(0.7, 1), result);
+        }
+    }
+    return bind_parts(coordinates, input, options, running, result);
+}
+
+/// The normals of a figure as tangents, and what is read of them: read(tangents, handedness).
+template <Scalar T, class Figure, class Read>
+Status read_tangents(const Figure& figure, const Read& read) {
+    std::vector<std::int8_t> handedness;
+    if (std::size(figure.normals) != std::size(figure.points)) return Status::vectors_do_not_match;
+    if constexpr (is_wanted<decltype(figure.tangents)>) {
+        if (std::size(figure.tangents) != std::size(figure.points)) return Status::vectors_do_not_match;
+        const auto own = without_sign(figure.tangents, handedness);
+        const auto tangents = tangents_of(figure.normals, own);
+        return read(tangents, std::move(handedness));
+    } else {
+        const auto tangents = tangents_of(figure.normals);
+        return read(tangents, std::move(handedness));
+    }
+}
+
+// What a figure may have, apart: compilers name the one that is not met.
+template <class P, class C>
+concept PointsFor = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dimension == 3);
+template <class N, class C>
+concept NormalsFor = !is_wanted<N> || (GradientCoordinates<C> && PointRangeIn<N, C::dimension>);
+template <class G, class N, class C>
+concept TangentsFor =
+    !is_wanted<G> || (is_wanted<N> && C::dimension == 3 && (PointRangeIn<G, 3> || PointRangeIn<G, 4>));
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

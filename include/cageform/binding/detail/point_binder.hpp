@@ -1,0 +1,268 @@
+// Evaluates the weights of points in pieces, restores linear precision, and measures.
+#pragma once
+
+#include <cageform/binding/binding.hpp>
+#include <cageform/binding/detail/bind_input.hpp>
+#include <cageform/binding/detail/piece_measures.hpp>
+#include <cageform/core/affine/linear_restorer.hpp>
+#include <cageform/core/detail/huge_pages.hpp>
+#include <cageform/core/result.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// What binding points and binding vectors share; one or more bindings are made of the same points.
+/// Blocks are worked on in pieces that stay in cache. What a piece finds out is kept apart and put
+/// together in the end, so that nothing depends on the threads.
+template <Scalar T, std::size_t D>
+class Binder {
+protected:
+    static constexpr std::size_t lanes = lane_count<T>;
+
+    Binder(const BindInput<T, D>& input, const BindOptions& options, std::size_t piece_blocks)
+        : input_(input)
+        , options_(options)
+        , piece_blocks_(piece_blocks)
+        , handles_(input.handles())
+        , restorer_(handles_, input.local)
+        , count_(input.points.size)
+        , states_(count_, PointState::unreached)
+        , missed_(count_)
+        , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
+
+    /// Makes the bindings in the memory of those given; fill() sets weights, rest and states.
+    template <class Fill>
+    Status run(std::span<Binding<T, D>> bindings, BindReport& report, const Fill& fill) {
+        const std::size_t blocks = block_count<T>(count_);
+        std::vector<typename Binding<T, D>::Memory> memory(bindings.size());
+        for (std::size_t n = 0; n < bindings.size(); ++n) {
+            memory[n] = std::move(bindings[n]).release();
+            memory[n].rest.resize(blocks * D);
+            resize_large(memory[n].weights, blocks * handles_.count);
+            rest_.push_back({memory[n].rest.data(), D, count_});
+            weights_.push_back({memory[n].weights.data(), handles_.count, count_});
+        }
+        Status status = fill();
+        if (status == Status::ok) status = report_into(report);
+        if (status != Status::ok) return status;
+        for (std::size_t n = 0; n < bindings.size(); ++n)
+            bindings[n] =
+                Binding<T, D>(std::move(memory[n].weights), std::move(memory[n].rest), handles_, count_);
+        return Status::ok;
+    }
+
+    /// Runs body(piece) for all pieces in parallel.
+    template <class Body>
+    Status for_each_piece(const Running& running, const Body& body) const {
+        return for_each_block(pieces_.size(), running, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t piece = begin; piece < end; ++piece) body(piece);
+        });
+    }
+
+    /// The first point of a piece, and the states of all.
+    std::size_t first_of(std::size_t piece) const noexcept { return piece * piece_blocks_ * lanes; }
+    std::span<PointState> states_of(std::size_t piece) noexcept {
+        const std::size_t first = first_of(piece);
+        return std::span(states_).subspan(first, (std::min)(piece_blocks_ * lanes, count_ - first));
+    }
+
+    /// Whether a point of this state gets weights.
+    bool is_bound(PointState state) const noexcept {
+        if (state == PointState::inside || state == PointState::on_boundary) return true;
+        return state == PointState::outside &&
+               (options_.outside == OutsidePoints::nearest_boundary ||
+                (options_.outside == OutsidePoints::extend && input_.has_extension));
+    }
+    bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
+
+    /// Takes the measures of a block. A point so far away that the scalar does not hold its
+    /// weights, or what they make, becomes unreached. Returns whether there was one.
+    template <class Outcome>
+    bool take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block,
+              PieceMeasures<T>& measures) noexcept {
+        using Number = Simd<T>;
+        const Number most((std::numeric_limits<T>::max)()), zero(T(0)), one(T(1));
+        const auto finite = Number::load(outcome.partition) + Number::load(outcome.reproduction) <= most;
+        Lanes<T> reached = bound;
+        bool unreached = false;
+        if (any(zero < select<T>(finite, Number::load(outcome.missed), one))) {
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                if (bound[lane] == T(0)) continue;
+                const std::size_t i = block * lanes + lane;
+                if (outcome.missed[lane] != T(0)) missed_[i] = 1;
+                if (is_finite(outcome.partition[lane]) && is_finite(outcome.reproduction[lane])) continue;
+                reached[lane] = T(0);
+                states_[i] = PointState::unreached;
+                unreached = true;
+            }
+        }
+        measures.note(outcome, reached, block);
+        return unreached;
+    }
+    /// No weights for points that `take` has found unreached, nor for those beside them without any:
+    /// where lengths overflow, the restorer's zero changes are none.
+    void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (bound[lane] == T(0) || states_[block * lanes + lane] == PointState::unreached)
+                clear(row, lane);
+        }
+    }
+    void clear(Lanes<T>* row, std::size_t lane) const noexcept {
+        for (std::size_t h = 0; h < handles_.count; ++h) row[h][lane] = T(0);
+    }
+
+    /// Puts the pieces together, in their order, and lists the points.
+    Status report_into(BindReport& report) const {
+        for (const BindPiece& piece : pieces_) {
+            if (piece.status != Status::ok) return piece.status;
+            piece.put_into(report);
+        }
+        for (std::size_t i = 0; i < count_; ++i) {
+            switch (states_[i]) {
+            case PointState::inside: break;
+            case PointState::on_boundary: report.on_boundary.push_back(i); break;
+            case PointState::outside: report.outside.push_back(i); break;
+            case PointState::not_finite: report.not_finite.push_back(i); break;
+            case PointState::unreached: report.unreached.push_back(i); break;
+            }
+            if (missed_[i] != 0 && states_[i] != PointState::unreached) report.not_restored.push_back(i);
+        }
+        return Status::ok;
+    }
+
+    const BindInput<T, D>& input_;
+    const BindOptions& options_;
+    std::size_t piece_blocks_;
+    HandleView<T, D> handles_;
+    LinearRestorer<T, D> restorer_;
+    std::size_t count_;
+    std::vector<BlockView<T>> weights_, rest_; // of each binding
+    std::vector<PointState> states_;
+    std::vector<char> missed_; // more than rounding is left to restore
+    std::vector<BindPiece> pieces_;
+};
+
+/// One bind of points.
+template <Scalar T, std::size_t D>
+class PointBinder : Binder<T, D> {
+    using Base = Binder<T, D>;
+    using Base::input_, Base::count_, Base::handles_, Base::lanes, Base::states_;
+
+public:
+    PointBinder(const BindInput<T, D>& input, const BindOptions& options)
+        : Base(input, options, 16) {}
+
+    Status run(Binding<T, D>& binding, const Running& running, BindReport& report) {
+        return Base::run({&binding, 1}, report,
+                         [&] { return input_.closed_form ? in_pieces(running) : at_once(running, report); });
+    }
+
+private:
+    Status in_pieces(const Running& running) {
+        return this->for_each_piece(running, [this](std::size_t piece) {
+            load(piece);
+            this->pieces_[piece].status =
+                input_
+                    .evaluate(
+                        {part(this->rest_[0], piece), part(this->weights_[0], piece), this->states_of(piece)},
+                        {})
+                    .status;
+            finish(piece);
+        });
+    }
+
+    /// All points together, so that a solver solves once.
+    Status at_once(const Running& running, BindReport& report) {
+        const Status status =
+            this->for_each_piece(running.part(0, 0.1), [this](std::size_t piece) { load(piece); });
+        if (status != Status::ok) return status;
+        const Evaluation evaluation =
+            input_.evaluate({this->rest_[0], this->weights_[0], states_}, running.part(0.1, 0.9));
+        report.solver = evaluation.solver;
+        if (evaluation.status != Status::ok) return evaluation.status;
+        return this->for_each_piece(running.part(0.9, 1), [this](std::size_t piece) { finish(piece); });
+    }
+
+    BlockView<T> part(const BlockView<T>& all, std::size_t piece) noexcept {
+        return {all.block(this->first_of(piece) / lanes), all.rows, this->states_of(piece).size()};
+    }
+
+    /// Reads the user's points.
+    void load(std::size_t piece) {
+        const BlockView<T> places = part(this->rest_[0], piece);
+        for (std::size_t b = 0; b < places.blocks(); ++b)
+            input_.points.read(this->first_of(piece) / lanes + b, places.block(b));
+        const std::span<PointState> states = this->states_of(piece);
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            if (!is_finite(block_point<D>(places, i))) states[i] = PointState::not_finite;
+        }
+    }
+
+    /// Treats the points that are not simply inside, restores linear precision, takes the measures.
+    void finish(std::size_t piece) {
+        const auto weights = part(this->weights_[0], piece);
+        const std::size_t first = this->first_of(piece) / lanes;
+        PieceMeasures<T> measures(this->first_of(piece));
+        for (std::size_t b = first; b < first + weights.blocks(); ++b) {
+            Lanes<T>* const row = this->weights_[0].block(b);
+            Lanes<T> target[D], bound;
+            for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
+            for (std::size_t lane = 0; lane < lanes; ++lane)
+                bound[lane] = settle(b * lanes + lane, target) ? T(1) : T(0);
+            if (this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b, measures))
+                this->clear_unreached(bound, b, row);
+        }
+        measures.put_into(this->pieces_[piece]);
+    }
+
+    /// Whether a point gets weights. One outside may get those of the nearest boundary point, which
+    /// goes into `target`; one without weights gets zeros, and any finite target.
+    bool settle(std::size_t i, Lanes<T> (&target)[D]) {
+        const PointState state = i < count_ ? states_[i] : PointState::not_finite;
+        const bool as_nearest =
+            state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary;
+        if (!as_nearest && this->is_bound(state)) return true;
+        Lanes<T>* const row = this->weights_[0].block(i / lanes);
+        const std::size_t lane = i % lanes;
+        if (as_nearest) {
+            std::vector<T> weights(handles_.count);
+            const auto q = input_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
+            for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
+            for (std::size_t h = 0; h < weights.size(); ++h) row[h][lane] = weights[h];
+            return true;
+        }
+        this->clear(row, lane);
+        for (std::size_t k = 0; k < D; ++k) target[k][lane] = handles_.rest[0][k];
+        return false;
+    }
+};
+
+/// Checks the cage, and runs make(report) if it is sound.
+template <Scalar T, std::size_t D, class Make>
+BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
+    BindReport report;
+    report.points = input.points.size;
+    run_into(report, [&] {
+        report.cage = input.cage;
+        if (report.cage.status != Status::ok) return report.cage.status;
+        return input.handles().count == 0 ? Status::coordinates_empty : make(report);
+    });
+    return report;
+}
+
+template <Scalar T, std::size_t D>
+Result<Binding<T, D>, BindReport> bind_points(const BindInput<T, D>& input, const BindOptions& options,
+                             Binding<T, D>&& recycled, const Running& running) {
+    Result<Binding<T, D>, BindReport> result;
+    result.report = report_bind(input, [&](BindReport& report) {
+        PointBinder<T, D> binder(input, options);
+        result.value = std::move(recycled);
+        return binder.run(result.value, running, report);
+    });
+    return result;
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

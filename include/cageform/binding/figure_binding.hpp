@@ -1,0 +1,106 @@
+// A bound figure: points, normals and tangents, handedness, and the names of its handles.
+#pragma once
+
+#include <cageform/binding/bind_options.hpp>
+#include <cageform/binding/binding.hpp>
+#include <cageform/binding/figure.hpp>
+#include <cageform/binding/tangents.hpp>
+
+#include <string_view>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// What is bound of a figure: `FigurePoints{points, normals, tangents}`, the last or the last two
+/// left out where there are none. Refers to what it is given, and keeps what is given as a
+/// temporary.
+///
+///   points    as for `bind`
+///   normals   of any length, one for every point
+///   tangents  in space, one for every point, as `tangents_of` takes them; where they have four
+///             numbers, the sign of the fourth is the handedness of the texture, as glTF has it
+template <class Points, class Normals = NoVectors, class Tangents = NoVectors>
+struct FigurePoints {
+    Points points;
+    Normals normals{};
+    Tangents tangents{};
+};
+template <class Points>
+FigurePoints(Points&&) -> FigurePoints<Points>;
+template <class Points, class Normals>
+FigurePoints(Points&&, Normals&&) -> FigurePoints<Points, Normals>;
+template <class Points, class Normals, class Tangents>
+FigurePoints(Points&&, Normals&&, Tangents&&) -> FigurePoints<Points, Normals, Tangents>;
+
+/// A bound figure, made by `bind`. `clone` moves it (clone/clone_figure.hpp), `pack`
+/// makes of it what a game ships.
+template <Scalar T, std::size_t D>
+class FigureBinding {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    Binding<T, D> points;
+    std::array<Binding<T, D>, D - 1> tangents; ///< unit tangents, in space bitangents; empty without normals
+    std::vector<std::int8_t> handedness;       ///< #points; empty without tangents of its own
+
+    bool has_normals() const noexcept { return tangents[0].handle_count() != 0; }
+
+    /// Names for the handles, of any length, as many as there are; kept by `pack` and
+    /// `rebind_cage`.
+    ///
+    ///   labels   any range of what std::string_view is made of
+    ///   returns  labels_do_not_match; out_of_memory; the labels are then as they were
+    template <class Labels>
+    Status set_labels(const Labels& labels) {
+        const std::size_t count = points.handle_count();
+        if (std::size(labels) != count) return Status::labels_do_not_match;
+        return detail::guard_memory([&] {
+            std::size_t end = 0;
+            for (const std::string_view label : labels) end += label.size();
+            if (end > 0xFFFFFFFFu) return Status::out_of_memory;
+            std::vector<std::uint32_t> made(count + 1 + (end + 3) / 4);
+            end = 0;
+            std::size_t handle = 0;
+            for (const std::string_view label : labels) {
+                char* const text = reinterpret_cast<char*>(made.data() + count + 1);
+                if (!label.empty()) std::memcpy(text + end, label.data(), label.size());
+                end += label.size();
+                made[++handle] = static_cast<std::uint32_t>(end);
+            }
+            labels_ = std::move(made);
+            labelled_ = count;
+            return Status::ok;
+        });
+    }
+    /// None where `points` was replaced by a binding of more or fewer handles.
+    HandleLabels labels() const noexcept {
+        if (labels_.empty() || labelled_ != points.handle_count()) return {};
+        return {labels_.data(), reinterpret_cast<const char*>(labels_.data() + points.handle_count() + 1)};
+    }
+    /// As they lie in a packed figure.
+    std::span<const std::byte> label_bytes() const noexcept { return std::as_bytes(std::span(labels_)); }
+
+    PackedFigureView<T, D> view() const noexcept {
+        PackedFigureView<T, D> view;
+        view.points = points.view();
+        for (std::size_t k = 0; k + 1 < D && has_normals(); ++k) view.tangents[k] = tangents[k].view();
+        if (!handedness.empty() && handedness.size() == points.point_count())
+            view.handedness = handedness.data();
+        view.labels = labels();
+        return view;
+    }
+
+private:
+    std::vector<std::uint32_t> labels_; // where they begin, #handles + 1, and characters; or none
+    std::size_t labelled_ = 0;          // #handles of that time
+};
+
+struct FigureBindReport {
+    Status status = Status::ok; ///< of the points, or else of the vectors
+    BindReport points;
+    BindReport vectors; ///< of tangents and bitangents; of no points where there are no normals
+    double seconds = 0; ///< wall-clock time, the solver's included
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
