@@ -28,6 +28,7 @@
 
 #include <cageform/animate/clip.hpp>
 #include <cageform/core/detail/packed_memory.hpp>
+#include <cageform/core/result.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -68,12 +69,9 @@ struct PackedMotion {
     Vec<T, D> pivot{};
 };
 
-/// `clip` points into the memory given; it is empty unless `status` is ok.
-template <Scalar T, std::size_t D>
-struct OpenedClip {
+struct OpenClipReport {
     Status status = Status::ok;
-    CageClipView<T, D> clip;
-    std::size_t bytes = 0; ///< of the packed clip; what follows may begin there
+    std::size_t bytes = 0; ///< size of the packed clip; other data may follow it
 };
 
 namespace detail {
@@ -273,20 +271,22 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
 ///   cost     no allocation; O(#pieces), some 50 ns each; with BlobCheck::all reads everything twice
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
-OpenedClip<T, D> open_clip(std::span<const std::byte> data, BlobCheck check = BlobCheck::all)
+Result<CageClipView<T, D>, OpenClipReport> open_clip(std::span<const std::byte> data,
+                                                     BlobCheck check = BlobCheck::all)
 noexcept {
-    OpenedClip<T, D> opened;
-    opened.status = detail::check_prefix(data, detail::prefix_of(ClipHeader{}), sizeof(ClipHeader), check,
-                                         Status::not_a_clip);
-    if (opened.status != Status::ok) return opened;
+    Result<CageClipView<T, D>, OpenClipReport> opened;
+    Status& status = opened.report.status;
+    status = detail::check_prefix(data, detail::prefix_of(ClipHeader{}), sizeof(ClipHeader), check,
+                                  Status::not_a_clip);
+    if (status != Status::ok) return opened;
     ClipHeader header;
     std::memcpy(&header, data.data(), sizeof(header));
-    opened.status = header.scalar_bytes != sizeof(T) || header.dimension != D
-                        ? Status::blob_kind_differs
-                        : detail::check_clip<T, D>(data.data(), header);
-    if (opened.status != Status::ok) return opened;
-    opened.clip = detail::view_clip<T, D>(data.data(), header);
-    opened.bytes = static_cast<std::size_t>(header.bytes);
+    status = header.scalar_bytes != sizeof(T) || header.dimension != D
+                 ? Status::blob_kind_differs
+                 : detail::check_clip<T, D>(data.data(), header);
+    if (status != Status::ok) return opened;
+    opened.value = detail::view_clip<T, D>(data.data(), header);
+    opened.report.bytes = static_cast<std::size_t>(header.bytes);
     return opened;
 }
 

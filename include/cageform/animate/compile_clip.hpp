@@ -7,23 +7,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-template <Scalar T, std::size_t D>
-struct CompiledClip {
-    Status status = Status::ok;                 ///< as `compile_track`; input_malformed
-    std::size_t culprit_curve = 0, culprit = 0; ///< the curve that is refused, and its key
-    CageClip<T, D> clip;                        ///< without curves where the status is not ok
-    double sup_error = 0;                       ///< the largest of all curves
-    double seconds = 0;
-};
-
 namespace detail {
+
+/// The keys of many curves: a vector, an array or a span of any of the `Keys`.
+template <class R>
+concept KeysOfCurves = std::ranges::random_access_range<const R> && Keys<std::ranges::range_value_t<const R>>;
 
 /// A pixel of a screen that shows all that the keys reach; of keys that do not move, any tolerance is met.
 template <std::size_t D>
-double pixel_of_clip(std::span<const std::vector<Key>> keys) noexcept {
+double pixel_of_clip(std::span<const std::span<const Key>> keys) noexcept {
     double diagonal = 0;
     for (std::size_t axis = 0; axis < D; ++axis) {
         double lower = std::numeric_limits<double>::infinity(), upper = -lower;
@@ -42,18 +38,19 @@ double pixel_of_clip(std::span<const std::vector<Key>> keys) noexcept {
 
 /// Compiles key frames to a clip, one curve after the other, in parallel where asked.
 ///
-///   keys     #vertices · D, of each coordinate; the coordinates of a vertex side by side
+///   curves   keys of each coordinate, #vertices · D ranges; the coordinates of a vertex side by side
 ///   options  the extrapolation is that of the clip as a whole. Without a tolerance, what the clip
 ///            looks like does not depend on the unit; of a figure that goes far, give one
-///   fails    input_malformed where the number of curves is no multiple of D; as `compile_track`,
-///            of the first curve that is refused
-template <Scalar T, std::size_t D>
-CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const TrackOptions& options = {},
-                                const Running& running = {}) {
-    CompiledClip<T, D> result;
-    detail::run_into(result, [&] {
+///   fails    input_malformed where the number of curves is no multiple of D; as `compile` of
+///            a track, for the first curve that is refused
+template <Scalar T, std::size_t D, detail::KeysOfCurves R>
+Result<CageClip<T, D>, CompileReport> compile(const R& curves, const TrackOptions& options = {},
+                                              const Running& running = {}) {
+    Result<CageClip<T, D>, CompileReport> result;
+    detail::run_into(result.report, [&] {
+        const std::vector<std::span<const Key>> keys(std::ranges::begin(curves), std::ranges::end(curves));
         if (keys.size() % D != 0) return Status::input_malformed;
-        std::vector<CompiledTrack<T>> tracks(keys.size());
+        std::vector<Result<Track<T>, CompileReport>> tracks(keys.size());
         TrackOptions of_tracks = options;
         of_tracks.tolerance = options.tolerance.value_or(detail::pixel_of_clip<D>(keys));
         // A track may take seconds, where its pieces are tied.
@@ -62,22 +59,23 @@ CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const Tr
             const std::size_t count = (std::min)(step, keys.size() - begin);
             detail::in_parallel(running, count, 1, [&](std::size_t b, std::size_t e) {
                 for (std::size_t k = begin + b; k < begin + e; ++k)
-                    tracks[k] = compile_track<T>(keys[k], of_tracks);
+                    tracks[k] = compile<T>(keys[k], of_tracks);
             });
             if (!running.keep_going(double(begin + count) / double(keys.size()))) return Status::cancelled;
         }
         if (keys.empty() && !running.keep_going(1)) return Status::cancelled;
-        std::vector<PiecewiseCubic<T>> curves;
+        std::vector<PiecewiseCubic<T>> compiled;
         for (std::size_t k = 0; k < keys.size(); ++k) {
-            if (tracks[k].status != Status::ok) {
-                result.culprit_curve = k;
-                result.culprit = tracks[k].culprit;
-                return tracks[k].status;
+            auto& [track, report] = tracks[k];
+            if (report.status != Status::ok) {
+                result.report.curve = k;
+                result.report.culprit = report.culprit;
+                return report.status;
             }
-            result.sup_error = (std::max)(result.sup_error, tracks[k].sup_error);
-            curves.push_back(std::move(tracks[k].track.curve));
+            result.report.sup_error = (std::max)(result.report.sup_error, report.sup_error);
+            compiled.push_back(std::move(track.curve));
         }
-        result.clip = CageClip<T, D>(curves, options.before, options.after);
+        result.value = CageClip<T, D>(compiled, options.before, options.after);
         return Status::ok;
     });
     return result;

@@ -225,9 +225,10 @@ Status open_tables(Result<PackedFigureView<T, D>, OpenReport>& opened) noexcept 
 
 /// Whether a clip poses the vertices of a cage: all handles, or those that are points.
 template <Scalar T, std::size_t D>
-Status check_clip_of(const OpenedClip<T, D>& clip, const HandleView<T, D>& handles) noexcept {
-    if (clip.status != Status::ok) return clip.status;
-    const std::size_t vertices = clip.clip.vertex_count();
+Status check_clip_of(const Result<CageClipView<T, D>, OpenClipReport>& clip,
+                     const HandleView<T, D>& handles) noexcept {
+    if (!clip) return clip.status();
+    const std::size_t vertices = clip.value.vertex_count();
     return vertices == handles.count || vertices + handles.vector_count() == handles.count
                ? Status::ok
                : Status::blob_of_another_cage;

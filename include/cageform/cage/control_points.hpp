@@ -13,7 +13,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T, std::size_t D>
 struct ConstraintPoints {
-    std::vector<Vec<T, D>> sites;       ///< those given, then those added; empty unless ok
+    std::vector<Vec<T, D>> sites;       ///< those given, then those added
     std::vector<std::uint32_t> handles; ///< #indices: the site at each figure point
 };
 
@@ -27,11 +27,11 @@ struct ConstraintPoints {
 ///   cost     O(#indices · #sites)
 ///   fails    index_out_of_range, vertex_not_finite, out_of_memory
 template <PointRange S, PointRangeIn<range_dimension<S>> F>
-ConstraintPoints<range_scalar_t<S>, range_dimension<S>>
+Result<ConstraintPoints<range_scalar_t<S>, range_dimension<S>>>
 sites_with_figure_points(const S& sites, const F& figure, std::span<const std::size_t> indices) {
     using T = range_scalar_t<S>;
     using Site = Vec<T, range_dimension<S>>;
-    ConstraintPoints<T, range_dimension<S>> result;
+    Result<ConstraintPoints<T, range_dimension<S>>> result;
     const auto run = [&] {
         for (std::size_t i = 0; i < std::size(sites); ++i) result.value.sites.push_back(to_vec<T>(sites[i]));
         std::vector<Site> chosen;
@@ -57,10 +57,7 @@ sites_with_figure_points(const S& sites, const F& figure, std::span<const std::s
         return Status::ok;
     };
     result.report = detail::guard_memory(run);
-    if (result.report != Status::ok) {
-        result.value.sites.clear();
-        result.value.handles.clear();
-    }
+    if (!result) result.value = {};
     return result;
 }
 
@@ -115,7 +112,7 @@ surround(const R& points, const SurroundOptions& options = {}) {
         }
         return Status::ok;
     });
-    if (result.report != Status::ok) result.value.clear();
+    if (!result) result.value.clear();
     return result;
 }
 

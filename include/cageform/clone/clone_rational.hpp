@@ -158,7 +158,7 @@ namespace detail {
 template <class B>
 auto as_rational(const B& binding) noexcept {
     if constexpr (is_rational_view<B>) {
-        return Result<RationalView<std::remove_cvref_t<decltype(binding.binding())>>>{Status::ok, binding};
+        return Result<RationalView<std::remove_cvref_t<decltype(binding.binding())>>>{binding, Status::ok};
     } else {
         return rational_view(binding);
     }

@@ -320,31 +320,6 @@ Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const Pai
     return check_options<2>(options);
 }
 
-} // namespace detail
-
-/// A cage of few vertices about all that is drawn.
-///
-///   figure   what is drawn; radii not negative
-///   areas    which segments are outlines of painted areas; only options.holes asks for them
-///   returns  a loop of options.vertices vertices, counter-clockwise; with several loops each gets a share by the
-///            root of its area, but four at least: report.vertices tells. It passes `check`, contains the figure exactly, and
-///            report.clearance is at least 0.9 of the margin
-///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; slits narrower than 1.2 margins are closed
-///   mirror   vertices of a cage come in pairs, but for those on the axis; the figure need not be symmetric
-///   cost     some 50 ms for a drawing of a thousand segments; up to 70 bytes for each of at most 2^24 nodes of
-///            a lattice, whose spacing is a 256th of the figure's longer side, and at most a third of the margin
-///   errors   figure_empty; figure_not_finite, by segment; figure_has_no_size; margin_not_positive; margin_too_small;
-///            too_few_cage_vertices; mirror_not_supported; index_out_of_range, by area; cancelled; out_of_memory;
-///            cage_not_found, with the clearance of the last one tried
-///
-/// The same input gives the same cage; moved, or scaled by a power of two, it gives the cage moved and scaled, as
-/// far as coordinates are not rounded.
-template <Scalar T>
-MadeCage<Polygon<T>> make_cage(std::span<const DrawnSegment<T>> figure, const MakeCageOptions& options = {},
-                               std::span<const PaintedArea> areas = {});
-
-namespace detail {
-
 /// The frame of a figure, and the figure there.
 struct FramedFigure {
     CageFrame<2> frame;
@@ -380,7 +355,8 @@ Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional
 /// near.
 template <Scalar T>
 Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
-                      const MakeCageOptions& options, MadeCage<Polygon<T>>& made) {
+                      const MakeCageOptions& options, const Running& running,
+                      Result<Polygon<T>, MakeCageReport>& made) {
     auto& report = made.report;
     Status status = check_figure(figure, areas, options, report);
     if (status != Status::ok) return status;
@@ -401,8 +377,8 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     for (std::size_t round = 0; round < tries; ++round) {
         std::vector<Loop> loops;
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
-        const Running running = options.running.part(done[round], done[round + 1]);
-        status = maker.make(level, running, report, loops);
+        const Running part = running.part(done[round], done[round + 1]);
+        status = maker.make(level, part, report, loops);
         if (status != Status::ok) return status;
         std::vector<Vec<T, 2>> vertices;
         std::vector<std::size_t> sizes;
@@ -412,30 +388,56 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
                 std::reverse(vertices.end() - std::ptrdiff_t(loop.size()), vertices.end());
             sizes.push_back(loop.size());
         }
-        made.cage = Polygon<T>(vertices, sizes);
-        report.cage = check(made.cage);
-        report.clearance = exact_clearance(made.cage, std::span<const DrawnSegment<double>>(exact));
+        made.value = Polygon<T>(vertices, sizes);
+        report.cage = check(made.value);
+        report.clearance = exact_clearance(made.value, std::span<const DrawnSegment<double>>(exact));
         if (holds_figure(report)) break;
         level += (std::max)(margin - report.clearance * framed.frame.scale, 0.1 * margin);
     }
-    if (!options.running.keep_going(1)) return Status::cancelled;
-    report.vertices = made.cage.size();
-    report.least_angle = least_angle(made.cage);
+    if (!running.keep_going(1)) return Status::cancelled;
+    report.vertices = made.value.size();
+    report.least_angle = least_angle(made.value);
     report.area = 0;
-    for (const auto& loop : made.cage.loops()) report.area += signed_area(made.cage, loop);
+    for (const auto& loop : made.value.loops()) report.area += signed_area(made.value, loop);
     report.tightest_area /= framed.frame.scale * framed.frame.scale;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail
 
+/// A cage of few vertices about all that is drawn.
+///
+///   figure   a range of DrawnSegment, with radii not negative
+///   drawing  the segments, and which of them are outlines of painted areas: options.holes needs these
+///   returns  a loop of options.vertices vertices, counter-clockwise; with several loops each gets a share by the
+///            root of its area, but four at least: report.vertices tells. It passes `check`, contains the figure exactly, and
+///            report.clearance is at least 0.9 of the margin
+///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; slits narrower than 1.2 margins are closed
+///   mirror   vertices of a cage come in pairs, but for those on the axis; the figure need not be symmetric
+///   cost     some 50 ms for a drawing of a thousand segments; up to 70 bytes for each of at most 2^24 nodes of
+///            a lattice, whose spacing is a 256th of the figure's longer side, and at most a third of the margin
+///   errors   figure_empty; figure_not_finite, by segment; figure_has_no_size; margin_not_positive; margin_too_small;
+///            too_few_cage_vertices; mirror_not_supported; index_out_of_range, by area; cancelled; out_of_memory;
+///            cage_not_found, with the clearance of the last one tried
+///
+/// The same input gives the same cage; moved, or scaled by a power of two, it gives the cage moved and scaled, as
+/// far as coordinates are not rounded.
 template <Scalar T>
-MadeCage<Polygon<T>> make_cage(std::span<const DrawnSegment<T>> figure, const MakeCageOptions& options,
-                               std::span<const PaintedArea> areas) {
-    MadeCage<Polygon<T>> made;
-    detail::run_into(made.report, [&] { return detail::make_cage_into(figure, areas, options, made); });
-    if (!made) made.cage = {};
+Result<Polygon<T>, MakeCageReport> make_cage(const Drawing<T>& drawing, const MakeCageOptions& options = {},
+                                             const Running& running = {}) {
+    Result<Polygon<T>, MakeCageReport> made;
+    detail::run_into(made.report, [&] {
+        return detail::make_cage_into(drawing.segments, drawing.areas, options, running, made);
+    });
+    if (!made) made.value = {};
     return made;
+}
+
+/// Encloses a range of DrawnSegment without painted areas.
+template <std::ranges::contiguous_range R>
+auto make_cage(const R& figure, const MakeCageOptions& options = {}, const Running& running = {})
+    -> decltype(make_cage(Drawing(figure), options, running)) {
+    return make_cage(Drawing(figure), options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

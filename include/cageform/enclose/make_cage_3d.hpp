@@ -331,7 +331,7 @@ Status read_figure(const R& vertices, const F& faces, std::vector<Corners<3>>& f
 /// Makes the cage, verifies it against the figure itself, and tries again from farther off where it is too near.
 template <PointRange R, FaceRange F>
 Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& options,
-                      MadeCage<TriangleMesh<range_scalar_t<R>>>& made) {
+                      const Running& running, Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport>& made) {
     using T = range_scalar_t<R>;
     auto& report = made.report;
     std::vector<Corners<3>> figure;
@@ -362,29 +362,29 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
-        const Running running = options.running.part(done[round], done[round + 1]);
+        const Running part = running.part(done[round], done[round + 1]);
         Shell shell;
-        if (const Status status = maker.make(level, running, report, shell); status != Status::ok)
-            return status;
-        made.cage = cage_of<T>(shell, frame);
-        report.cage = check(made.cage);
-        report.clearance = exact_clearance(made.cage, std::span<const Corners<3>>(figure), 2 * report.margin);
+        if (const Status status = maker.make(level, part, report, shell); status != Status::ok) return status;
+        made.value = cage_of<T>(shell, frame);
+        report.cage = check(made.value);
+        report.clearance =
+            exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin);
         const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
-            return is_enclosed(winding_number(made.cage, to_vec<T>(vertices[v])));
+            return is_enclosed(winding_number(made.value, to_vec<T>(vertices[v])));
         });
         if (!all_inside) report.clearance = -report.clearance;
         if (holds_figure(report)) break;
         level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
-    if (!options.running.keep_going(1)) return Status::cancelled;
-    const auto shells = shells_of(made.cage);
-    report.vertices = made.cage.size();
-    report.least_angle = least_angle(made.cage);
+    if (!running.keep_going(1)) return Status::cancelled;
+    const auto shells = shells_of(made.value);
+    report.vertices = made.value.size();
+    report.least_angle = least_angle(made.value);
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;
     // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
-    report.tunnels = (2 * shells.first_face.size() + made.cage.faces().size() / 2 - made.cage.size()) / 2;
+    report.tunnels = (2 * shells.first_face.size() + made.value.faces().size() / 2 - made.value.size()) / 2;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 
@@ -409,11 +409,13 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
 /// The same input gives the same cage.
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
-MadeCage<TriangleMesh<range_scalar_t<R>>> make_cage(const R& vertices, const F& faces,
-                                                    const MakeCageOptions& options = {}) {
-    MadeCage<TriangleMesh<range_scalar_t<R>>> made;
-    detail::run_into(made.report, [&] { return detail::make_cage_into(vertices, faces, options, made); });
-    if (!made) made.cage = {};
+Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& vertices, const F& faces,
+                                                                  const MakeCageOptions& options = {},
+                                                                  const Running& running = {}) {
+    Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> made;
+    detail::run_into(made.report,
+                     [&] { return detail::make_cage_into(vertices, faces, options, running, made); });
+    if (!made) made.value = {};
     return made;
 }
 

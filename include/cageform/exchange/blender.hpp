@@ -52,8 +52,8 @@ inline BezierCurve limited_by_blender(const BezierCurve& curve, BlenderLimit lim
 ///          interval
 /// The easing interpolations (SINE, BOUNCE, …) are no Bézier curves. Blender manual, Graph Editor,
 /// F-Curves, "Handles" and "Interpolation"; the limits from what fcurve.evaluate() gives.
-inline ImportedCurve from_blender(const BlenderKey& first, const BlenderKey& second,
-                                  BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+inline Result<KeyInterval> from_blender(const BlenderKey& first, const BlenderKey& second,
+                                        BlenderLimit limit = BlenderLimit::each_handle) noexcept {
     if (first.interpolation == KeyKind::hold) return detail::held(first.co, second.co[0]);
     if (first.interpolation == KeyKind::linear)
         return detail::imported(KeyKind::linear, detail::straight(first.co, second.co));
@@ -94,8 +94,9 @@ inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey
 
 /// All keyframes of an F-curve as keys to be compiled, in frames: the curves between are those of
 /// `from_blender`. Fails as it does, for the first interval that is refused.
-inline ImportedKeys keys_from_blender(std::span<const BlenderKey> keyframes,
-                                      BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+inline Result<std::vector<Key>, ExchangeReport>
+keys_from_blender(std::span<const BlenderKey> keyframes,
+                  BlenderLimit limit = BlenderLimit::each_handle) noexcept {
     return detail::import_keys(
         keyframes.size(), [&](std::size_t n) { return from_blender(keyframes[n], keyframes[n + 1], limit); },
         [&](std::size_t n) { return keyframes[n].co; });

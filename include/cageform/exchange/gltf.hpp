@@ -9,34 +9,18 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The curves of a track, `curves[interval * components + component]`. Where `status` is not ok
-/// there are none, and `culprit` is the index of the key it was found at.
-struct GltfCurves {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
-    std::vector<BezierCurve> curves;
-};
-
-/// The arrays of a sampler. Where `status` is not ok they are empty, and `culprit` is the index of
-/// the curve it was found at.
+/// The arrays of a sampler.
 struct GltfTrack {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
     std::vector<float> times;  ///< the sampler's input, in seconds
     std::vector<float> values; ///< its output: of each key in-tangents, values, out-tangents
 };
 
 namespace detail {
 
-struct GltfCheck {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
-};
-
 /// Whether the arrays of a sampler are as many as its keys ask for, `rows` values of each component
 /// for a key, finite, and ascending in time.
-inline GltfCheck check_gltf(std::span<const float> times, std::span<const float> values,
-                            std::size_t components, std::size_t rows) noexcept {
+inline ExchangeReport check_gltf(std::span<const float> times, std::span<const float> values,
+                                 std::size_t components, std::size_t rows) noexcept {
     const std::size_t keys = times.size();
     if (keys == 0 || components == 0 || values.size() % (rows * keys) != 0 ||
         values.size() / (rows * keys) != components)
@@ -63,23 +47,24 @@ inline GltfCheck check_gltf(std::span<const float> times, std::span<const float>
 ///               components; value_not_finite, also of the first in- and the last out-tangent,
 ///               which mean nothing; keys_not_ascending where times do not ascend; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
-inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
-                                        std::size_t components) noexcept {
+inline Result<std::vector<BezierCurve>, ExchangeReport>
+from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
+                      std::size_t components) noexcept {
     const std::size_t keys = times.size();
-    if (keys < 2) return {Status::input_malformed, 0, {}};
+    if (keys < 2) return {{}, {Status::input_malformed, 0}};
     if (const auto sound = detail::check_gltf(times, values, components, 3); sound.status != Status::ok)
-        return {sound.status, sound.culprit, {}};
-    GltfCurves result;
-    result.status = detail::guard_memory([&] {
-        result.curves.resize((keys - 1) * components);
+        return {{}, sound};
+    Result<std::vector<BezierCurve>, ExchangeReport> result;
+    result.report.status = detail::guard_memory([&] {
+        result.value.resize((keys - 1) * components);
         return Status::ok;
     });
-    for (std::size_t index = 0; index < result.curves.size(); ++index) {
+    for (std::size_t index = 0; index < result.value.size(); ++index) {
         const std::size_t k = index / components, c = index % components;
         const double begin = times[k], end = times[k + 1], third = (end - begin) / 3;
         const auto of_key = [&](std::size_t n) { return double(values[(3 * k + n) * components + c]); };
         const double v0 = of_key(1), out = of_key(2), in = of_key(3), v1 = of_key(4);
-        result.curves[index] = {
+        result.value[index] = {
             {{{begin, v0}, {begin + third, v0 + third * out}, {end - third, v1 - third * in}, {end, v1}}}};
     }
     return result;
@@ -87,14 +72,6 @@ inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<
 
 /// A sampler's `interpolation`.
 enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
-
-/// The keys of a track, one curve for each component. Where `status` is not ok there are none, and
-/// `culprit` is the index of the key it was found at.
-struct GltfKeys {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
-    std::vector<std::vector<Key>> curves; ///< #components
-};
 
 /// The arrays of a sampler as keys to be compiled: of CUBICSPLINE the curves are those of
 /// `from_gltf_cubicspline`, of LINEAR straight lines, of STEP held values.
@@ -105,23 +82,24 @@ struct GltfKeys {
 ///                      of LINEAR is not the slerp that glTF asks for
 ///   fails              as `from_gltf_cubicspline`, but that a single key is allowed
 /// glTF 2.0, sec. 3.11 and appendix C.
-inline GltfKeys keys_from_gltf(std::span<const float> times, std::span<const float> values,
-                               std::size_t components, GltfInterpolation interpolation) noexcept {
+inline Result<std::vector<std::vector<Key>>, ExchangeReport>
+keys_from_gltf(std::span<const float> times, std::span<const float> values, std::size_t components,
+               GltfInterpolation interpolation) noexcept {
     const bool cubic = interpolation == GltfInterpolation::cubicspline;
     const std::size_t keys = times.size(), rows = cubic ? 3 : 1;
     if (const auto sound = detail::check_gltf(times, values, components, rows); sound.status != Status::ok)
-        return {sound.status, sound.culprit, {}};
-    GltfKeys result;
-    result.status = detail::guard_memory([&] {
-        result.curves.assign(components, std::vector<Key>(keys));
+        return {{}, sound};
+    Result<std::vector<std::vector<Key>>, ExchangeReport> result;
+    result.report.status = detail::guard_memory([&] {
+        result.value.assign(components, std::vector<Key>(keys));
         return Status::ok;
     });
-    for (std::size_t index = 0; index < result.curves.size() * keys; ++index) {
+    for (std::size_t index = 0; index < result.value.size() * keys; ++index) {
         const std::size_t k = index / components, c = index % components;
         const auto of_key = [&](std::size_t row) {
             return double(values[(rows * k + row) * components + c]);
         };
-        Key& key = result.curves[c][k];
+        Key& key = result.value[c][k];
         key.time = times[k];
         key.value = of_key(cubic ? 1 : 0);
         key.kind = cubic                                      ? KeyKind::hermite
@@ -181,7 +159,7 @@ inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noe
 /// The sampler of a track. Curves of this library's fits and of `from_gltf_cubicspline` come
 /// through; other curves, whose time is not linear in their parameter, are to be fitted first.
 ///
-///   curves      #I · components, at least one interval, as in GltfCurves; the intervals follow
+///   curves      #I · components, at least one interval, curves[interval * components + component]; the intervals follow
 ///               each other in time, the same for all components, and a curve's last value is the
 ///               next one's first
 ///   components  at least 1
@@ -193,38 +171,42 @@ inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noe
 ///               third, by 1e-7 of the interval; value_not_finite and slope_unbounded where a value
 ///               or tangent is too large for single precision; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
-inline GltfTrack to_gltf_cubicspline(std::span<const BezierCurve> curves, std::size_t components) noexcept {
+inline Result<GltfTrack, ExchangeReport> to_gltf_cubicspline(std::span<const BezierCurve> curves,
+                                                             std::size_t components) noexcept {
+    const auto refused = [](Status status, std::size_t index) {
+        return Result<GltfTrack, ExchangeReport>{{}, {status, index}};
+    };
     if (components == 0 || curves.empty() || curves.size() % components != 0)
-        return {Status::input_malformed, 0, {}, {}};
+        return refused(Status::input_malformed, 0);
     const std::size_t intervals = curves.size() / components;
-    GltfTrack result;
-    result.status = detail::guard_memory([&] {
-        result.times.resize(intervals + 1);
-        result.values.resize(3 * (intervals + 1) * components);
+    GltfTrack track;
+    const Status status = detail::guard_memory([&] {
+        track.times.resize(intervals + 1);
+        track.values.resize(3 * (intervals + 1) * components);
         return Status::ok;
     });
-    if (result.status != Status::ok) return {result.status, 0, {}, {}};
+    if (status != Status::ok) return refused(status, 0);
     for (std::size_t index = 0; index < curves.size(); ++index) {
         const std::size_t k = index / components, c = index % components;
         const auto interval = detail::gltf_interval(curves[index]);
-        if (interval.status != Status::ok) return {interval.status, index, {}, {}};
-        if (index == 0) result.times[0] = interval.begin;
-        if (c == 0) result.times[k + 1] = interval.end;
-        const bool same_time = interval.begin == result.times[k] && interval.end == result.times[k + 1];
+        if (interval.status != Status::ok) return refused(interval.status, index);
+        if (index == 0) track.times[0] = interval.begin;
+        if (c == 0) track.times[k + 1] = interval.end;
+        const bool same_time = interval.begin == track.times[k] && interval.end == track.times[k + 1];
         if (!same_time || (k > 0 && !detail::values_meet(curves[index - components], curves[index])))
-            return {Status::input_malformed, index, {}, {}};
+            return refused(Status::input_malformed, index);
         const auto& p = curves[index].points;
         const double third = (double(interval.end) - double(interval.begin)) / 3;
         const double out = (p[1][1] - p[0][1]) / third, in = (p[3][1] - p[2][1]) / third;
         if (!detail::fits_float(out) || !detail::fits_float(in))
-            return {Status::slope_unbounded, index, {}, {}};
-        float* const values = result.values.data() + 3 * k * components + c;
+            return refused(Status::slope_unbounded, index);
+        float* const values = track.values.data() + 3 * k * components + c;
         values[components] = static_cast<float>(p[0][1]);
         values[2 * components] = static_cast<float>(out);
         values[3 * components] = static_cast<float>(in);
         values[4 * components] = static_cast<float>(p[3][1]);
     }
-    return result;
+    return {std::move(track), {}};
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -34,8 +34,8 @@ struct LottieEasing {
 ///                  A y may leave it: the prose of the specification says otherwise, its schema and
 ///                  the players have overshooting handles.
 /// Lottie specification 1.0, Properties, "Keyframes" and "Keyframe Easing".
-inline ImportedCurve from_lottie(const LottieEasing& easing, const Vec<double, 2>& first,
-                                 const Vec<double, 2>& second) noexcept {
+inline Result<KeyInterval> from_lottie(const LottieEasing& easing, const Vec<double, 2>& first,
+                                       const Vec<double, 2>& second) noexcept {
     if (easing.hold) return detail::held(first, second[0]);
     for (const LottieHandle& handle : {easing.out, easing.in}) {
         if (!is_finite(handle.y)) return detail::refused(Status::value_not_finite);
@@ -63,9 +63,9 @@ inline Result<LottieEasing> to_lottie(const BezierCurve& curve, KeyKind kind = K
         result.report = detail::sound(curve);
         return result;
     }
-    const auto unit = detail::unit_handles(curve);
-    result.report = unit.status;
-    if (unit.status == Status::ok)
+    const auto [unit, status] = detail::unit_handles(curve);
+    result.report = status;
+    if (status == Status::ok)
         result.value = {{unit.first[0], unit.first[1]}, {unit.second[0], unit.second[1]}, false};
     return result;
 }
@@ -78,7 +78,8 @@ struct LottieKey {
 
 /// All keyframes of one component as keys to be compiled, in frames: the curves between are those of
 /// `from_lottie`. Fails as it does, for the first interval that is refused.
-inline ImportedKeys keys_from_lottie(std::span<const LottieKey> keyframes) noexcept {
+inline Result<std::vector<Key>, ExchangeReport>
+keys_from_lottie(std::span<const LottieKey> keyframes) noexcept {
     const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
     return detail::import_keys(
         keyframes.size(),

@@ -25,7 +25,7 @@ struct UnityKey {
 ///          `weighted` says so
 ///   fails  value_not_finite; interval_empty; handle_not_allowed where a weight leaves [0, 1]
 /// Unity Scripting API, Keyframe ("Hermite Segment", "Bezier Segment") and WeightedMode.
-inline ImportedCurve from_unity(const UnityKey& first, const UnityKey& second) noexcept {
+inline Result<KeyInterval> from_unity(const UnityKey& first, const UnityKey& second) noexcept {
     if (detail::is_infinite(first.out_tangent) || detail::is_infinite(second.in_tangent))
         return detail::held({first.time, first.value}, second.time);
     constexpr double third = 1.0 / 3;
@@ -87,7 +87,8 @@ inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& seco
 
 /// All keyframes of an AnimationCurve as keys to be compiled, in seconds: the curves between are
 /// those of `from_unity`. Fails as it does, for the first interval that is refused.
-inline ImportedKeys keys_from_unity(std::span<const UnityKey> keyframes) noexcept {
+inline Result<std::vector<Key>, ExchangeReport>
+keys_from_unity(std::span<const UnityKey> keyframes) noexcept {
     return detail::import_keys(
         keyframes.size(), [&](std::size_t n) { return from_unity(keyframes[n], keyframes[n + 1]); },
         [&](std::size_t n) {

@@ -38,7 +38,7 @@ inline Vec<double, 2> unreal_handle(double slope, double weight, bool weighted, 
 ///   fails  value_not_finite; interval_empty; curve_turns_back where weights are negative or too
 ///          long
 /// Unreal Engine C++ API, FRichCurveKey, ERichCurveInterpMode and ERichCurveTangentWeightMode.
-inline ImportedCurve from_unreal(const UnrealKey& first, const UnrealKey& second) noexcept {
+inline Result<KeyInterval> from_unreal(const UnrealKey& first, const UnrealKey& second) noexcept {
     const Vec<double, 2> begin{first.time, first.value}, end{second.time, second.value};
     if (first.interpolation == KeyKind::hold) return detail::held(begin, second.time);
     if (first.interpolation == KeyKind::linear)
@@ -91,7 +91,8 @@ inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& s
 
 /// All keys of a rich curve as keys to be compiled, in seconds: the curves between are those of
 /// `from_unreal`. Fails as it does, for the first interval that is refused.
-inline ImportedKeys keys_from_unreal(std::span<const UnrealKey> rich_curve) noexcept {
+inline Result<std::vector<Key>, ExchangeReport>
+keys_from_unreal(std::span<const UnrealKey> rich_curve) noexcept {
     return detail::import_keys(
         rich_curve.size(), [&](std::size_t n) { return from_unreal(rich_curve[n], rich_curve[n + 1]); },
         [&](std::size_t n) {

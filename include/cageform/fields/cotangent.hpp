@@ -2,6 +2,7 @@
 // vertices harmonic. Not part of cageform.hpp.
 #pragma once
 
+#include <cageform/core/result.hpp>
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
 #include <cageform/fields/graph.hpp>
 
@@ -29,14 +30,14 @@ struct SurfaceReport {
     double seconds = 0; ///< wall-clock time
 };
 
-/// What `cotangent_weights` makes; empty but for the report unless that is ok.
+/// The links of a mesh that make a function on its vertices harmonic, made by `cotangent_weights`.
 struct CotangentWeights {
     std::size_t vertices = 0;
     std::vector<GraphLink> links;     ///< w_ij; those that are zero within rounding are left out
     std::vector<double> areas;        ///< of every vertex, a third of the given faces around it
     std::vector<std::uint8_t> unused; ///< of every vertex, 1 where no face has it
     double unit = 1;                  ///< the areas are in its square: a power of two
-    SurfaceReport report;
+    bool has_negative = false;        ///< as SurfaceReport::negative_weights says
 
     Graph graph() const noexcept { return {vertices, links}; }
 };
@@ -75,7 +76,8 @@ inline bool has_no_area(const Corners<3>& corner) noexcept {
 
 /// Adds the faults of faces and edges of finite vertices, and the vertices that no face has.
 inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces,
-                          std::span<const HalfEdge> half_edges, CotangentWeights& result) {
+                          std::span<const HalfEdge> half_edges,
+                          Result<CotangentWeights, SurfaceReport>& result) {
     CageReport& report = result.report.mesh;
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (has_no_area(Facet<3>(faces[f], vertices).corner)) report.add(CageFaultKind::face_without_area, f);
@@ -85,35 +87,35 @@ inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<co
         if (edge.size() > 2) report.add(CageFaultKind::edge_not_manifold, low, high);
         if (edge.size() == 1) ++result.report.rim_edges;
     });
-    for (std::size_t i = 0; i < result.unused.size(); ++i) {
-        if (result.unused[i] != 0) report.add(CageFaultKind::vertex_unused, i);
+    for (std::size_t i = 0; i < result.value.unused.size(); ++i) {
+        if (result.value.unused[i] != 0) report.add(CageFaultKind::vertex_unused, i);
     }
 }
 
 /// The links of a mesh, each edge once.
-inline void add_links(const IntrinsicMesh& mesh, CotangentWeights& result) {
-    result.links.reserve(mesh.sides() / 2 + 1);
+inline void add_links(const IntrinsicMesh& mesh, Result<CotangentWeights, SurfaceReport>& result) {
+    result.value.links.reserve(mesh.sides() / 2 + 1);
     for (std::uint32_t side = 0; side < mesh.sides(); ++side) {
         if (mesh.twin(side) != IntrinsicMesh::rim && mesh.twin(side) < side) continue;
         const auto [value, rounding] = mesh.cotangents(side);
         const auto [a, b] = mesh.ends(side);
         // Flips may make an edge from a vertex to itself, across which nothing flows.
         if (a == b || std::fabs(value) <= rounding) continue;
-        result.links.push_back({a, b, 0.5 * value});
+        result.value.links.push_back({a, b, 0.5 * value});
         if (value < 0) ++result.report.negative_weights;
     }
 }
 
 inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces,
-                           MeshWeights weights, CotangentWeights& result) {
+                           MeshWeights weights, Result<CotangentWeights, SurfaceReport>& result) {
     CageReport& report = result.report.mesh;
-    result.unused.assign(vertices.size(), 1);
+    result.value.unused.assign(vertices.size(), 1);
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (lacks_vertex(faces[f])) {
             report.add(CageFaultKind::face_without_vertex, f);
             continue;
         }
-        for (const std::uint32_t i : faces[f]) result.unused[i] = 0;
+        for (const std::uint32_t i : faces[f]) result.value.unused[i] = 0;
     }
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         if (!is_finite(vertices[i])) report.add(CageFaultKind::vertex_not_finite, i);
@@ -122,14 +124,15 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
     const auto half_edges = half_edges_of(faces);
     check_surface(vertices, faces, half_edges, result);
     if (report.status != Status::ok) return report.status;
-    result.areas.assign(vertices.size(), 0.0);
+    result.value.areas.assign(vertices.size(), 0.0);
     for (const auto& face : faces) {
         const double third = TriangleShape::of(Facet<3>(face, vertices).corner).area2 / 6;
-        for (const std::uint32_t i : face) result.areas[i] += third;
+        for (const std::uint32_t i : face) result.value.areas[i] += third;
     }
     IntrinsicMesh mesh(vertices, faces, half_edges);
     if (weights == MeshWeights::intrinsic_delaunay) result.report.flips = mesh.make_delaunay();
     add_links(mesh, result);
+    result.value.has_negative = result.report.negative_weights > 0;
     return Status::ok;
 }
 
@@ -149,31 +152,24 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
 ///             cage_not_manifold (an edge of three faces); out_of_memory
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
-CotangentWeights cotangent_weights(const R& vertices, const F& faces,
-                                   MeshWeights weights = MeshWeights::intrinsic_delaunay) {
-    CotangentWeights result;
-    SurfaceReport report;
-    detail::run_into(report, [&] {
+Result<CotangentWeights, SurfaceReport>
+cotangent_weights(const R& vertices, const F& faces, MeshWeights weights = MeshWeights::intrinsic_delaunay) {
+    Result<CotangentWeights, SurfaceReport> result;
+    detail::run_into(result.report, [&] {
         const std::size_t count = std::size(vertices);
         auto places = detail::places_in_space(vertices);
-        result.unit = detail::surface_unit(std::span<const Vec<double, 3>>(places));
+        result.value.unit = detail::surface_unit(std::span<const Vec<double, 3>>(places));
         for (auto& place : places) {
-            for (std::size_t k = 0; k < 3; ++k) place[k] /= result.unit;
+            for (std::size_t k = 0; k < 3; ++k) place[k] /= result.value.unit;
         }
         std::vector<detail::MeshFace> checked;
         checked.reserve(std::size(faces));
         for (std::size_t f = 0; f < std::size(faces); ++f)
             checked.push_back(detail::checked_face(faces[f], count));
-        result.vertices = count;
+        result.value.vertices = count;
         return detail::make_weights(places, checked, weights, result);
     });
-    result.report.status = report.status;
-    result.report.seconds = report.seconds;
-    if (report.status != Status::ok) {
-        CotangentWeights failed;
-        failed.report = std::move(result.report);
-        return failed;
-    }
+    if (!result) result.value = {};
     return result;
 }
 

@@ -39,13 +39,6 @@ struct SurfaceSkinReport {
     double seconds = 0;                  ///< wall-clock time
 };
 
-/// Empty unless the report's status is ok.
-template <Scalar T>
-struct SurfaceSkin {
-    std::vector<T> weights; ///< #vertices · #bones: a vertex's lie side by side; of one without a face zeros
-    SurfaceSkinReport report;
-};
-
 namespace detail {
 
 /// The bones nearest to a place.
@@ -86,9 +79,10 @@ public:
 
     template <class R, class F>
     Status load(const R& points, const F& faces) {
-        mesh_ = cotangent_weights(points, faces);
-        report_.mesh = mesh_.report;
-        if (mesh_.report.status != Status::ok) return mesh_.report.status;
+        auto weights = cotangent_weights(points, faces);
+        report_.mesh = std::move(weights.report);
+        if (report_.mesh.status != Status::ok) return report_.mesh.status;
+        mesh_ = std::move(weights.value);
         if (bones_.empty()) return Status::bone_weights_do_not_match;
         for (std::size_t b = 0; b < bones_.size(); ++b) {
             for (auto* end : {&bones_[b].head, &bones_[b].tail}) {
@@ -154,7 +148,7 @@ public:
         given.insert(given.end(), bones_.size(), 1);
         std::vector<double> all(nodes * bones_.size(), 0.0);
         for (std::size_t b = 0; b < bones_.size(); ++b) all[b * nodes + size + b] = 1;
-        const GraphOptions graph{.allow_negative = mesh_.report.negative_weights > 0};
+        const GraphOptions graph{.allow_negative = mesh_.has_negative};
         const auto evaluation =
             solve_graph(Graph{nodes, links}, given, std::span(all), graph, running.part(0.5, 1));
         report_.solver = evaluation.solver;
@@ -221,7 +215,7 @@ private:
     /// The nearest bones of every vertex, without those that it does not see.
     Status find_bones(const Running& running, std::vector<NearestBones>& nearest) {
         const bool looks = options_.visibility == BoneVisibility::inside;
-        if (looks && mesh_.report.rim_edges > 0) {
+        if (looks && report_.mesh.rim_edges > 0) {
             const auto half_edges = half_edges_of(faces_);
             for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
                 const auto [low, high] = edge[0].edge();
@@ -260,15 +254,15 @@ private:
 };
 
 template <class R, class F, class Solve>
-SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
-                                            std::span<const BoneSegment> bones,
-                                            const SurfaceSkinOptions& options, const Solve& solve) {
-    SurfaceSkin<range_scalar_t<R>> skin;
+Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport>
+surface_skin(const R& points, const F& faces, std::span<const BoneSegment> bones,
+             const SurfaceSkinOptions& options, const Solve& solve) {
+    Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport> skin;
     run_into(skin.report, [&] {
         SurfaceSkinner skinner(bones, options, skin.report);
         Status status = skinner.load(points, faces);
         if (status == Status::ok) status = solve(skinner);
-        if (status == Status::ok) skin.weights = skinner.template weights<range_scalar_t<R>>();
+        if (status == Status::ok) skin.value = skinner.template weights<range_scalar_t<R>>();
         return status;
     });
     return skin;
@@ -279,7 +273,8 @@ SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
 /// Harmonic weights: 1 at the vertices that belong to a bone and 0 at those of the others
 /// (SurfaceSkinOptions::groups), harmonic between (fields/surface.hpp).
 ///
-///   returns  weights that sum to 1, in [0, 1] but for rounding, unless SurfaceReport::negative_weights
+///   returns  #vertices · #bones weights, those of a vertex side by side, zeros where it has no face.
+///            They sum to 1 and are in [0, 1] but for rounding, unless SurfaceReport::negative_weights
 ///            says otherwise. The mesh may be open
 ///   cost     one factorisation for all bones; a search of O(#vertices · #bones) for the groups
 ///   fails    as cotangent_weights; bone_weights_do_not_match (no bones), value_not_finite (a bone,
@@ -288,10 +283,9 @@ SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
 ///            bone), not_converged (only with negative weights); cancelled; out_of_memory
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
-SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
-                                             std::span<const BoneSegment> bones,
-                                             const SurfaceSkinOptions& options = {},
-                                             const Running& running = {}) {
+Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport>
+harmonic_skin(const R& points, const F& faces, std::span<const BoneSegment> bones,
+              const SurfaceSkinOptions& options = {}, const Running& running = {}) {
     return detail::surface_skin(points, faces, bones, options,
                                 [&](auto& skinner) { return skinner.solve_harmonic(running); });
 }
@@ -309,9 +303,10 @@ SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
 ///            mesh that sees no bone
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
-SurfaceSkin<range_scalar_t<R>> bone_heat(const R& points, const F& faces, std::span<const BoneSegment> bones,
-                                         const SurfaceSkinOptions& options = {},
-                                         const Running& running = {}) {
+Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport> bone_heat(const R& points, const F& faces,
+                                                                    std::span<const BoneSegment> bones,
+                                                                    const SurfaceSkinOptions& options = {},
+                                                                    const Running& running = {}) {
     return detail::surface_skin(points, faces, bones, options,
                                 [&](auto& skinner) { return skinner.solve_heat(running); });
 }

@@ -14,17 +14,17 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            neither. Between the least and the largest given value, unless
 ///            SurfaceReport::negative_weights says otherwise. Linear functions on flat parts come back
 ///   cost     as solve_graph: one factorisation for all fields
-///   fails    with the status of the weights; value_not_finite (SolverReport::culprit is the place in
+///   fails    input_malformed (not a mark for each vertex, or no whole fields: also where
+///            `cotangent_weights` failed); value_not_finite (SolverReport::culprit is the place in
 ///            `values`); cells_unreached (the first vertex of a part without a given one);
 ///            not_converged; cancelled; out_of_memory
 template <Scalar T>
 Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::uint8_t> given,
                          std::span<T> values, const Running& running = {}) {
-    if (weights.report.status != Status::ok) return {weights.report.status, {}};
     const std::size_t size = weights.vertices;
-    CAGEFORM_ASSERT(given.size() == size && (size == 0 ? values.empty() : values.size() % size == 0),
-                    "a mark for each vertex, and whole fields");
-    const GraphOptions options{.allow_negative = weights.report.negative_weights > 0};
+    if (given.size() != size || (size == 0 ? !values.empty() : values.size() % size != 0))
+        return {Status::input_malformed, {}};
+    const GraphOptions options{.allow_negative = weights.has_negative};
     return detail::guarded_evaluation([&](SolverReport& report) {
         // A vertex without a face is to the graph one that is given, of any value.
         std::vector<std::uint8_t> marks(given.begin(), given.end());

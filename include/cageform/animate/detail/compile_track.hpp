@@ -4,9 +4,12 @@
 #include <cageform/animate/fit.hpp>
 #include <cageform/animate/key.hpp>
 #include <cageform/animate/track.hpp>
+#include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 
+#include <concepts>
 #include <optional>
+#include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -25,29 +28,32 @@ CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
 
 struct TrackOptions {
     /// The largest error of a value, in its units. Where it is not given, it is screen_tolerance for a track; for a
-    /// clip (`compile_clip`) it is that share of the diagonal of the box that holds the values of all its keys.
+    /// clip it is that share of the diagonal of the box that holds the values of all its keys.
     std::optional<double> tolerance{};
     FitOptions fit{}; ///< the degree is 3 whatever it says
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
 };
 
-template <Scalar T>
-struct CompiledTrack {
-    /// keys_missing; value_not_finite, also of what is too large for T; keys_not_ascending;
-    /// cancelled; out_of_memory; as `fit`.
+/// How the compilation of a track or of a clip went.
+struct CompileReport {
     Status status = Status::ok;
-    std::size_t culprit = 0; ///< the key that is refused, or the first of the interval
-    Track<T> track;          ///< without pieces where the status is not ok
-    double sup_error = 0;    ///< the largest of all intervals, apart from the rounding of T
-    double seconds = 0;
+    std::size_t curve = 0;   ///< of a clip: the curve that is refused
+    std::size_t culprit = 0; ///< the key that is refused, or the first one of the refused interval
+    double sup_error = 0;    ///< largest error of all intervals and curves, apart from the rounding of T
+    double seconds = 0;      ///< wall-clock time
 };
 
 namespace detail {
 
+/// Keys of one curve: a vector, an array or a span of Key.
+template <class R>
+concept Keys = std::convertible_to<const R&, std::span<const Key>>;
+
 template <Scalar T>
 class TrackCompiler {
 public:
-    TrackCompiler(std::span<const Key> keys, const TrackOptions& options, CompiledTrack<T>& result)
+    TrackCompiler(std::span<const Key> keys, const TrackOptions& options,
+                  Result<Track<T>, CompileReport>& result)
         : keys_(keys)
         , tolerance_(options.tolerance.value_or(screen_tolerance))
         , fit_(options.fit)
@@ -70,14 +76,14 @@ public:
         const Key& last = keys_.back();
         if (keys_.size() == 1) (void)add_constant(0);
         // After a hold the value jumps to that of the last key; otherwise it is there already.
-        result_.track.curve =
+        result_.value.curve =
             PiecewiseCubic<T>(std::move(pieces_), static_cast<T>(last.time), static_cast<T>(last.value));
         return Status::ok;
     }
 
 private:
     Status refuse(Status status, std::size_t key) {
-        result_.culprit = key;
+        result_.report.culprit = key;
         return status;
     }
     Status check_key(std::size_t i) const {
@@ -99,12 +105,12 @@ private:
         return Status::ok;
     }
     Status add_interval(std::size_t i, const Running& running) {
-        const FewestPieces search(key_interval(keys_, i), tolerance_, fit_, default_max_pieces);
+        const FewestPieces search(key_interval(keys_, i), tolerance_, fit_);
         const double intervals = double(keys_.size() - 1);
-        const BezierFit fitted = search.find(
+        const auto [fitted, report] = search.find(
             search.tied() ? running.part(double(i) / intervals, double(i + 1) / intervals) : Running{});
-        if (fitted.status != Status::ok) return fitted.status;
-        result_.sup_error = (std::max)(result_.sup_error, fitted.sup_error);
+        if (report.status != Status::ok) return report.status;
+        result_.report.sup_error = (std::max)(result_.report.sup_error, report.sup_error);
         for (std::size_t k = 0; k < fitted.pieces(); ++k) {
             const T begin = static_cast<T>(fitted.knots[k]), end = static_cast<T>(fitted.knots[k + 1]);
             if (!(begin < end)) continue; // shorter than T resolves
@@ -126,7 +132,7 @@ private:
     std::span<const Key> keys_;
     double tolerance_;
     FitOptions fit_;
-    CompiledTrack<T>& result_;
+    Result<Track<T>, CompileReport>& result_;
     std::vector<CubicPiece<T>> pieces_;
 };
 
@@ -137,13 +143,17 @@ private:
 ///
 ///   cost   a piece for every interval that is a cubic of time (all kinds but bezier with handles
 ///          elsewhere than at thirds); of others as `fit`
-template <Scalar T>
-CompiledTrack<T> compile_track(std::span<const Key> keys, const TrackOptions& options = {},
-                               const Running& running = {}) {
-    CompiledTrack<T> result;
-    result.track.before = options.before;
-    result.track.after = options.after;
-    detail::run_into(result, [&] { return detail::TrackCompiler<T>(keys, options, result).run(running); });
+///   fails  keys_missing; value_not_finite, also where a key is too large for T; keys_not_ascending;
+///          cancelled; out_of_memory; as `fit`
+template <Scalar T, detail::Keys R>
+Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& options = {},
+                                        const Running& running = {}) {
+    Result<Track<T>, CompileReport> result;
+    result.value.before = options.before;
+    result.value.after = options.after;
+    detail::run_into(result.report, [&] {
+        return detail::TrackCompiler<T>(std::span<const Key>(keys), options, result).run(running);
+    });
     return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cageform/animate/bezier.hpp>
 #include <cageform/animate/fit/bernstein.hpp>
+#include <cageform/core/result.hpp>
 
 #include <algorithm>
 #include <span>
@@ -10,8 +11,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Polynomials in time, one after the other.
-struct BezierFit {
+/// How well a fit matches its curve, or why there is none.
+struct FitReport {
     /// ok; as check(curve), value_not_finite also where values differ by more than 1e306 from the
     /// first key's, or a coefficient overflows; and
     ///   degree_not_supported      not 3, 4 or 5
@@ -24,19 +25,24 @@ struct BezierFit {
     ///   tolerance_not_met         of `fit`, with as many pieces as it may take
     ///   cancelled                 of `fit`
     Status status = Status::ok;
+    double l2_error = 0;    ///< (∫ (C − f)² dx)^½, in the units of the curve
+    double slope_error = 0; ///< (∫ (C' − f')² dx)^½; infinite at a vertical tangent
+    double sup_error = 0;   ///< max |C − f|, exact to rounding
+    double sup_at = 0;      ///< a time where it occurs
+
+    double w12_error() const noexcept { return std::hypot(l2_error, slope_error); }
+};
+
+/// Polynomials in time, one after the other.
+struct BezierFit {
     std::size_t degree = 3;
     std::vector<double> knots;      ///< #pieces + 1 times
     std::vector<double> parameters; ///< of the curve at the knots, from 0 to 1
     /// #pieces · (degree + 1) coefficients, each piece's on [0, 1] of its own interval.
     std::vector<double> bernstein;
     std::size_t free_coefficients = 0; ///< less the conditions
-    double l2_error = 0;               ///< (∫ (C − f)² dx)^½, in the units of the curve
-    double slope_error = 0;            ///< (∫ (C' − f')² dx)^½; infinite at a vertical tangent
-    double sup_error = 0;              ///< max |C − f|, exact to rounding
-    double sup_at = 0;                 ///< a time where it occurs
 
     std::size_t pieces() const noexcept { return knots.empty() ? 0 : knots.size() - 1; }
-    double w12_error() const noexcept { return std::hypot(l2_error, slope_error); }
     std::span<const double> coefficients(std::size_t piece) const noexcept {
         return std::span(bernstein).subspan(piece * (degree + 1), degree + 1);
     }

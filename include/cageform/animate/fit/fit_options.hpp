@@ -78,6 +78,7 @@ struct FitOptions {
     /// Weights count where the interval is one unit of time long, so that the unit does not matter;
     /// or in the curve's units.
     bool scale_free = true;
+    std::size_t max_pieces = 64; ///< of `fit`: the most pieces that may be used to meet the tolerance
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

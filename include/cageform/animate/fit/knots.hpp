@@ -30,16 +30,26 @@ struct KnotOptions {
     int rounds = 100;
 };
 
-/// Knots and what they cost.
-struct KnotSearch {
+/// The knots that a search found.
+struct BestKnots {
+    std::vector<double> parameters;   ///< #pieces + 1, from 0 to 1
+    std::vector<std::size_t> indices; ///< of them among the candidates, where they are from a grid
+};
+
+/// How a search for knots went.
+struct KnotReport {
     /// As of a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces;
     /// cancelled.
     Status status = Status::ok;
-    std::vector<double> parameters;   ///< #pieces + 1, from 0 to 1
-    std::vector<std::size_t> indices; ///< of them among the candidates, where they are from a grid
     double objective = std::numeric_limits<double>::infinity(); ///< weighted squares of the errors
-    std::size_t trials = 0;
+    std::size_t trials = 0;                                     ///< fits that were tried
 };
+
+namespace detail {
+
+using KnotSearch = Result<BestKnots, KnotReport>;
+
+} // namespace detail
 
 namespace detail {
 
@@ -52,7 +62,7 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
     KnotSearch search;
     const auto cancelled = [&](double done) {
         if (running.keep_going(done)) return false;
-        search.status = Status::cancelled;
+        search.report.status = Status::cancelled;
         return true;
     };
     std::vector<double> cost((last + 1) * (last + 1), infinity); // from j to k, those to one k in a row
@@ -60,7 +70,7 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
         if (cancelled(0.8 * double(j) / double(last))) return search;
         for (std::size_t k = j + 1; k <= last; ++k) {
             const auto piece = fitter.fit_piece(candidates[j], candidates[k]);
-            ++search.trials;
+            ++search.report.trials;
             if (piece.solved) cost[k * (last + 1) + j] = fitter.cost(piece);
         }
     }
@@ -78,15 +88,15 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
             }
         }
     }
-    search.objective = least[pieces][last];
-    if (!(search.objective < infinity)) {
-        search.status = fitter.fit(uniform_in_parameter(pieces)).status;
-        if (search.status == Status::ok) search.status = Status::too_many_conditions;
+    search.report.objective = least[pieces][last];
+    if (!(search.report.objective < infinity)) {
+        search.report.status = fitter.fit(uniform_in_parameter(pieces)).status();
+        if (search) search.report.status = Status::too_many_conditions;
         return search;
     }
-    search.indices.resize(pieces + 1, last);
-    for (std::size_t n = pieces; n > 0; --n) search.indices[n - 1] = from[n][search.indices[n]];
-    for (const std::size_t i : search.indices) search.parameters.push_back(candidates[i]);
+    search.value.indices.resize(pieces + 1, last);
+    for (std::size_t n = pieces; n > 0; --n) search.value.indices[n - 1] = from[n][search.value.indices[n]];
+    for (const std::size_t i : search.value.indices) search.value.parameters.push_back(candidates[i]);
     return search;
 }
 
@@ -111,25 +121,25 @@ inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> c
     indices[pieces] = candidates.size() - 1;
     std::vector<double> parameters(pieces + 1);
     do {
-        if (search.trials++ == max_trials) {
-            search.status = Status::too_many_trials;
+        if (search.report.trials++ == max_trials) {
+            search.report.status = Status::too_many_trials;
             return search;
         }
         // The first inner knot tells how far the choices are.
         const double done = pieces > 1 ? double(indices[1] - 1) / double(indices[pieces]) : 0;
-        if (search.trials % 1000 == 0 && !running.keep_going(done)) {
-            search.status = Status::cancelled;
+        if (search.report.trials % 1000 == 0 && !running.keep_going(done)) {
+            search.report.status = Status::cancelled;
             return search;
         }
         for (std::size_t i = 0; i <= pieces; ++i) parameters[i] = candidates[indices[i]];
         const double objective = fitter.cost(parameters);
-        if (objective < search.objective) {
-            search.objective = objective;
-            search.parameters = parameters;
-            search.indices = indices;
+        if (objective < search.report.objective) {
+            search.report.objective = objective;
+            search.value.parameters = parameters;
+            search.value.indices = indices;
         }
     } while (next_choice(indices));
-    if (search.parameters.empty()) search.status = Status::too_many_conditions;
+    if (search.value.parameters.empty()) search.report.status = Status::too_many_conditions;
     return search;
 }
 
@@ -159,11 +169,11 @@ inline std::vector<double> divided_anew(std::span<const double> knots, std::size
 
 /// Moves every inner knot once to where it costs least; the largest move.
 inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
-    auto& t = search.parameters;
+    auto& t = search.value.parameters;
     double moved = 0;
     for (std::size_t i = 1; i + 1 < t.size(); ++i) {
         const auto objective = [&](double x) {
-            ++search.trials;
+            ++search.report.trials;
             if (!fitter.decoupled()) {
                 auto others = t;
                 others[i] = x;
@@ -186,21 +196,22 @@ inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
 /// The best of all choices of inner knots among candidates, which ascend from 0 to 1. Where pieces
 /// are determined by their own interval it is found without trying all; so with `end_value |
 /// knot_c0`, by the knots of `end_value | knot_value`.
-inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double> candidates,
-                               std::size_t pieces, const KnotOptions& options = {},
-                               const Running& running = {}) {
+inline Result<BestKnots, KnotReport> search_knots(const BezierCurve& curve,
+                                                  std::span<const double> candidates, std::size_t pieces,
+                                                  const KnotOptions& options = {},
+                                                  const Running& running = {}) {
     const SobolevFitter fitter(curve, detail::apart(options.fit));
-    KnotSearch search;
-    search.status = fitter.status();
-    if (search.status != Status::ok) return search;
+    detail::KnotSearch search;
+    search.report.status = fitter.status();
+    if (!search) return search;
     if (pieces == 0 || candidates.size() < pieces + 1) {
-        search.status = Status::knots_not_ascending;
+        search.report.status = Status::knots_not_ascending;
         return search;
     }
     search = fitter.decoupled() ? detail::cheapest_path(fitter, candidates, pieces, running)
                                 : detail::try_all(fitter, candidates, pieces, options.max_trials, running);
-    search.objective = fitter.in_units(search.objective);
-    search.status = running.end(search.status);
+    search.report.objective = fitter.in_units(search.report.objective);
+    search.report.status = running.end(search.report.status);
     return search;
 }
 
@@ -211,8 +222,9 @@ inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double>
 ///
 ///   cost  O(steps² + pieces · rounds) fits of a piece, of all pieces where they are tied: some
 ///         milliseconds for 8 pieces, seconds for 1000
-inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, const KnotOptions& options = {},
-                                const Running& running = {}) {
+inline Result<BestKnots, KnotReport> optimal_knots(const BezierCurve& curve, std::size_t pieces,
+                                                   const KnotOptions& options = {},
+                                                   const Running& running = {}) {
     constexpr std::size_t most_on_grid = 64, most_tied = 24;
     const bool many = pieces > most_on_grid;
     FitOptions polished = detail::apart(options.fit);
@@ -223,27 +235,27 @@ inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, co
         on_grid.fit.conditions = end_value | knot_value;
         if (pieces > most_tied) polished.conditions = end_value | knot_value;
     }
-    KnotSearch search;
+    detail::KnotSearch search;
     if (many) {
         search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.part(0, 0.5));
-        search.parameters = detail::divided_anew(search.parameters, pieces);
+        search.value.parameters = detail::divided_anew(search.value.parameters, pieces);
     } else {
         const auto candidates = uniform_in_parameter((std::max)(options.steps, 2 * pieces));
         search = search_knots(curve, candidates, pieces, on_grid, running.part(0, 0.5));
     }
-    if (search.status != Status::ok) return search;
-    search.indices.clear();
+    if (!search) return search;
+    search.value.indices.clear();
     const SobolevFitter fitter(curve, polished);
     const int rounds = many ? (std::min)(options.rounds, 20) : options.rounds;
     for (int round = 0; round < rounds; ++round) {
         if (!running.keep_going(0.5 + 0.5 * round / rounds)) {
-            search.status = Status::cancelled;
+            search.report.status = Status::cancelled;
             return search;
         }
         if (detail::polish(fitter, search) < 1e-8) break;
     }
-    search.objective = SobolevFitter(curve, options.fit).objective(search.parameters);
-    search.status = running.end(Status::ok);
+    search.report.objective = SobolevFitter(curve, options.fit).objective(search.value.parameters);
+    search.report.status = running.end(Status::ok);
     return search;
 }
 

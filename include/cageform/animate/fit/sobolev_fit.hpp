@@ -13,6 +13,7 @@
 #include <cageform/animate/fit/least_maximum.hpp>
 #include <cageform/animate/fit/normal_equations.hpp>
 #include <cageform/animate/fit/tied_pieces.hpp>
+#include <cageform/core/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -86,20 +87,18 @@ public:
     }
 
     /// All pieces between parameters that ascend from 0 to 1.
-    BezierFit fit(std::span<const double> parameters) const {
-        BezierFit result;
-        result.degree = problem_.options.degree;
-        result.status = status_;
-        if (status_ != Status::ok) return result;
+    Result<BezierFit, FitReport> fit(std::span<const double> parameters, const Running& running = {}) const {
+        if (status_ != Status::ok) return {{}, {status_}};
         std::vector<Piece> pieces;
-        result.status = solve(parameters, pieces);
-        return result.status == Status::ok ? gather(pieces) : result;
+        const Status status = solve(parameters, pieces, running);
+        if (status != Status::ok) return {{}, {status}};
+        return gather(pieces);
     }
 
     /// The sum of the costs of the pieces between parameters; infinite where there is no fit.
     double cost(std::span<const double> parameters) const {
         std::vector<Piece> pieces;
-        if (solve(parameters, pieces) != Status::ok) return std::numeric_limits<double>::infinity();
+        if (solve(parameters, pieces, {}) != Status::ok) return std::numeric_limits<double>::infinity();
         double sum = 0;
         for (const Piece& piece : pieces) sum += cost(piece);
         return sum;
@@ -110,34 +109,35 @@ public:
     double in_units(double cost) const noexcept { return cost * problem_.unit * problem_.unit; }
 
     /// The result made of solved pieces.
-    BezierFit gather(std::span<const Piece> pieces) const {
+    Result<BezierFit, FitReport> gather(std::span<const Piece> pieces) const {
         const FitOptions& options = problem_.options;
         const double length = problem_.function.length(), begin = curve_.begin(), unit = problem_.unit;
-        BezierFit result;
-        result.degree = options.degree;
-        result.free_coefficients =
+        Result<BezierFit, FitReport> result;
+        auto& [fitted, report] = result;
+        fitted.degree = options.degree;
+        fitted.free_coefficients =
             (options.degree + 1) * pieces.size() - detail::condition_count(options.conditions, pieces.size());
-        result.parameters = {0};
-        result.knots = {begin};
+        fitted.parameters = {0};
+        fitted.knots = {begin};
         double l2 = 0, slope = 0;
         for (const Piece& piece : pieces) {
             const auto error = detail::residual(problem_, piece);
-            result.parameters.push_back(piece.end);
-            result.knots.push_back(piece.end == 1 ? curve_.end() : begin + length * piece.x_end);
+            fitted.parameters.push_back(piece.end);
+            fitted.knots.push_back(piece.end == 1 ? curve_.end() : begin + length * piece.x_end);
             for (std::size_t k = 0; k <= options.degree; ++k) {
-                result.bernstein.push_back(curve_.points[0][1] + unit * piece.polynomial.c[k]);
-                if (!is_finite(result.bernstein.back())) result.status = Status::value_not_finite;
+                fitted.bernstein.push_back(curve_.points[0][1] + unit * piece.polynomial.c[k]);
+                if (!is_finite(fitted.bernstein.back())) report.status = Status::value_not_finite;
             }
             l2 += detail::l2_square(problem_, piece, error);
             slope += detail::slope_square(problem_, piece, error);
             const auto largest = detail::largest_absolute(error);
-            if (unit * largest.value <= result.sup_error && &piece != pieces.data()) continue;
-            result.sup_error = unit * largest.value;
-            result.sup_at = begin + length * problem_.function.time()(piece.begin +
+            if (unit * largest.value <= report.sup_error && &piece != pieces.data()) continue;
+            report.sup_error = unit * largest.value;
+            report.sup_at = begin + length * problem_.function.time()(piece.begin +
                                                                       largest.at * (piece.end - piece.begin));
         }
-        result.l2_error = unit * (std::sqrt(l2) * std::sqrt(length));
-        result.slope_error = unit * (std::sqrt(slope) / std::sqrt(length));
+        report.l2_error = unit * (std::sqrt(l2) * std::sqrt(length));
+        report.slope_error = unit * (std::sqrt(slope) / std::sqrt(length));
         return result;
     }
 
@@ -176,7 +176,8 @@ private:
     }
 
     /// Makes and solves the pieces between parameters.
-    Status solve(std::span<const double> parameters, std::vector<Piece>& pieces) const {
+    Status solve(std::span<const double> parameters, std::vector<Piece>& pieces,
+                 const Running& running) const {
         bool ascending = parameters.size() >= 2 && parameters.front() == 0 && parameters.back() == 1;
         for (std::size_t i = 0; i + 1 < parameters.size() && ascending; ++i) {
             pieces.push_back(problem_.interval(parameters[i], parameters[i + 1]));
@@ -185,6 +186,7 @@ private:
         if (!ascending) return Status::knots_not_ascending;
         if (!decoupled()) return detail::TiedPieces(problem_, pieces).solve();
         for (Piece& piece : pieces) {
+            if (!running.keep_going(piece.begin)) return Status::cancelled;
             std::array<double, 3> c{};
             for (const double t : {piece.begin, piece.end}) {
                 if (!problem_.derivatives(t, problem_.prescribed(t == 0 || t == 1), c))
@@ -203,9 +205,11 @@ private:
 
 /// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals
 /// and a small linear system for each piece; one for all where conditions tie them together.
-inline BezierFit fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
-                            const FitOptions& options = {}) {
-    return SobolevFitter(curve, options).fit(parameters);
+inline Result<BezierFit, FitReport> fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
+                                               const FitOptions& options = {}, const Running& running = {}) {
+    auto result = SobolevFitter(curve, options).fit(parameters, running);
+    result.report.status = running.end(result.report.status);
+    return result;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -53,7 +53,7 @@ Status check_motion(const HandleView<T, D>& handles, const FigurePackOptions& op
     for (std::size_t n = 0; n < options.levels.size(); ++n) {
         report.culprit = FigureTags::level(n + 1);
         const auto level = open_figure_within<T, D>(options.levels[n], {}, false);
-        if (level.status != Status::ok) return level.status;
+        if (!level) return level.status();
         if (!same_handles(level.value.handle_view(), handles)) return Status::blob_of_another_cage;
     }
     report.culprit = {};

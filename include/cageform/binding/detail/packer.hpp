@@ -356,14 +356,13 @@ private:
 };
 
 template <Scalar T, std::size_t D>
-Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding, const PackOptions& options,
-                                                     const Running& running) {
+Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
+                                                     const PackOptions& options, const Running& running) {
     Result<PackedBinding<T, D>, PackReport> result;
     result.report.points = binding.point_count();
     result.report.handles = binding.handle_count();
-    run_into(result.report, [&] {
-        return Packer<T, D>(binding, options, running).run(result.value, result.report);
-    });
+    run_into(result.report,
+             [&] { return Packer<T, D>(binding, options, running).run(result.value, result.report); });
     return result;
 }
 

@@ -253,7 +253,7 @@ BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
 
 template <Scalar T, std::size_t D>
 Result<Binding<T, D>, BindReport> bind_points(const BindInput<T, D>& input, const BindOptions& options,
-                             Binding<T, D>&& recycled, const Running& running) {
+                                              Binding<T, D>&& recycled, const Running& running) {
     Result<Binding<T, D>, BindReport> result;
     result.report = report_bind(input, [&](BindReport& report) {
         PointBinder<T, D> binder(input, options);

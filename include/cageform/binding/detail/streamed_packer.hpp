@@ -29,7 +29,8 @@ public:
 
     /// One batch, of functions that need not be kept.
     template <class C>
-    Status run_at_once(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
+    Status run_at_once(const C& coordinates, const Running& running,
+                       Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
         auto bound = bind(coordinates, points_, options_.bind, running.part(0, 0.5));
         result.report.bound = std::move(bound.report);
         if (result.report.bound.status != Status::ok) return result.report.bound.status;
@@ -41,7 +42,8 @@ public:
 
     /// One batch after the other; the first report that is not ok ends it.
     template <class C>
-    Status run(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
+    Status run(const C& coordinates, const Running& running,
+               Result<PackedBinding<T, D>, StreamedPackReport>& result) {
         Status status = result.report.packed.status = set_order();
         if (status != Status::ok) return status;
         {
@@ -65,7 +67,8 @@ public:
 
 private:
     template <class C>
-    Status run_batches(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
+    Status run_batches(const C& coordinates, const Running& running,
+                       Result<PackedBinding<T, D>, StreamedPackReport>& result) {
         result.report.packed.errors.resize(points_.size());
         result.report.packed.distances.resize(points_.size());
         auto pack = pack_options();
@@ -172,7 +175,8 @@ private:
             batch.status == Status::weight_not_finite || batch.status == Status::format_too_coarse;
         all.culprit = names_point ? order_[first + batch.culprit] : batch.culprit;
     }
-    void summarise(const PackedBinding<T, D>& blob, Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
+    void summarise(const PackedBinding<T, D>& blob,
+                   Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
         BindReport& bound = result.report.bound;
         for (auto* list :
              {&bound.on_boundary, &bound.outside, &bound.not_finite, &bound.unreached, &bound.not_restored})

@@ -8,21 +8,6 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A piece of what is drawn: all places within `radius` of the segment from `a` to `b`. A stroke is made of
-/// these, with half its width for a radius; an outline has radius 0.
-template <Scalar T>
-struct DrawnSegment {
-    Vec<T, 2> a, b;
-    T radius = 0;
-};
-
-/// Segments `begin` … `end` − 1 are closed outlines of one painted area.
-struct PaintedArea {
-    std::size_t begin = 0;
-    std::size_t end = 0;
-    bool even_odd = false; ///< else non-zero, as in SVG
-};
-
 namespace detail {
 
 /// The function f = distance from the figure − margin on the nodes of a lattice of equal spacings, linear along lattice

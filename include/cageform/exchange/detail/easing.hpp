@@ -3,6 +3,7 @@
 
 #include <cageform/animate/key.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
+#include <cageform/core/result.hpp>
 
 #include <bit>
 #include <limits>
@@ -14,21 +15,17 @@ namespace cageform::inline CAGEFORM_ABI {
 /// and of Unreal's ERichCurveTangentWeightMode, where `in` is called arrive and `out` leave.
 enum class WeightedHandles : std::uint8_t { none = 0, in = 1, out = 2, both = 3 };
 
-/// The interval between two keys of another program. `curve` is a sound one (`check` says ok) where
-/// `status` is ok, else all zeros. Of a held key it is level, at the first key's value; the second
-/// key's value begins the next interval.
-struct ImportedCurve {
-    Status status = Status::ok;
+/// The interval between two keys of another program. `check` accepts the curve. A held interval is
+/// level, at the first key's value; the second key's value begins the next interval.
+struct KeyInterval {
     KeyKind kind = KeyKind::bezier;
     BezierCurve curve{};
 };
 
-/// The keys of a curve, as `compile_track` and `compile_clip` take them.
-struct ImportedKeys {
-    /// keys_missing; out_of_memory; that of the first interval that is refused.
+/// How the import or the export of a curve went.
+struct ExchangeReport {
     Status status = Status::ok;
-    std::size_t culprit = 0; ///< the key that this interval begins with
-    std::vector<Key> keys;   ///< none where the status is not ok
+    std::size_t culprit = 0; ///< the refused key or curve: the first key of a refused interval
 };
 
 namespace detail {
@@ -44,13 +41,14 @@ inline Status sound(const BezierCurve& curve) noexcept {
     return fits ? status : Status::curve_turns_back;
 }
 
-inline ImportedCurve refused(Status status, KeyKind kind = KeyKind::bezier) noexcept {
-    return {status, kind, {}};
+inline Result<KeyInterval> refused(Status status) noexcept {
+    return {{}, status};
 }
 
-inline ImportedCurve imported(KeyKind kind, const BezierCurve& curve) noexcept {
+inline Result<KeyInterval> imported(KeyKind kind, const BezierCurve& curve) noexcept {
     const Status status = sound(curve);
-    return status == Status::ok ? ImportedCurve{status, kind, curve} : refused(status, kind);
+    if (status != Status::ok) return refused(status);
+    return {{kind, curve}, status};
 }
 
 /// Of a number that is to be a part of an interval.
@@ -66,7 +64,7 @@ inline BezierCurve straight(const Vec<double, 2>& first, const Vec<double, 2>& s
     return {{first, first + third, second - third, second}};
 }
 
-inline ImportedCurve held(const Vec<double, 2>& first, double second_time) noexcept {
+inline Result<KeyInterval> held(const Vec<double, 2>& first, double second_time) noexcept {
     return imported(KeyKind::hold, straight(first, {second_time, first[1]}));
 }
 
@@ -114,45 +112,45 @@ inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
 /// The handles in parts of the interval and of the rise between the keys, as CSS and Lottie have
 /// them.
 struct UnitHandles {
-    Status status = Status::ok;
     Vec<double, 2> first{0, 0}, second{1, 1};
 };
 
 /// Fails as `check`; with handle_not_allowed where a handle's time leaves the interval, or where
 /// the keys have one value and a handle another; with value_not_finite where a part is too large
 /// for a number.
-inline UnitHandles unit_handles(const BezierCurve& curve) noexcept {
-    UnitHandles result;
-    result.status = sound(curve);
-    if (result.status != Status::ok) return result;
+inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
+    if (const Status status = sound(curve); status != Status::ok) return {{}, status};
+    UnitHandles unit;
+    Status status = Status::ok;
     const auto& p = curve.points;
     const double length = curve.end() - curve.begin(), rise = p[3][1] - p[0][1];
-    result.first = {(p[1][0] - p[0][0]) / length, 0};
-    result.second = {(p[2][0] - p[0][0]) / length, 1};
-    for (const double part : {result.first[0], result.second[0]}) {
-        if (!(part >= 0 && part <= 1)) result.status = Status::handle_not_allowed;
+    unit.first = {(p[1][0] - p[0][0]) / length, 0};
+    unit.second = {(p[2][0] - p[0][0]) / length, 1};
+    for (const double part : {unit.first[0], unit.second[0]}) {
+        if (!(part >= 0 && part <= 1)) status = Status::handle_not_allowed;
     }
     if (rise != 0) {
-        result.first[1] = (p[1][1] - p[0][1]) / rise;
-        result.second[1] = (p[2][1] - p[0][1]) / rise;
+        unit.first[1] = (p[1][1] - p[0][1]) / rise;
+        unit.second[1] = (p[2][1] - p[0][1]) / rise;
     } else if (p[1][1] != p[0][1] || p[2][1] != p[0][1]) {
-        result.status = Status::handle_not_allowed;
+        status = Status::handle_not_allowed;
     }
-    for (auto* handle : {&result.first, &result.second}) {
+    for (auto* handle : {&unit.first, &unit.second}) {
         // Of a falling curve a part may be −0, which a text is not to show.
         for (std::size_t k = 0; k < 2; ++k) (*handle)[k] += 0.0;
     }
-    if (!is_finite(result.first[1]) || !is_finite(result.second[1])) result.status = Status::value_not_finite;
-    return result;
+    if (!is_finite(unit.first[1]) || !is_finite(unit.second[1])) status = Status::value_not_finite;
+    return {unit, status};
 }
 
 /// The keys of a curve whose intervals are imported one by one: interval(n) is the curve from key n
 /// to the next, place(n) the time and the value of key n. Of their kinds the intervals are as they
 /// were, to the bit.
 template <class Interval, class Place>
-ImportedKeys import_keys(std::size_t count, const Interval& interval, const Place& place) noexcept {
-    ImportedKeys result;
-    result.status = guard_memory([&] {
+Result<std::vector<Key>, ExchangeReport> import_keys(std::size_t count, const Interval& interval,
+                                                     const Place& place) noexcept {
+    Result<std::vector<Key>, ExchangeReport> result;
+    result.report.status = guard_memory([&] {
         if (count == 0) return Status::keys_missing;
         std::vector<Key> keys(count);
         for (std::size_t n = 0; n < count; ++n) {
@@ -163,19 +161,20 @@ ImportedKeys import_keys(std::size_t count, const Interval& interval, const Plac
             if (n == 0) keys[n].in_handle = at;
             keys[n].out_handle = at;
             if (n + 1 == count) continue;
-            result.culprit = n;
-            const ImportedCurve curve = interval(n);
-            if (curve.status != Status::ok) return curve.status;
-            keys[n].kind = curve.kind;
-            if (curve.kind == KeyKind::bezier) keys[n].out_handle = curve.curve.points[1];
-            keys[n + 1].in_handle = curve.kind == KeyKind::bezier ? curve.curve.points[2] : place(n + 1);
-            keys[n + 1].arrives_by_handle = curve.kind == KeyKind::bezier;
+            result.report.culprit = n;
+            const Result<KeyInterval> imported = interval(n);
+            if (!imported) return imported.status();
+            const auto& [kind, curve] = imported.value;
+            keys[n].kind = kind;
+            if (kind == KeyKind::bezier) keys[n].out_handle = curve.points[1];
+            keys[n + 1].in_handle = kind == KeyKind::bezier ? curve.points[2] : place(n + 1);
+            keys[n + 1].arrives_by_handle = kind == KeyKind::bezier;
         }
         const Vec<double, 2> last = place(count - 1);
-        result.culprit = count - 1;
+        result.report.culprit = count - 1;
         if (!is_finite(last)) return Status::value_not_finite;
-        result.culprit = 0;
-        result.keys = std::move(keys);
+        result.report.culprit = 0;
+        result.value = std::move(keys);
         return Status::ok;
     });
     return result;

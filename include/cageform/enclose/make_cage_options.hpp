@@ -1,14 +1,46 @@
-// What make_cage is asked for, in the plane and in space, and what it reports.
+// The figure that make_cage encloses, its options and its report.
 #pragma once
 
 #include <cageform/cage/report.hpp>
+#include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
+#include <cageform/core/vec.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <ranges>
+#include <span>
+#include <utility>
 
 namespace cageform::inline CAGEFORM_ABI {
+
+/// A piece of a drawing: all points within `radius` of the segment from `a` to `b`. A stroke is made of
+/// these, with half its width for a radius; an outline has radius 0.
+template <Scalar T>
+struct DrawnSegment {
+    Vec<T, 2> a, b;
+    T radius = 0;
+};
+
+/// A painted area of a drawing. Segments `begin` … `end` − 1 are its closed outlines.
+struct PaintedArea {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+    bool even_odd = false; ///< else non-zero, as in SVG
+};
+
+/// A drawing whose painted areas are known, so that a cage can keep their holes.
+template <Scalar T>
+struct Drawing {
+    std::span<const DrawnSegment<T>> segments;
+    std::span<const PaintedArea> areas{};
+};
+template <class Segments>
+Drawing(const Segments&) -> Drawing<decltype(std::declval<std::ranges::range_value_t<Segments>>().radius)>;
+template <class Segments, class Areas>
+Drawing(const Segments&, const Areas&)
+    -> Drawing<decltype(std::declval<std::ranges::range_value_t<Segments>>().radius)>;
 
 /// A plane (in 2D: a line) across an axis, in which a cage is its own mirror image.
 struct MirrorPlane {
@@ -38,7 +70,6 @@ struct MakeCageOptions {
     bool fill_tunnels = false; ///< in space: the cage gets genus 0; else it has the figure's tunnels
     /// What regular angles and lengths are worth against a tight fit. More makes a looser cage.
     double regular = 1;
-    Running running{};
 };
 
 /// What became of it. `area`: volume in space.
@@ -57,15 +88,6 @@ struct MakeCageReport {
     std::size_t tunnels = 0; ///< of a cage in space: its genus
     CageReport cage;         ///< what `check` says of the cage
     double seconds = 0;
-};
-
-/// A cage made, and the report; the cage is empty where the status is not ok.
-template <class C>
-struct MadeCage {
-    C cage;
-    MakeCageReport report;
-
-    explicit operator bool() const noexcept { return report.status == Status::ok; }
 };
 
 } // namespace cageform::inline CAGEFORM_ABI
