@@ -1,4 +1,8 @@
-// Key frames to the motion of a cage. Bind time.
+// Compiles key frames to the motion of a cage. Bind time.
+//
+// The way of an animation: key.hpp (keys) → fit.hpp (few cubics for each Bézier curve) →
+// detail/compile_track.hpp (a coordinate) → here (all coordinates) → clip.hpp (played) →
+// pack_clip.hpp (shipped), clip_blob.hpp (its format).
 #pragma once
 
 #include <cageform/animate/clip.hpp>
@@ -13,15 +17,15 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T, std::size_t D>
 struct CompiledClip {
     Status status = Status::ok;                 ///< as `compile_track`; input_malformed
-    std::size_t culprit_curve = 0, culprit = 0; ///< the curve that is refused, and its key
-    CageClip<T, D> clip;                        ///< without curves where the status is not ok
+    std::size_t culprit_curve = 0, culprit = 0; ///< the refused curve, and its key
+    CageClip<T, D> clip;                        ///< without curves unless the status is ok
     double sup_error = 0;                       ///< the largest of all curves
     double seconds = 0;
 };
 
 namespace detail {
 
-/// A pixel of a screen that shows all that the keys reach; of keys that do not move, any tolerance is met.
+/// The size of a pixel if the keys of all coordinates just fill a screen. Without motion any tolerance does.
 template <std::size_t D>
 double pixel_of_clip(std::span<const std::vector<Key>> keys) noexcept {
     double diagonal = 0;
@@ -40,13 +44,13 @@ double pixel_of_clip(std::span<const std::vector<Key>> keys) noexcept {
 
 } // namespace detail
 
-/// Compiles key frames to a clip, one curve after the other, in parallel where asked.
+/// Compiles key frames to a clip, curve by curve, in parallel if `running` says so.
 ///
-///   keys     #vertices · D, of each coordinate; the coordinates of a vertex side by side
-///   options  the extrapolation is that of the clip as a whole. Without a tolerance, what the clip
-///            looks like does not depend on the unit; of a figure that goes far, give one
-///   fails    input_malformed where the number of curves is no multiple of D; as `compile_track`,
-///            of the first curve that is refused
+///   keys     #vertices · D lists of keys; the coordinates of a vertex are adjacent
+///   options  the extrapolation applies to the clip as a whole. Without a tolerance, the result
+///            does not depend on the unit of length; set one for a figure that moves far
+///   fails    input_malformed if the number of curves is no multiple of D; as `compile_track`, for
+///            the first refused curve
 template <Scalar T, std::size_t D>
 CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const TrackOptions& options = {},
                                 const Running& running = {}) {
@@ -56,7 +60,7 @@ CompiledClip<T, D> compile_clip(std::span<const std::vector<Key>> keys, const Tr
         std::vector<CompiledTrack<T>> tracks(keys.size());
         TrackOptions of_tracks = options;
         of_tracks.tolerance = options.tolerance.value_or(detail::pixel_of_clip<D>(keys));
-        // A track may take seconds, where its pieces are tied.
+        // A track may take seconds if its pieces are tied.
         const std::size_t step = std::max<std::size_t>(keys.size() / 50, 16);
         for (std::size_t begin = 0; begin < keys.size(); begin += step) {
             const std::size_t count = (std::min)(step, keys.size() - begin);

@@ -1,4 +1,4 @@
-// Key frames to tracks: every kind of key compiled to the one format of pieces. Bind time.
+// Compiles the key frames of one value to a track: every kind of key becomes cubic pieces. Bind time.
 #pragma once
 
 #include <cageform/animate/fit.hpp>
@@ -10,8 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A piece of degree 3 of a fit as it is at run time; from times as T rounds them, so that it still
-/// meets the next. Of times that T tells apart; its coefficients may be too large for T.
+/// Converts a piece of degree 3 of a fit to its run-time form. It uses times rounded to T, so that
+/// it still meets the next piece. T must resolve its length; its coefficients may overflow T.
 template <Scalar T>
 CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
     const auto b = fitted.coefficients(piece);
@@ -24,21 +24,21 @@ CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
 }
 
 struct TrackOptions {
-    /// The largest error of a value, in its units. Where it is not given, it is screen_tolerance for a track; for a
-    /// clip (`compile_clip`) it is that share of the diagonal of the box that holds the values of all its keys.
+    /// The largest error of a value, in its units. By default screen_tolerance for a track; for a
+    /// clip (`compile_clip`), this share of the diagonal of the bounding box of all keys' values.
     std::optional<double> tolerance{};
-    FitOptions fit{}; ///< the degree is 3 whatever it says
+    FitOptions fit{}; ///< the degree is always 3
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
 };
 
 template <Scalar T>
 struct CompiledTrack {
-    /// keys_missing; value_not_finite, also of what is too large for T; keys_not_ascending;
+    /// keys_missing; value_not_finite, also if a value is too large for T; keys_not_ascending;
     /// cancelled; out_of_memory; as `fit`.
     Status status = Status::ok;
-    std::size_t culprit = 0; ///< the key that is refused, or the first of the interval
-    Track<T> track;          ///< without pieces where the status is not ok
-    double sup_error = 0;    ///< the largest of all intervals, apart from the rounding of T
+    std::size_t culprit = 0; ///< the refused key, or the first key of the interval
+    Track<T> track;          ///< without pieces unless the status is ok
+    double sup_error = 0;    ///< the largest of all intervals, without the rounding of T
     double seconds = 0;
 };
 
@@ -69,7 +69,7 @@ public:
         if (!running.keep_going(1)) return Status::cancelled;
         const Key& last = keys_.back();
         if (keys_.size() == 1) (void)add_constant(0);
-        // After a hold the value jumps to that of the last key; otherwise it is there already.
+        // After a hold the value jumps to the last key's; otherwise it has already arrived there.
         result_.track.curve =
             PiecewiseCubic<T>(std::move(pieces_), static_cast<T>(last.time), static_cast<T>(last.value));
         return Status::ok;
@@ -87,7 +87,7 @@ private:
               key.in_handle[0], key.in_handle[1], key.out_handle[0], key.out_handle[1]}) {
             if (!is_finite(x)) return Status::value_not_finite;
         }
-        // In T too, and so that the track's length is.
+        // Values, times and the track's length must also be finite in T.
         if (!is_finite(static_cast<T>(key.value)) || !is_finite(static_cast<T>(key.time - keys_[0].time)) ||
             !is_finite(static_cast<T>(key.time)))
             return Status::value_not_finite;
@@ -107,7 +107,7 @@ private:
         result_.sup_error = (std::max)(result_.sup_error, fitted.sup_error);
         for (std::size_t k = 0; k < fitted.pieces(); ++k) {
             const T begin = static_cast<T>(fitted.knots[k]), end = static_cast<T>(fitted.knots[k + 1]);
-            if (!(begin < end)) continue; // shorter than T resolves
+            if (!(begin < end)) continue; // T does not resolve its length
             const auto piece = cubic_piece<T>(fitted, k);
             if (!stays_finite(piece, end - begin)) return Status::value_not_finite;
             pieces_.push_back(piece);
@@ -115,8 +115,8 @@ private:
         return Status::ok;
     }
 
-    /// Whether no step of a piece's evaluation overflows up to `length`: those of the absolute
-    /// coefficients are the largest there.
+    /// Whether the evaluation of a piece up to `length` never overflows. The piece with absolute
+    /// coefficients bounds every intermediate result.
     static bool stays_finite(const CubicPiece<T>& piece, T length) noexcept {
         const CubicPiece<T> bound{T(0), std::fabs(piece.c0), std::fabs(piece.c1), std::fabs(piece.c2),
                                   std::fabs(piece.c3)};
@@ -132,11 +132,11 @@ private:
 
 } // namespace detail
 
-/// Compiles keys, which ascend by time, to a track. A single key is a constant. The progress is
-/// told every thousand keys, and for every piece tried where pieces are tied.
+/// Compiles keys, ascending by time, to a track. A single key is a constant. Reports progress every
+/// thousand keys; if pieces are tied, for every fit.
 ///
-///   cost   a piece for every interval that is a cubic of time (all kinds but bezier with handles
-///          elsewhere than at thirds); of others as `fit`
+///   cost   one piece for each interval that is a cubic of time (all kinds except bezier with
+///          handles not at thirds); for others as `fit`
 template <Scalar T>
 CompiledTrack<T> compile_track(std::span<const Key> keys, const TrackOptions& options = {},
                                const Running& running = {}) {
