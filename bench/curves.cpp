@@ -1,7 +1,7 @@
 // Key-frame curves: fitting them, and evaluating many at one time, beside solving the cubic every time.
 #include "curve_comparators.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/curve_bank.hpp>
 #include <cageform/core/threads.hpp>
 

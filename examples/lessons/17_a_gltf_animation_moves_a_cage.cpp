@@ -1,5 +1,5 @@
 // 17. A glTF animation moves a cage: the samplers' arrays become a clip, which is shipped in one file with the figure.
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>

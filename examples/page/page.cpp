@@ -4,7 +4,7 @@
 // place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in float.
 // Where a status is not 0, page_message() says what is wrong.
 
-#include <cageform/animate/detail/compile_track.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/clone.hpp>

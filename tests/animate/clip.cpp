@@ -5,7 +5,7 @@
 #include "support/keys.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 
 namespace clip_tests {
 

@@ -6,7 +6,7 @@
 #include "support/keys.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 
 namespace clip_blob_tests {

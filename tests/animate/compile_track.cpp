@@ -4,7 +4,7 @@
 #include "support/keys.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/detail/compile_track.hpp>
+#include <cageform/animate/compile.hpp>
 
 namespace compile_track_tests {
 

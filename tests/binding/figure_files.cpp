@@ -4,7 +4,7 @@
 #include "../support/keys.hpp"
 #include "../support/packed.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/rebind_cage.hpp>

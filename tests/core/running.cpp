@@ -4,7 +4,7 @@
 #include "../support/meshes.hpp"
 #include "../support/progress.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/fit/knots.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>

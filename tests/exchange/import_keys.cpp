@@ -2,7 +2,7 @@
 #include "catch.hpp"
 #include "support/cages.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/exchange/blender.hpp>
 #include <cageform/exchange/css.hpp>
 #include <cageform/exchange/gltf.hpp>

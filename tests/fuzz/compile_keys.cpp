@@ -8,7 +8,7 @@
 //
 // With -DRANDOM_BYTES and without "fuzzer,": random bytes, a million in minutes.
 //     ./fuzz_compile_keys COUNT [SEED]
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 
 #include <array>
 #include <cstdio>

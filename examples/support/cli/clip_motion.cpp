@@ -2,7 +2,7 @@
 #include "files/clip_file.hpp"
 #include "files/csv.hpp"
 
-#include <cageform/animate/detail/compile_track.hpp>
+#include <cageform/animate/compile.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,9 @@
-// A Bézier key interval replaced by a few polynomials in time: the best ones in a Sobolev norm,
-// under conditions.
+// Replaces the Bézier curve between two keys by a few polynomials in time: the best ones in a
+// Sobolev norm, under conditions.
 //
-// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD
-// thesis, Warsaw University of Technology (2019), ch. 4. Misprints are corrected, integrals exact.
-// Bind time: allocates. The normal equations are in detail/normal_equations.hpp,
-// conditions in detail/tied_pieces.hpp.
+// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD thesis, Warsaw
+// University of Technology (2019), ch. 4. Misprints are corrected, integrals exact. Bind time: allocates.
+// Independent pieces are solved by normal_equations.hpp, pieces tied by conditions by tied_pieces.hpp.
 #pragma once
 
 #include <cageform/animate/fit/bezier_fit.hpp>
@@ -17,8 +16,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Fits pieces to one curve; the search for knots asks it many times. Inside, time runs from 0
-/// to 1, and values are differences from the first key's in a unit that makes the largest about 1.
+/// Fits pieces to one curve; the search for knots calls it many times. Works in the normalised
+/// units of fit_problem.hpp.
 class SobolevFitter {
 public:
     using Piece = detail::FitPiece;
@@ -31,11 +30,11 @@ public:
     Status status() const noexcept { return status_; }
     const BezierCurve& curve() const noexcept { return curve_; }
 
-    /// Whether every piece is determined by its own interval.
+    /// Whether pieces are independent: each is determined by its own interval.
     bool decoupled() const noexcept { return detail::decoupled(problem_.options.conditions); }
 
-    /// The best piece between two parameters that has the values (and slopes) of the curve at its
-    /// ends. Not solved where there are more conditions than coefficients, or a slope is unbounded.
+    /// The best piece between two parameters that has the curve's values (and slopes) at its ends.
+    /// It is not solved if there are more conditions than coefficients, or a slope is unbounded.
     Piece fit_piece(double begin, double end) const {
         Piece piece = problem_.interval(begin, end);
         if (!(piece.length() > 0)) return piece;
@@ -53,9 +52,8 @@ public:
         return piece;
     }
 
-    /// What knots are searched by: the weighted squares of a piece's errors, in the unit of the
-    /// fitter. Where the curve's slope is unbounded, less a constant that is infinite but the same
-    /// for all knots.
+    /// The objective of the knot search: the weighted squared errors of a piece, in the fitter's units.
+    /// If the curve's slope is unbounded, an infinite constant, the same for all knots, is left out.
     double cost(const Piece& piece) const {
         const FitOptions& options = problem_.options;
         if (!problem_.vertical || options.slope_weight == 0) {
@@ -76,17 +74,17 @@ public:
         return sum;
     }
 
-    /// The largest |C − f| on a piece; exact, since the difference is a polynomial of the curve's
-    /// parameter.
+    /// The largest |C − f| on a piece. It is exact, since the difference is a polynomial in the
+    /// curve's parameter.
     double largest_error(const Piece& piece) const {
         return problem_.unit * detail::largest_error(problem_, piece);
     }
-    /// What samples find of it: never more, seldom less by more than a twentieth. Much faster.
+    /// The largest error at a few samples: never more, seldom less by more than 5 %, and much faster.
     double sampled_error(const Piece& piece) const noexcept {
         return problem_.unit * detail::sampled_error(problem_, piece);
     }
 
-    /// All pieces between parameters that ascend from 0 to 1.
+    /// Fits all pieces between parameters that ascend from 0 to 1.
     Result<BezierFit, FitReport> fit(std::span<const double> parameters, const Running& running = {}) const {
         if (status_ != Status::ok) return {{}, {status_}};
         std::vector<Piece> pieces;
@@ -95,7 +93,7 @@ public:
         return gather(pieces);
     }
 
-    /// The sum of the costs of the pieces between parameters; infinite where there is no fit.
+    /// The sum of the costs of the pieces between parameters; infinite if there is no fit.
     double cost(std::span<const double> parameters) const {
         std::vector<Piece> pieces;
         if (solve(parameters, pieces, {}) != Status::ok) return std::numeric_limits<double>::infinity();
@@ -104,11 +102,11 @@ public:
         return sum;
     }
 
-    /// The same in the units of the curve.
+    /// The cost in the units of the curve.
     double objective(std::span<const double> parameters) const { return in_units(cost(parameters)); }
     double in_units(double cost) const noexcept { return cost * problem_.unit * problem_.unit; }
 
-    /// The result made of solved pieces.
+    /// Assembles the result from solved pieces.
     Result<BezierFit, FitReport> gather(std::span<const Piece> pieces) const {
         const FitOptions& options = problem_.options;
         const double length = problem_.function.length(), begin = curve_.begin(), unit = problem_.unit;
@@ -143,9 +141,9 @@ public:
 
 private:
     Status check_all() const noexcept {
-        const FitOptions& options = problem_.options; // with the weights that count
+        const FitOptions& options = problem_.options; // with weights in normalised units
         if (const Status status = check(curve_).status; status != Status::ok) return status;
-        constexpr double room = 128; // for sums of differences, as in derivatives
+        constexpr double room = 128; // headroom for sums of differences, as in derivatives
         for (const auto& p : curve_.points) {
             if (!is_finite(room * (p[1] - curve_.points[0][1]))) return Status::value_not_finite;
         }
@@ -161,8 +159,8 @@ private:
         return Status::ok;
     }
 
-    /// Sets the first or the last `count` coefficients of a piece from the curve; false where a
-    /// derivative is unbounded.
+    /// Sets the first or the last `count` coefficients of a piece from the curve; returns false if
+    /// a derivative is unbounded.
     bool prescribe(Piece& piece, std::size_t count, bool at_end) const noexcept {
         std::array<double, 3> c{};
         if (!problem_.derivatives(at_end ? piece.end : piece.begin, count, c)) return false;
@@ -203,8 +201,8 @@ private:
     Status status_;
 };
 
-/// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals
-/// and a small linear system for each piece; one for all where conditions tie them together.
+/// Fits the best pieces between given parameters of the curve, ascending from 0 to 1, by exact integrals.
+/// Solves a small linear system for each piece, or one system for all if conditions tie them together.
 inline Result<BezierFit, FitReport> fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
                                                const FitOptions& options = {}, const Running& running = {}) {
     auto result = SobolevFitter(curve, options).fit(parameters, running);
