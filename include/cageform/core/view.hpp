@@ -14,7 +14,6 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   T             float or double, `const` for a read-only view
 ///   point_stride  bytes from a point to the next
 ///   axis_stride   bytes from a component of a point to its next component
-///   axis_stride   bytes from a component of a point to its next component
 template <class T, std::size_t D>
 class StridedPoints {
 public:

@@ -55,7 +55,6 @@ struct DiffusionOptions {
 /// an end, where the field rises like the square root of the distance, it falls with h. Where
 /// strokes cross there is no special treatment: if two strokes pass between neighbouring nodes,
 /// each node uses the nearer one.
-/// may: of two strokes between neighbouring nodes the nearest counts for each.
 template <Scalar T, std::size_t D = 2>
 class Diffusion {
     static_assert(D == 2 || D == 3, "strokes in the plane, walls in space");
@@ -167,7 +166,6 @@ public:
     ///   cost    O(#channels + strokes that pass the cell) a point
     ///   fails   value_not_finite (a point), cells_unreached (before the first solve), output_too_small;
     ///           nothing is written then
-    ///           is written; output_too_small
     template <PointRange R>
         requires(range_dimension<R> == D)
     Status sample(const R& points, std::span<T> values)
