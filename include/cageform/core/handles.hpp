@@ -57,7 +57,7 @@ struct HandleView {
         requires requires(const Points& points) {
             { std::data(points) } -> std::convertible_to<const Vec<T, D>*>;
         }
-    HandleView(const Points& points) noexcept // any range of points will do
+    HandleView(const Points& points) noexcept // NOLINT(google-explicit-constructor): a range of points is one
         : rest(std::data(points))
         , count(std::size(points)) {}
 
