@@ -1,4 +1,4 @@
-// What went wrong, as values: nothing in the library throws or prints.
+// The status codes of all functions: nothing in the library throws or prints.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Outcome of a call. A bad *input* is a Status; a broken *promise* of the caller is
-/// CAGEFORM_ASSERT. By layer, each with what `to_string` says of it.
+/// The outcome of a call. Bad *input* gives a Status; a broken *precondition* fails
+/// CAGEFORM_ASSERT. Grouped by folder, each with its text for `to_string`.
 // clang-format off
 #define CAGEFORM_DETAIL_STATUSES(X)                                                               \
     /* Every layer */                                                                             \
@@ -125,7 +125,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
 #undef CAGEFORM_DETAIL_NAME
 };
 
-/// A short English sentence without a full stop, for messages. Never null.
+/// Returns a short English sentence without a full stop, for messages. Never null.
 constexpr const char* to_string(Status status) noexcept {
     switch (status) {
 #define CAGEFORM_DETAIL_CASE(name, text)                                                                     \
@@ -137,13 +137,13 @@ constexpr const char* to_string(Status status) noexcept {
 }
 #undef CAGEFORM_DETAIL_STATUSES
 
-/// Where a point lies with respect to its cage.
+/// The position of a point relative to its cage.
 enum class PointState : std::uint8_t {
     inside,
     on_boundary, ///< within rounding of a vertex, edge or face
     outside,
     not_finite, ///< NaN or infinite; never bound
-    unreached,  ///< no weights can be had: a grid too coarse for the place, a distance too large to resolve
+    unreached,  ///< no weights exist: the grid is too coarse there, or a distance too large to resolve
 };
 
 constexpr const char* to_string(PointState state) noexcept {

@@ -1,4 +1,4 @@
-// CSS easing functions, read and written: W3C, CSS Easing Functions Level 1.
+// Parses and writes CSS easing functions (W3C, CSS Easing Functions Level 1).
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -13,13 +13,12 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// How `parse_css_easing` went. The status is
-///   input_malformed      the text is none of the easing functions that it reads
+///   input_malformed      the text is none of the supported easing functions
 ///   handle_not_allowed   x1 or x2 lies outside [0, 1]
 ///   value_not_finite     y1 or y2 is too large for a double
 struct CssReport {
     Status status = Status::ok;
-    std::size_t error_at =
-        0; ///< byte of the text at which the fault lies; the text's size where it ends too early
+    std::size_t error_at = 0; ///< position of the fault in the text, in bytes; its size if it ends too early
 };
 
 namespace detail {
@@ -33,7 +32,7 @@ public:
     std::size_t at() const noexcept { return at_; }
     bool ended() const noexcept { return at_ == text_.size(); }
 
-    /// Whitespace and closed comments.
+    /// Skips whitespace and closed comments.
     void skip_space() noexcept {
         while (!ended()) {
             const char c = text_[at_];
@@ -55,21 +54,21 @@ public:
         return true;
     }
 
-    /// Letters, digits, hyphens and underscores; empty where there are none.
+    /// Reads letters, digits, hyphens and underscores; returns an empty name if there are none.
     std::string_view name() noexcept {
         const std::size_t begin = at_;
         while (is_name(peek(at_))) ++at_;
         return text_.substr(begin, at_ - begin);
     }
 
-    /// A number-token (sec. 4.3.12): no unit or percent sign behind it, digits behind a point.
-    /// Infinite where it is too large for a double, zero where too small; on failure, false, and
-    /// `at` is where it went wrong.
+    /// Reads a number-token (sec. 4.3.12). A point must be followed by digits, and no unit or
+    /// percent sign may follow the number. Gives infinity if the number is too large for a double,
+    /// zero if it is too small. Returns false on failure; `at` is then where it went wrong.
     bool number(double& value) noexcept {
         const bool negative = peek(at_) == '-';
         if (negative || peek(at_) == '+') ++at_;
         const std::size_t begin = at_;
-        std::size_t first = skip_digits(at_); // digits, then perhaps a point and digits
+        std::size_t first = skip_digits(at_); // digits, then optionally a point and digits
         if (peek(first) == '.' && is_digit(peek(first + 1))) first = skip_digits(first + 1);
         if (first == at_) return false;
         at_ = first;
@@ -95,8 +94,8 @@ private:
         return at;
     }
 
-    /// Of a number that is no double: whether it is too large, not too small, by the power of ten
-    /// of its first digit.
+    /// For a number that fits no double: whether it is too large rather than too small, judged by
+    /// the power of ten of its first digit.
     static bool is_large(std::string_view token) noexcept {
         constexpr std::int64_t most = std::int64_t{1} << 56; // longer than any text
         const std::size_t e = (std::min)(token.find_first_of("eE"), token.size());
@@ -114,7 +113,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// `lower` is in lower case.
+/// Compares ignoring case; `lower` must be in lower case.
 inline bool equal_in_any_case(std::string_view text, std::string_view lower) noexcept {
     return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
         return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
@@ -127,12 +126,12 @@ inline BezierCurve unit_curve(double x1, double y1, double x2, double y2) noexce
 
 } // namespace detail
 
-/// Reads `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
+/// Parses `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
 /// `ease-in-out`.
 ///
-///   text    one easing function: in any case, with whitespace and comments where CSS has them; the
-///           decimal point is a point in every locale. Not understood: steps(), linear(), calc(),
-///           escapes in names, a missing last bracket.
+///   text    one easing function, case-insensitive, with whitespace and comments where CSS allows
+///           them; the decimal separator is a point in every locale. Not supported: steps(),
+///           linear(), calc(), escapes in names, a missing closing bracket.
 ///   returns a curve from (0, 0) to (1, 1); `linear` has its handles on its keys, as cubic-bezier(0, 0, 1, 1)
 ///   cost    one pass, no allocation
 /// CSS Easing Functions Level 1, sec. 2.1 and 2.2; CSS Syntax Module Level 3, sec. 4.3.
@@ -183,14 +182,12 @@ inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) no
     return result;
 }
 
-/// `cubic-bezier(x1, y1, x2, y2)` of the curve moved and scaled to keys at (0, 0) and (1, 1). The
-/// digits are the fewest that are read as the same numbers, so that of a curve with such keys the
-/// text gives back every bit.
+/// Writes a curve, moved and scaled to keys at (0, 0) and (1, 1), as `cubic-bezier(x1, y1, x2, y2)`. The
+/// digits are the fewest that are read as the same numbers: a curve with such keys comes back to the bit.
 ///
-///   level   a curve of one value is what any easing between equal values is; its y1 and y2 become
-///           0 and 1
-///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval, which CSS
-///           forbids, or where the keys have one value and a handle another; value_not_finite;
+///   level   a constant curve equals any easing between equal values; its y1 and y2 become 0 and 1
+///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval, which CSS
+///           forbids, or if the keys have one value and a handle another; value_not_finite;
 ///           out_of_memory
 /// CSS Easing Functions Level 1, sec. 2.2.
 inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
@@ -214,13 +211,14 @@ inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// A keyframe of one number, with the easing function to the next.
+/// A keyframe of one number, with the easing function to the next keyframe.
 struct CssKey {
     double time = 0, value = 0;
-    std::string_view easing = "linear"; ///< as `parse_css_easing` takes it
+    std::string_view easing = "linear"; ///< in the syntax of `parse_css_easing`
 };
 
-/// All keyframes of an animation of one number as keys to be compiled, in the units of their times.
+/// Imports all keyframes of an animation of one number as keys to be compiled, in the units of
+/// their times.
 ///
 ///   fails  as `parse_css_easing`; interval_empty; value_not_finite
 /// CSS Easing Functions Level 1, sec. 2; CSS Animations Level 1, sec. 3.

@@ -1,4 +1,5 @@
-// Samplers of glTF 2.0 animations: keys of all interpolations, and the curves of CUBICSPLINE both ways.
+// Imports samplers of glTF 2.0 animations with any interpolation, and exports curves as
+// CUBICSPLINE.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -12,13 +13,13 @@ namespace cageform::inline CAGEFORM_ABI {
 /// The arrays of a sampler.
 struct GltfTrack {
     std::vector<float> times;  ///< the sampler's input, in seconds
-    std::vector<float> values; ///< its output: of each key in-tangents, values, out-tangents
+    std::vector<float> values; ///< its output: in-tangents, values and out-tangents of each key
 };
 
 namespace detail {
 
-/// Whether the arrays of a sampler are as many as its keys ask for, `rows` values of each component
-/// for a key, finite, and ascending in time.
+/// Checks the arrays of a sampler: each key has `rows` values of each component, all numbers are finite, and
+/// times ascend.
 inline ExchangeReport check_gltf(std::span<const float> times, std::span<const float> values,
                                  std::size_t components, std::size_t rows) noexcept {
     const std::size_t keys = times.size();
@@ -36,16 +37,16 @@ inline ExchangeReport check_gltf(std::span<const float> times, std::span<const f
 
 } // namespace detail
 
-/// A Bézier curve for every interval and component: handles at thirds of the interval, on the
-/// tangents, which are in units by second. Nothing is lost; a rotation's four components are still
-/// to be normalised where they are evaluated.
+/// Imports a Bézier curve for every interval and component. Handles lie at thirds of the interval, on
+/// the tangents, which are in units per second. The conversion is lossless. A rotation's four
+/// components must still be normalised after evaluation.
 ///
 ///   times       #K, in seconds, ascending
-///   values      3 · #K · components: of each key in-tangents, values and out-tangents
+///   values      3 · #K · components: in-tangents, values and out-tangents of each key
 ///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
-///   fails       input_malformed where the sizes do not match, for fewer than two keys and for no
-///               components; value_not_finite, also of the first in- and the last out-tangent,
-///               which mean nothing; keys_not_ascending where times do not ascend; out_of_memory
+///   fails       input_malformed if the sizes do not match, for fewer than two keys or no components;
+///               value_not_finite, even for the first in- and the last out-tangent, which are unused;
+///               keys_not_ascending if times do not ascend; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline Result<std::vector<BezierCurve>, ExchangeReport>
 from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
@@ -73,14 +74,14 @@ from_gltf_cubicspline(std::span<const float> times, std::span<const float> value
 /// A sampler's `interpolation`.
 enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
 
-/// The arrays of a sampler as keys to be compiled: of CUBICSPLINE the curves are those of
-/// `from_gltf_cubicspline`, of LINEAR straight lines, of STEP held values.
+/// Reads the arrays of a sampler as keys to be compiled, one curve for each component. The curves of
+/// CUBICSPLINE are those of `from_gltf_cubicspline`, LINEAR gives straight lines, STEP held values.
 ///
 ///   times, components  as for `from_gltf_cubicspline`; a single key is allowed
-///   values             #K · components, of CUBICSPLINE 3 · #K · components, where tangents are by second.
-///                      The components of a rotation are to be normalised where they are evaluated, which
-///                      of LINEAR is not the slerp that glTF asks for
-///   fails              as `from_gltf_cubicspline`, but that a single key is allowed
+///   values             #K · components; for CUBICSPLINE 3 · #K · components, with tangents per
+///                      second. The components of a rotation must be normalised after evaluation;
+///                      for LINEAR this is not the slerp that glTF prescribes
+///   fails              as `from_gltf_cubicspline`, except that a single key is allowed
 /// glTF 2.0, sec. 3.11 and appendix C.
 inline Result<std::vector<std::vector<Key>>, ExchangeReport>
 keys_from_gltf(std::span<const float> times, std::span<const float> values, std::size_t components,
@@ -114,7 +115,7 @@ keys_from_gltf(std::span<const float> times, std::span<const float> values, std:
 
 namespace detail {
 
-/// The interval of a sampler that a curve is, in single precision.
+/// The interval of a curve in a sampler, in single precision.
 struct GltfInterval {
     Status status = Status::ok;
     float begin = 0, end = 0;
@@ -131,7 +132,7 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     for (const auto& point : p) {
         if (!fits_float(point[0]) || !fits_float(point[1])) return refused(Status::value_not_finite);
     }
-    // What the thirds of far away times lose by rounding is no fault.
+    // Far from time zero the thirds lose digits to rounding, which is allowed for.
     const double length = p[3][0] - p[0][0], third = length / 3;
     const double rounding = 4 * epsilon<double> * (std::max)(std::fabs(p[0][0]), std::fabs(p[3][0]));
     const double off =
@@ -144,8 +145,8 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// Whether a curve begins at the value where the one before ends, in single precision of their
-/// largest value.
+/// Whether a curve starts at the value where the previous one ends, within single precision
+/// relative to their largest value.
 inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noexcept {
     double size = 0;
     for (const auto* one : {&before, &curve}) {
@@ -156,20 +157,21 @@ inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noe
 
 } // namespace detail
 
-/// The sampler of a track. Curves of this library's fits and of `from_gltf_cubicspline` come
-/// through; other curves, whose time is not linear in their parameter, are to be fitted first.
+/// Exports curves as the sampler of a track. Works for curves fitted by this library and curves of
+/// `from_gltf_cubicspline`. Other curves, in which time is not linear in the parameter, must be
+/// fitted first.
 ///
 ///   curves      #I · components, at least one interval, curves[interval * components + component]; the intervals follow
 ///               each other in time, the same for all components, and a curve's last value is the
 ///               next one's first
 ///   components  at least 1
-///   tangents    scaled by the length that an interval has in single precision, so that handles
-///               keep their values; the first in- and the last out-tangent are 0
-///   fails       as `check`; input_malformed where the sizes, or the intervals or values of
-///               neighbours, do not match, or time begins before 0; interval_empty where single
-///               precision cannot tell times apart; handle_not_allowed where a handle is not at a
-///               third, by 1e-7 of the interval; value_not_finite and slope_unbounded where a value
-///               or tangent is too large for single precision; out_of_memory
+///   tangents    scaled by the interval's length in single precision, so that handles keep their
+///               values; the first in- and the last out-tangent are 0
+///   fails       as `check`; input_malformed if the sizes, or the intervals or values of
+///               neighbours, do not match, or time begins before 0; interval_empty if times
+///               coincide in single precision; handle_not_allowed if a handle is off its third by
+///               more than 1e-7 of the interval; value_not_finite and slope_unbounded if a value or
+///               tangent is too large for single precision; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline Result<GltfTrack, ExchangeReport> to_gltf_cubicspline(std::span<const BezierCurve> curves,
                                                              std::size_t components) noexcept {

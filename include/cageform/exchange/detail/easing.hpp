@@ -1,4 +1,4 @@
-// What the importers and exporters of keyframe curves have in common.
+// Types and checks shared by the importers and exporters of keyframe curves.
 #pragma once
 
 #include <cageform/animate/key.hpp>
@@ -11,12 +11,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Which handles of a key have a length of their own. The numbers are those of Unity's WeightedMode
-/// and of Unreal's ERichCurveTangentWeightMode, where `in` is called arrive and `out` leave.
+/// Which handles of a key have an explicit length. The numbers match Unity's WeightedMode and
+/// Unreal's ERichCurveTangentWeightMode, which call `in` arrive and `out` leave.
 enum class WeightedHandles : std::uint8_t { none = 0, in = 1, out = 2, both = 3 };
 
-/// The interval between two keys of another program. `check` accepts the curve. A held interval is
-/// level, at the first key's value; the second key's value begins the next interval.
+/// An interval between two keys of another program. The curve passes `check`. For a held key the curve is constant at the first key's value; the
+/// second key's value starts the next interval.
 struct KeyInterval {
     KeyKind kind = KeyKind::bezier;
     BezierCurve curve{};
@@ -30,8 +30,8 @@ struct ExchangeReport {
 
 namespace detail {
 
-/// As `check`, and no handle farther from its key than two intervals. Time turns back there in any
-/// case, and what `check` compares may be too large to tell.
+/// Checks as `check` does, and that no handle is farther from its key than two intervals. Beyond
+/// that, time turns back in any case, and the numbers that `check` compares may overflow.
 inline Status sound(const BezierCurve& curve) noexcept {
     const Status status = check(curve).status;
     if (status != Status::ok) return status;
@@ -51,14 +51,14 @@ inline Result<KeyInterval> imported(KeyKind kind, const BezierCurve& curve) noex
     return {{kind, curve}, status};
 }
 
-/// Of a number that is to be a part of an interval.
+/// Checks a number that must be a fraction of an interval.
 inline Status check_part(double part) noexcept {
     if (!is_finite(part)) return Status::value_not_finite;
     return part >= 0 && part <= 1 ? Status::ok : Status::handle_not_allowed;
 }
 
-/// The straight line between two keys, its handles at thirds, so that time is linear in the curve's
-/// parameter.
+/// Returns the straight line between two keys with its handles at thirds, so that time is linear in
+/// the curve's parameter.
 inline BezierCurve straight(const Vec<double, 2>& first, const Vec<double, 2>& second) noexcept {
     const Vec<double, 2> third{(second[0] - first[0]) / 3, (second[1] - first[1]) / 3};
     return {{first, first + third, second - third, second}};
@@ -76,29 +76,29 @@ inline WeightedHandles with(WeightedHandles set, WeightedHandles one, bool on) n
     return WeightedHandles((unsigned(set) & ~unsigned(one)) | (on ? unsigned(one) : 0));
 }
 
-/// Infinity under -ffast-math too.
+/// Returns infinity, under -ffast-math too.
 inline double infinite() noexcept {
     return std::bit_cast<double>(std::uint64_t{0x7ff0000000000000});
 }
 
-/// Infinite and not NaN, by the bits as is_finite.
+/// Whether `x` is infinite and not NaN. Tests the bits, as is_finite does.
 inline bool is_infinite(double x) noexcept {
     return !is_finite(x) && (std::bit_cast<std::uint64_t>(x) << 12) == 0;
 }
 
-/// Whether a number has a place in single precision, which is what engines and glTF store: larger
-/// ones become infinite.
+/// Whether a number is finite in single precision, which engines and glTF store; larger ones would
+/// become infinite.
 inline bool fits_float(double x) noexcept {
     return is_finite(x) && std::fabs(x) <= double((std::numeric_limits<float>::max)());
 }
 
-/// Whether a part of an interval is a third as single precision has it.
+/// Whether a fraction of an interval is a third in single precision.
 inline bool is_third(double part) noexcept {
     return std::fabs(part) < 1 && static_cast<float>(part) == 1.0f / 3;
 }
 
-/// The slope of a handle; 0 where it lies on its key. slope_unbounded where it is vertical, or too
-/// steep for single precision: an infinite slope would be taken for a held key.
+/// Finds the slope of a handle; 0 if it lies on its key. Returns slope_unbounded if it is vertical
+/// or too steep for single precision: an infinite slope would mean a held key.
 inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     slope = 0;
     if (handle[0] == 0 && handle[1] == 0) return Status::ok;
@@ -109,15 +109,15 @@ inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     return Status::ok;
 }
 
-/// The handles in parts of the interval and of the rise between the keys, as CSS and Lottie have
-/// them.
+/// The handles as fractions of the interval and of the rise between the keys, as CSS and Lottie
+/// store them.
 struct UnitHandles {
     Vec<double, 2> first{0, 0}, second{1, 1};
 };
 
-/// Fails as `check`; with handle_not_allowed where a handle's time leaves the interval, or where
-/// the keys have one value and a handle another; with value_not_finite where a part is too large
-/// for a number.
+/// Converts a curve's handles. Fails as `check`; with handle_not_allowed if a handle's time leaves
+/// the interval, or if the keys have the same value and a handle another; with value_not_finite if
+/// a fraction overflows.
 inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
     if (const Status status = sound(curve); status != Status::ok) return {{}, status};
     UnitHandles unit;
@@ -136,16 +136,16 @@ inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
         status = Status::handle_not_allowed;
     }
     for (auto* handle : {&unit.first, &unit.second}) {
-        // Of a falling curve a part may be −0, which a text is not to show.
+        // A falling curve can give −0, which a text should not show.
         for (std::size_t k = 0; k < 2; ++k) (*handle)[k] += 0.0;
     }
     if (!is_finite(unit.first[1]) || !is_finite(unit.second[1])) status = Status::value_not_finite;
     return {unit, status};
 }
 
-/// The keys of a curve whose intervals are imported one by one: interval(n) is the curve from key n
-/// to the next, place(n) the time and the value of key n. Of their kinds the intervals are as they
-/// were, to the bit.
+/// Builds the keys of a curve by importing its intervals: interval(n) is the curve from key n to
+/// the next, place(n) the time and value of key n. The keys reproduce the imported intervals of
+/// their kinds bit by bit.
 template <class Interval, class Place>
 Result<std::vector<Key>, ExchangeReport> import_keys(std::size_t count, const Interval& interval,
                                                      const Place& place) noexcept {
