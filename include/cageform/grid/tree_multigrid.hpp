@@ -186,8 +186,7 @@ private:
     static constexpr std::uint8_t active = 1; ///< a flag: the node is solved for
     static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
 
-    // ---- which nodes are solved for
-    // -------------------------------------------------------------------
+    // ---- which nodes are solved for -------------------------------------------------------------------
 
     static void clear(typename Block::Level& level) noexcept {
         for (const std::uint32_t n : level.touched) {

@@ -26,8 +26,8 @@ struct TreeLevel {
     }
 };
 
-template <std::size_t D>
 /// Builds the levels, from the finest to the coarsest.
+template <std::size_t D>
 class TreeCoarsener {
 public:
     using Nodes = grid::TreeNodes<D>;
