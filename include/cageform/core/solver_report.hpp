@@ -43,7 +43,7 @@ constexpr const char* to_string(SizeReason reason) noexcept {
 }
 
 /// The report of a solver. The first group is filled by every solver, each other group by one kind of
-/// solver; groups that do not apply keep their initial values. Closed forms leave all of it so.
+/// solver; groups that do not apply keep their initial values, as all do with closed forms.
 struct SolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
 
@@ -88,8 +88,8 @@ struct SolverReport {
     /// For grid_too_coarse: the first handle whose data reaches no link of the grid.
     std::size_t unseen_handle = none;
     /// For grid_too_coarse and out_of_memory: a resolution that would work; 0: none is known. With
-    /// out_of_memory `bytes` holds the memory that was needed, if known; for an adaptive grid it is
-    /// an estimate, off by at most a factor of two on the cages measured.
+    /// out_of_memory `bytes` holds the memory that was needed, if known. For an adaptive grid that
+    /// number is an estimate, off by at most a factor of two on the cages measured.
     std::size_t sufficient_resolution = 0;
     /// For out_of_memory on an adaptive grid in space: an accuracy that would work, by an estimate;
     /// 0: none is known.

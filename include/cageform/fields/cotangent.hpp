@@ -1,5 +1,5 @@
 // Cotangent weights of triangle meshes: the links of fields/graph.hpp that make a function on the
-// vertices harmonic. Not part of cageform.hpp.
+// vertices harmonic. Not included by cageform.hpp.
 #pragma once
 
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
@@ -7,35 +7,38 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Which triangles the angles are taken from.
+/// Selects the triangles whose angles are used.
 enum class MeshWeights : std::uint8_t {
-    /// Those that are left when edges are flipped, by lengths alone, until the mesh is Delaunay. The
-    /// surface and the vertices stay what they are. No weight within the mesh is negative.
+    /// The triangles of the intrinsic Delaunay triangulation: edges are flipped, by lengths alone,
+    /// until the mesh is Delaunay. The surface and the vertices do not change. No weight inside the
+    /// mesh is negative.
     intrinsic_delaunay,
-    own, ///< the mesh's own; an edge that two angles of more than π together face is negative
+    /// The triangles of the mesh; an edge is negative if the two opposite angles add up to more
+    /// than π.
+    own,
 };
 
-/// What the weights of a mesh are, and what is wrong with it.
+/// The faults of a mesh, and the properties of its weights.
 struct SurfaceReport {
     Status status = Status::ok;
-    /// The faults by index, and in warnings the unused vertices. Of CageFaultKind those are
-    /// vertex_not_finite, face_without_vertex, face_without_area, edge_not_manifold, vertex_unused.
+    /// The faults by index; unused vertices are warnings. The kinds are vertex_not_finite,
+    /// face_without_vertex, face_without_area, edge_not_manifold, vertex_unused.
     CageReport mesh;
-    std::size_t rim_edges = 0; ///< of one face only
+    std::size_t rim_edges = 0; ///< edges of one face only
     std::size_t flips = 0;
-    /// Where there are any, values may leave the range of those given: edges on a rim that an
-    /// obtuse angle faces, and with MeshWeights::own those within.
+    /// If there are any, results may leave the range of the given values. They arise at edges on a
+    /// rim opposite an obtuse angle, and with MeshWeights::own also inside.
     std::size_t negative_weights = 0;
     double seconds = 0; ///< wall-clock time
 };
 
-/// What `cotangent_weights` makes; empty but for the report unless that is ok.
+/// The result of `cotangent_weights`. If the status is not ok, it is empty except for the report.
 struct CotangentWeights {
     std::size_t vertices = 0;
-    std::vector<GraphLink> links;     ///< w_ij; those that are zero within rounding are left out
-    std::vector<double> areas;        ///< of every vertex, a third of the given faces around it
-    std::vector<std::uint8_t> unused; ///< of every vertex, 1 where no face has it
-    double unit = 1;                  ///< the areas are in its square: a power of two
+    std::vector<GraphLink> links;     ///< w_ij, except those that are zero within rounding
+    std::vector<double> areas;        ///< by vertex: a third of the area of the given faces around it
+    std::vector<std::uint8_t> unused; ///< by vertex: 1 if no face uses it
+    double unit = 1;                  ///< a power of two; areas are in units of its square
     SurfaceReport report;
 
     Graph graph() const noexcept { return {vertices, links}; }
@@ -43,7 +46,7 @@ struct CotangentWeights {
 
 namespace detail {
 
-/// The places of vertices; those of a plane mesh in the plane of the first two axes.
+/// Returns the positions of vertices. A plane mesh lies in the plane of the first two axes.
 template <class R>
 std::vector<Vec<double, 3>> places_in_space(const R& vertices) {
     std::vector<Vec<double, 3>> places(std::size(vertices));
@@ -54,7 +57,8 @@ std::vector<Vec<double, 3>> places_in_space(const R& vertices) {
     return places;
 }
 
-/// A power of two that makes the largest coordinate at most 1; 1 where all are zero.
+/// Returns a power of two such that the largest coordinate divided by it is at most 1; 1 if all are
+/// zero.
 template <Scalar T>
 double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
     double largest = 0;
@@ -66,14 +70,15 @@ double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
     return std::ldexp(1.0, (std::min)(exponent, 1023));
 }
 
-/// The corners of a face lie on one line: their cotangents would be infinite.
+/// Tells whether the corners of a face lie on one line, so that their cotangents would be infinite.
 inline bool has_no_area(const Corners<3>& corner) noexcept {
-    constexpr double relative = 1e-12; // to the longest side
+    constexpr double relative = 1e-12; // relative to the longest side
     const auto& [a, b, c] = corner;
     return is_flat(corner, relative * (std::max)({length(b - a), length(c - b), length(a - c)}));
 }
 
-/// Adds the faults of faces and edges of finite vertices, and the vertices that no face has.
+/// Reports the faults of faces and edges, and the vertices that no face uses. All vertices are
+/// finite.
 inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces,
                           std::span<const HalfEdge> half_edges, CotangentWeights& result) {
     CageReport& report = result.report.mesh;
@@ -90,14 +95,14 @@ inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<co
     }
 }
 
-/// The links of a mesh, each edge once.
+/// Adds the links of a mesh, one for each edge.
 inline void add_links(const IntrinsicMesh& mesh, CotangentWeights& result) {
     result.links.reserve(mesh.sides() / 2 + 1);
     for (std::uint32_t side = 0; side < mesh.sides(); ++side) {
         if (mesh.twin(side) != IntrinsicMesh::rim && mesh.twin(side) < side) continue;
         const auto [value, rounding] = mesh.cotangents(side);
         const auto [a, b] = mesh.ends(side);
-        // Flips may make an edge from a vertex to itself, across which nothing flows.
+        // A flip may make an edge from a vertex to itself, across which nothing flows.
         if (a == b || std::fabs(value) <= rounding) continue;
         result.links.push_back({a, b, 0.5 * value});
         if (value < 0) ++result.report.negative_weights;
@@ -135,16 +140,16 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
 
 } // namespace detail
 
-/// The weights w_ij = ½ (cot α_ij + cot β_ij) over the one or two angles that face edge ij, so that
-/// Σ ½ w_ij (u_i − u_j)² is Dirichlet's integral of the function that is u at the vertices and linear
-/// on the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their conjugates, Exper.
-/// Math. 2 (1993), sec. 2). A rim is free: nothing flows across it.
+/// Computes the weights w_ij = ½ (cot α_ij + cot β_ij) from the one or two angles opposite edge ij.
+/// Then Σ ½ w_ij (u_i − u_j)² is the Dirichlet integral of the function that is u at the vertices
+/// and linear on the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their
+/// conjugates, Exper. Math. 2 (1993), sec. 2). A rim is free: nothing flows across it.
 ///
 ///   vertices  of a surface in space, or of a mesh in the plane
-///   faces     in any direction each; open or closed, in several parts, of any genus, orientable or
-///             not. Each edge has one face or two
-///   cost      O(#F log #F); flips come on top, O(#F) as a rule
-///   fails     as SurfaceReport::mesh says: vertex_not_finite, face_without_vertex,
+///   faces     each with either orientation; the mesh may be open or closed, have several
+///             components and any genus, and be orientable or not. Each edge has one face or two
+///   cost      O(#F log #F), plus the flips, typically O(#F)
+///   fails     with the faults in SurfaceReport::mesh: vertex_not_finite, face_without_vertex,
 ///             face_without_area (twice the area at most 1e-12 of the longest side's square),
 ///             cage_not_manifold (an edge of three faces); out_of_memory
 template <PointRange R, FaceRange F>

@@ -1,4 +1,5 @@
-// Harmonic functions on triangle meshes: values at some vertices, smooth between.
+// Computes harmonic functions on triangle meshes: values are given at some vertices and vary
+// smoothly in between.
 #pragma once
 
 #include <cageform/fields/cotangent.hpp>
@@ -7,15 +8,16 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// Fills in the unknown vertices i of any number of fields: Σ w_ij (u_i − u_j) = 0.
 ///
-///   weights  of `cotangent_weights`
+///   weights  made by `cotangent_weights`
 ///   given    #vertices; 0 where the value is unknown
-///   values   fields of #vertices each, one after the other; given values are read, unknown ones
-///            written when the status is ok, and not before; those of vertices without a face are
-///            neither. Between the least and the largest given value, unless
-///            SurfaceReport::negative_weights says otherwise. Linear functions on flat parts come back
+///   values   fields of #vertices each, one after the other. Given values are read. Unknown ones
+///            are written when the status is ok, and not before. Vertices without a face are
+///            neither read nor written. Results lie between the least and the largest given value,
+///            unless SurfaceReport::negative_weights is positive. Linear functions on flat regions
+///            are reproduced
 ///   cost     as solve_graph: one factorisation for all fields
-///   fails    with the status of the weights; value_not_finite (SolverReport::culprit is the place in
-///            `values`); cells_unreached (the first vertex of a part without a given one);
+///   fails    with the status of the weights; value_not_finite (SolverReport::culprit is the index
+///            in `values`); cells_unreached (the first vertex of a component without a given one);
 ///            not_converged; cancelled; out_of_memory
 template <Scalar T>
 Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::uint8_t> given,
@@ -26,7 +28,7 @@ Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::u
                     "a mark for each vertex, and whole fields");
     const GraphOptions options{.allow_negative = weights.report.negative_weights > 0};
     return detail::guarded_evaluation([&](SolverReport& report) {
-        // A vertex without a face is to the graph one that is given, of any value.
+        // The graph treats a vertex without a face as given, with any value.
         std::vector<std::uint8_t> marks(given.begin(), given.end());
         std::vector<T> solved(values.begin(), values.end());
         for (std::size_t i = 0; i < size; ++i) {

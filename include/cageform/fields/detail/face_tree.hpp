@@ -1,4 +1,5 @@
-// The triangles of a mesh, to be asked which of them a segment meets and whether they enclose a place.
+// A bounding-box tree of a mesh's triangles: tells whether a segment meets them, and whether they
+// enclose a point.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -9,11 +10,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A tree of boxes, halved at the median of the faces' middles along the longest side. Built in
-/// O(n log n); a question takes O(log n) as a rule.
+/// A tree of boxes, split at the median of the faces' middles along the longest side. Built in O(n
+/// log n); a query typically takes O(log n).
 class FaceTree {
 public:
-    /// All finite. The vertices and faces have to outlive the tree.
+    /// All coordinates must be finite. The vertices and faces must outlive the tree.
     FaceTree(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces)
         : vertices_(vertices)
         , faces_(faces)
@@ -24,7 +25,8 @@ public:
         if (!faces.empty()) build(0, std::uint32_t(faces.size()));
     }
 
-    /// Whether the segment from a vertex to another place meets the mesh at its ends at most. Exact.
+    /// Tells whether the segment from a vertex to another point meets the mesh at most at its ends.
+    /// Exact.
     bool is_free(std::uint32_t vertex, const Vec<double, 3>& q) const {
         const auto& p = vertices_[vertex];
         return !any_near(p, q, [&](std::uint32_t f) {
@@ -33,9 +35,8 @@ public:
         });
     }
 
-    /// Whether a place that lies on no face is inside a closed mesh, by the even-odd rule: a ray
-    /// along the third axis crosses an odd number of faces, where it stands a little to the side of
-    /// what it touches. Exact.
+    /// Tells whether a point that lies on no face is inside a closed mesh, by the even-odd rule
+    /// along the third axis. A ray that touches an edge is shifted slightly to the side. Exact.
     bool encloses(const Vec<double, 3>& p) const {
         if (nodes_.empty()) return false;
         bool inside = false;
@@ -51,12 +52,12 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t leaf = 4; ///< faces that are looked at one after the other
+    static constexpr std::uint32_t leaf = 4; ///< the largest number of faces in a leaf
 
     struct Node {
         Bounds<double, 3> box;
-        std::uint32_t begin, end; ///< faces
-        std::uint32_t second;     ///< node; the first is the next one. 0: a leaf
+        std::uint32_t begin, end; ///< range of faces
+        std::uint32_t second;     ///< the second child; the first child is the next node; 0: a leaf
     };
 
     std::uint32_t build(std::uint32_t begin, std::uint32_t end) {
@@ -87,8 +88,9 @@ private:
         return number;
     }
 
-    /// On which side of the line from a to b a place lies that is moved by little along the first
-    /// axis and by far less along the second; 0 where a and b are one, seen along the third axis.
+    /// Tells on which side of the line from a to b a point lies, after it is shifted slightly along
+    /// the first axis and far less along the second. Returns 0 if a and b coincide when seen along
+    /// the third axis.
     static int side_of(const Vec<double, 3>& a, const Vec<double, 3>& b, const Vec<double, 3>& p) noexcept {
         const int side = orientation({a[0], a[1]}, {b[0], b[1]}, {p[0], p[1]});
         if (side != 0) return side;
@@ -96,7 +98,7 @@ private:
         return b[0] > a[0] ? 1 : b[0] < a[0] ? -1 : 0;
     }
 
-    /// Whether a face meets the open segment from p to q.
+    /// Tells whether a face meets the open segment from p to q.
     static bool blocks(const Corners<3>& corner, const Vec<double, 3>& p, const Vec<double, 3>& q) noexcept {
         const auto& [a, b, c] = corner;
         const int from = orientation(a, b, c, p), to = orientation(a, b, c, q);
@@ -107,7 +109,7 @@ private:
         return segments_touch(s, t, d, e) || segments_touch(s, t, e, f) || segments_touch(s, t, f, d) ||
                (orientation(d, e, s) == side && orientation(e, f, s) == side && orientation(f, d, s) == side);
     }
-    /// Whether the segment from a vertex of a face to q begins along the face.
+    /// Tells whether the segment from a vertex of a face to q begins along the face.
     static bool runs_along(const Facet<3>& facet, std::uint32_t vertex, const Vec<double, 3>& q) noexcept {
         const auto& [a, b, c] = facet.corner;
         if (orientation(a, b, c, q) != 0) return false;
@@ -118,7 +120,7 @@ private:
         const int side = orientation(p, d, e);
         return side * orientation(p, d, to) >= 0 && side * orientation(p, to, e) >= 0;
     }
-    /// Places in the plane of a face, seen along an axis that is not in it.
+    /// Projects points of a face's plane along an axis that is not parallel to it.
     static std::array<Vec<double, 2>, 3> flattened(const Corners<3>& face,
                                                    const Corners<3>& places) noexcept {
         const auto along = [](std::size_t axis, const Vec<double, 3>& p) {
@@ -130,9 +132,10 @@ private:
         return {along(axis, places[0]), along(axis, places[1]), along(axis, places[2])};
     }
 
-    /// A segment, to be compared with many boxes.
+    /// A segment, prepared for tests against many boxes.
     struct Sight {
-        Vec<double, 3> from, lower, upper, inverse; ///< the last 0 along axes that it hardly moves along
+        /// `inverse` is 0 along axes along which the segment hardly moves.
+        Vec<double, 3> from, lower, upper, inverse;
 
         Sight(const Vec<double, 3>& p, const Vec<double, 3>& q) noexcept
             : from(p) {
@@ -143,9 +146,9 @@ private:
                 inverse[k] = upper[k] - lower[k] > least ? 1 / (q[k] - p[k]) : 0;
             }
         }
-        /// Whether it may meet a box: never false where it does.
+        /// Tells whether it may meet a box. Never false if it does.
         bool may_meet(const Bounds<double, 3>& box) const noexcept {
-            constexpr double slack = 1e-9; // of the segment, far above rounding
+            constexpr double slack = 1e-9; // as a fraction of the segment, far above rounding
             double first = -slack, last = 1 + slack;
             for (std::size_t k = 0; k < 3; ++k) {
                 if (box.upper[k] < lower[k] || box.lower[k] > upper[k]) return false;
@@ -159,11 +162,12 @@ private:
         }
     };
 
-    /// Whether f(face) for one of the faces whose boxes the segment may meet.
+    /// Tells whether f(face) is true for some face whose box the segment may meet.
     template <class F>
     bool any_near(const Vec<double, 3>& p, const Vec<double, 3>& q, const F& f) const {
         const Sight sight(p, q);
-        std::array<std::uint32_t, 64> waiting{}; // halves: no deeper than 32 levels
+        // Each level halves the faces, so there are at most 32 levels.
+        std::array<std::uint32_t, 64> waiting{};
         std::size_t count = nodes_.empty() ? 0 : 1;
         while (count > 0) {
             const std::uint32_t number = waiting[--count];
@@ -184,7 +188,7 @@ private:
     std::span<const Vec<double, 3>> vertices_;
     std::span<const MeshFace> faces_;
     std::vector<std::uint32_t> order_;
-    std::vector<Bounds<double, 3>> boxes_; // of every face
+    std::vector<Bounds<double, 3>> boxes_; // by face
     std::vector<Node> nodes_;
 };
 

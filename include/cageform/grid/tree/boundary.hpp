@@ -314,7 +314,7 @@ public:
         Nearest best{std::numeric_limits<double>::infinity(), {}, {}};
         for (const std::uint32_t n : parts) {
             if (n >= size()) {
-                // At joints bones overlap, so all of them are asked together.
+                // At joints bones overlap, so the search covers all bones.
                 const auto bone = bones_.nearest(p, best.distance);
                 if (bone) best = {bone->distance, bone->value, {}};
                 continue;
