@@ -105,14 +105,14 @@ public:
         return block;
     }
 
-    /// Starts a group with functions first … first + width − 1: one cycle on each level from the
-    /// coarsest up. For the finest level, which then holds the interpolated solution, call `cycle`.
+    /// Starts a group with functions first … first + width − 1: one cycle on each coarse level
+    /// from the coarsest up. The finest level then holds the interpolated solution; call `cycle`.
     ///
     ///   cutoff  the functions are solved at nodes where any of them is larger. Other nodes keep
     ///           the values interpolated from the next level, where the cutoff is a quarter as
     ///           large, and so on down the levels; values below a thousandth of the cutoff become
-    ///           zero. An unsolved value has the error of the coarse level; the largest measured
-    ///           error was a quarter of the cutoff. 0: solve everywhere
+    ///           zero. An unsolved value has the relative error of the next level; at most a
+    ///           quarter of the cutoff was measured. 0: solve everywhere
     void start(Block& block, std::size_t first, double cutoff = 0) const {
         const detail::FlushDenormals flush;
         block.first_ = first;

@@ -264,12 +264,12 @@ private:
         return all;
     }
     void add_neighbour(std::vector<std::size_t>& of_i, std::size_t i, std::size_t j) const {
-        // so far the end of a chain: the inside is all around
+        // So far it is the end of a chain, and the inside is all around.
         if (of_i.empty()) {
             of_i = {j, j};
             return;
         }
-        // counter-clockwise from the first edge, in (0, 2π]
+        // The angle is counter-clockwise from the first edge, in (0, 2π].
         const auto turn_to = [&](std::size_t k) {
             const auto a = vertices_[of_i.front()] - vertices_[i], b = vertices_[k] - vertices_[i];
             const double angle = std::atan2(cross(a, b), dot(a, b));

@@ -61,7 +61,7 @@ struct FinestLevel {
         return largest;
     }
 
-    /// b minus the off-diagonal part of A u.
+    /// Returns b minus the off-diagonal part of A u.
     Vector irregular_sum(std::size_t j) const noexcept {
         const auto* const entry = fields.level.entries.data() + j * 2 * D;
         Vector sum = Vector::load(fields.irregular_b[j]);
@@ -125,7 +125,7 @@ struct CoarseLevel {
         restrict_irregular(*this, rows, largest);
     }
 
-    /// b minus the off-diagonal part of A u.
+    /// Returns b minus the off-diagonal part of A u.
     Vector irregular_sum(std::size_t j) const noexcept {
         const NodeRow* const u = fields.u;
         const auto entries = fields.level.entries_of(j);

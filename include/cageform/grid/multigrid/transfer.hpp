@@ -34,7 +34,7 @@ class RunRestriction {
     using Vector = Simd<float>;
 
 public:
-    /// x   index along axis 0 of the first node with a residual
+    ///   x  index along axis 0 of the first node with a residual
     RunRestriction(const RegularRun<D>& run, std::int32_t x, NodeRow* coarse) noexcept
         : run_(run)
         , coarse_(coarse)

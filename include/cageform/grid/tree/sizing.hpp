@@ -133,8 +133,7 @@ private:
                             : side.by_length < largest_                   ? SizeReason::facet
                                                                           : SizeReason::largest;
         add(middle + (0.25 * size) * side.inwards, size,
-            // A little inside, so that of two cells that meet on the edge the inner one is meant.
-            reason);
+            reason); // a little inside, to pick the inner one of two cells that meet on the edge
         const double piece_length = length_of(piece);
         if (!side.has_thickness && piece_length < 1.5 * across && across < largest_) {
             side.has_thickness = true; // cells in the middle are as small as at the surface

@@ -91,7 +91,7 @@ public:
             }
         }
     }
-    /// the size of the smallest leaf about the node, or of the point's leaf
+    /// The size of the smallest leaf about the node, or of the point's leaf.
     double size() const noexcept { return size_; }
     std::span<const Place> places() const noexcept { return {places_.data(), places_.size()}; }
 
