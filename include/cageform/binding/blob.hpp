@@ -19,7 +19,7 @@
 //     handle_faces  #vectors × D × uint32: the handles at a face's corners; only if the vectors
 //                   belong to faces
 //
-// Version 1 has no vectors and can be read as well. The same bytes serve as buffers of a GPU
+// Version 1 has no vectors and can be read as well. A GPU can use these bytes as buffers
 // (clone/glsl.hpp).
 #pragma once
 
