@@ -10,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI {
 enum class OutsidePoints : std::uint8_t {
     extend,        ///< by the coordinate type's own extension; kept in place if it has none
     keep_in_place, ///< no pose moves them
-    /// they follow the nearest point of the cage's boundary, at the same offset
+    /// They follow the nearest point of the cage's boundary, at the same offset.
     nearest_boundary,
 };
 
@@ -50,18 +50,17 @@ struct BindReport {
     std::vector<std::size_t> outside;    ///< treated according to BindOptions::outside
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
     std::vector<std::size_t> unreached;  ///< weights do not exist or overflow; kept in place
-    std::vector<std::size_t>
-        /// LinearPrecision::restore has left more than rounding: the weights are so large (thin
-        /// cages) that changes would not lower the residual
-        not_restored;
+    /// LinearPrecision::restore has left more than rounding: the weights are so large (thin
+    /// cages) that changes would not lower the residual
+    std::vector<std::size_t> not_restored;
     Extreme partition_error; ///< largest |Σw − 1| of the final weights
-    /// largest |Σwc − p| of the final weights, in the units of the cage; with
-    /// OutsidePoints::nearest_boundary p is the boundary point
+    /// Largest |Σwc − p| of the final weights, in the units of the cage; with
+    /// OutsidePoints::nearest_boundary p is the boundary point.
     Extreme reproduction_error;
     Extreme weight_change;     ///< largest change of a weight in a round of LinearPrecision::restore
     Extreme residual_restored; ///< largest |Σwc − p| before it
     Extreme least_weight;      ///< negative weights are no fault of closed forms
-    /// largest Σ|w|: how far a point can move if handles move by 1; 1 if no weight is negative
+    /// Largest Σ|w|: how far a point can move if handles move by 1; 1 if no weight is negative.
     Extreme amplification;
     double seconds = 0; ///< wall-clock time, including the solver's
 };

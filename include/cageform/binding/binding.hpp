@@ -20,9 +20,8 @@ struct BindingView {
     BlockView<const T> rest;                  ///< rows are axes: the points at rest
     const Vec<T, D>* rest_handles = nullptr;  ///< #handles: the handles at rest
     const HandleKind* handle_kinds = nullptr; ///< #handles; null: all are points
-    const HandleFace<D>* handle_faces =
-        /// of the vectors, in their order; null: they belong to no faces
-        nullptr;
+    /// The faces of the vectors, in their order; null: they belong to none.
+    const HandleFace<D>* handle_faces = nullptr;
 
     std::size_t handle_count() const noexcept { return weights.rows; }
     std::size_t point_count() const noexcept { return weights.points; }

@@ -40,7 +40,7 @@ public:
     static constexpr std::size_t dimension = D;
 
     Binding<T, D> points;
-    /// unit tangents, in 3D also bitangents; empty without normals
+    /// Unit tangents, in 3D also bitangents; empty without normals.
     std::array<Binding<T, D>, D - 1> tangents;
     std::vector<std::int8_t> handedness; ///< #points; empty unless the figure had its own tangents
 

@@ -18,9 +18,8 @@ struct PackOptions {
     /// Storage of the weights. Empty: of the formats that keep the tolerance, the one with the
     /// fewest bytes; without a tolerance, scalar.
     std::optional<WeightFormat> format{};
-    std::size_t largest =
-        /// how many weights a point keeps at least, the largest ones; 0: all. At least D + 1.
-        0;
+    /// How many weights a point keeps at least, the largest ones; 0: all. At least D + 1.
+    std::size_t largest = 0;
     double threshold = 0; ///< smaller weights are dropped, unless the block has a row for them anyway
     /// The largest distance allowed for any point, over `poses` if given, else within `reach`. Rows
     /// are added to a block until it is kept, beyond those that `largest` and `threshold` require.
@@ -59,10 +58,9 @@ void append_pose(std::vector<double>& poses, const Pose& pose) {
 /// of the handles at rest, a point is at most error · d from where the original binding puts it.
 struct PackReport {
     Status status = Status::ok;
-    std::size_t culprit =
-        /// weight_not_finite: the point; pose_not_finite: the pose; format_too_coarse: the farthest
-        /// point
-        Extreme::none;
+    /// weight_not_finite: the point; pose_not_finite: the pose; format_too_coarse: the farthest
+    /// point
+    std::size_t culprit = Extreme::none;
     WeightFormat format = WeightFormat::scalar;
     std::size_t points = 0, handles = 0;
     std::size_t poses = 0;        ///< in which distances were measured; 0: all within `reach`
@@ -82,9 +80,8 @@ struct PackReport {
     double mean_distance = 0;
     /// The largest change of a kept weight by which Σ w and Σ w c are restored.
     Extreme weight_change;
-    std::size_t rows_added =
-        /// rows beyond those required, added because a block's handles would lie too nearly in one plane
-        0;
+    /// Rows beyond those required, added because a block's handles would lie too nearly in one plane.
+    std::size_t rows_added = 0;
     double seconds = 0;
 };
 
@@ -141,9 +138,8 @@ struct StreamedPackMemory {
     /// The most that the solved functions take, kept until all points are bound.
     std::size_t functions = 0;
     std::size_t batch = 0; ///< the weights of one batch
-    std::size_t packed =
-        /// the result, at most: as if nothing were dropped; twice that while batches are joined
-        0;
+    /// The result, at most: as if nothing were dropped; twice that while batches are joined.
+    std::size_t packed = 0;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

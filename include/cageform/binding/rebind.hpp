@@ -27,17 +27,16 @@ struct RebindReport {
     std::size_t points = 0;              ///< given
     std::size_t matched = 0;             ///< at the position of an old point
     std::size_t interpolated = 0;        ///< with weights interpolated from old points
-    /// of these, farther away than `largest_distance`: their weights are guesses
+    /// The interpolated points farther away than `largest_distance`: their weights are guesses.
     std::vector<std::size_t> distant;
-    std::vector<std::size_t>
-        /// no pose moves them, because no pose moved the old point there or the nearest one
-        kept_in_place;
+    /// No pose moves them, because no pose moved the old point there or the nearest one.
+    std::vector<std::size_t> kept_in_place;
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
     std::vector<std::size_t> unreached;  ///< weights overflow; kept in place
     // For interpolated points:
     Extreme distance;        ///< the largest from the old figure, in its spacings
     Extreme partition_error; ///< largest |Σw − 1| of the final weights
-    /// largest |Σwc − p| of the final weights; p is the point to be reproduced
+    /// Largest |Σwc − p| of the final weights; p is the point to be reproduced.
     Extreme reproduction_error;
     Extreme weight_change;     ///< largest change of a weight by which both are restored
     Extreme residual_restored; ///< largest |Σwc − p| before it

@@ -33,20 +33,18 @@ struct SkinWeights {
 struct SkinWeightsReport {
     Status status = Status::ok;
     std::size_t points = 0;
-    std::vector<std::size_t>
-        /// outside the hull of the handles, or of any K of them: Σwc is not p
-        not_reproduced;
-    std::vector<std::size_t>
-        /// kept in place by the binding, or not finite: all weights are 0
-        without_weights;
+    /// Outside the hull of the handles, or of any K of them: Σwc is not p.
+    std::vector<std::size_t> not_reproduced;
+    /// Kept in place by the binding, or not finite: all weights are 0.
+    std::vector<std::size_t> without_weights;
     /// #points: Σ|w − w0| over all handles, where w0 are the binding's weights
     std::vector<float> weight_errors;
     Extreme weight_error;         ///< the largest of them
     double mean_weight_error = 0; ///< of the points that have weights
     Extreme partition_error;      ///< largest |Σw − 1| of the final weights
-    /// largest |Σwc − p| of the final weights, in the units of the cage
+    /// Largest |Σwc − p| of the final weights, in the units of the cage.
     Extreme reproduction_error;
-    /// largest w − w0: the increase that makes up for negative and dropped weights
+    /// Largest w − w0: the increase that makes up for negative and dropped weights.
     Extreme weight_added;
     double mean_influences = 0; ///< weights other than 0, of the points that have any
     double seconds = 0;         ///< wall-clock time

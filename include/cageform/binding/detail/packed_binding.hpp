@@ -49,9 +49,8 @@ struct PackedBindingView {
     const Lanes<T>* rest = nullptr;            ///< D rows a block
     const Vec<T, D>* rest_handles = nullptr;   ///< #handles
     const HandleKind* handle_kinds = nullptr;  ///< #handles; null: all are points
-    const HandleFace<D>* handle_faces =
-        /// of the vectors, in their order; null: they belong to no faces
-        nullptr;
+    /// The faces of the vectors, in their order; null: they belong to none.
+    const HandleFace<D>* handle_faces = nullptr;
 
     PackedBindingView() = default;
     /// Any binding can be read as a packed one from which nothing was dropped.

@@ -31,9 +31,8 @@ public:
                                   lattice.cells == old_lattice.cells;
         stencils_.reserve(nodes.count());
         nodes.for_each([&](const auto& index, std::uint32_t) {
-            const std::uint32_t same =
-                // Most nodes are the same after an edit.
-                same_lattice ? old_nodes.find(index) : grid::NodeRuns<D>::none;
+            // Most nodes are the same after an edit.
+            const std::uint32_t same = same_lattice ? old_nodes.find(index) : grid::NodeRuns<D>::none;
             if (same != grid::NodeRuns<D>::none) {
                 stencils_.add_node(same);
             } else {

@@ -49,9 +49,8 @@ struct MultigridOptions {
     /// the adaptive grid HarmonicOptions::accuracy decides instead.
     double tolerance = 1e-6;
     std::size_t max_cycles = 60; ///< not_converged if more are needed
-    bool corner_functions =
-        /// on the uniform grid: treats corners separately (grid/corners/corner_functions.hpp)
-        true;
+    /// On the uniform grid: treats corners separately (grid/corners/corner_functions.hpp).
+    bool corner_functions = true;
 };
 
 struct HarmonicOptions {

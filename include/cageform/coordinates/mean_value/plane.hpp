@@ -13,9 +13,8 @@ struct MeanValueTopology<2> {
         std::size_t begin, end;
     };
     Buffer<Loop> loops;
-    std::vector<std::array<std::uint32_t, 2>>
-        /// the edge that starts at each vertex, with the inside on its left
-        facets;
+    /// The edge that starts at each vertex, with the inside on its left.
+    std::vector<std::array<std::uint32_t, 2>> facets;
 
     static std::size_t edge_count() noexcept { return 0; } ///< no memory per edge is needed
 

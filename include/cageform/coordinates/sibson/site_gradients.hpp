@@ -11,10 +11,10 @@ namespace cageform::inline CAGEFORM_ABI {
 /// is exact for linear functions. The cell of a site on the hull is unbounded, so the mirror images
 /// of its neighbours in the site are added to cut it.
 enum class SiteGradients : std::uint8_t {
-    /// also exact for a + b·x + γ|x|² at inner sites: the most accurate on evenly spread sites
+    /// Also exact for a + b·x + γ|x|² at inner sites: the most accurate on evenly spread sites.
     facets,
     gentle, ///< μ = |F| |d|: weights are less negative, and less accurate
-    /// cuts all cells by mirrored neighbours: for rings of sites with a small distance between rings
+    /// Cuts all cells by mirrored neighbours: for rings of sites with a small distance between rings.
     mirrored,
 };
 
