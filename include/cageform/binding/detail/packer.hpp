@@ -13,6 +13,16 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
+/// Packs one binding, in these steps:
+///
+///   1. `choose_all_rows` sorts the points spatially and chooses for each block the handles that get a row:
+///      by number and size of weights (`rows_by_size`), then by distance (`RowChooser`), which finds how
+///      many rows each storage format needs.
+///   2. `choose_format` takes the format with the fewest bytes of those that keep the tolerance.
+///   3. `fill_block` fits the weights of the chosen rows, restores row sums, rounds and stores, and measures
+///      the error and distance of every point.
+///
+/// Without limits there is no order and no row list: every block has a row for every handle.
 template <Scalar T, std::size_t D>
 class Packer {
 public:

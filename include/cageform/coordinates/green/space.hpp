@@ -101,9 +101,10 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, 
     out.f = log(over / under);
 }
 
-/// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ: the angle
-/// that the edge subtends at the foot of p on the face's plane, minus the projection of that angle
-/// as seen from p. `height` is |H|; A and B are the distances of the ends:
+/// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ. It is the
+/// angle that the edge subtends at the foot of p on the face's plane, from atan(s₁/ρ) to atan(s₂/ρ),
+/// minus that from atan(|H| s₁/(ρ A)) to atan(|H| s₂/(ρ B)). `height` is |H|; A and B are the distances
+/// of the ends from p. At each end the difference is one arctangent:
 ///
 ///   atan2(ρ s₂, D + |H| B) − atan2(ρ s₁, D + |H| A),   D = ρ² + H²
 ///
