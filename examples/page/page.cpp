@@ -278,7 +278,7 @@ PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     }
     cageform::TrackOptions options;
     options.tolerance = tolerance;
-    const auto compiled = cageform::compile_track<double>(track, options);
+    const auto compiled = cageform::compile<double>(track, options);
     if (refuse(compiled.status) != 0) return -1;
     output = {compiled.sup_error};
     for (const auto& piece : compiled.track.curve.pieces())

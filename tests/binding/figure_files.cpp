@@ -80,7 +80,7 @@ cageform::CageClip<float, 3> random_clip(std::size_t vertices, std::uint64_t see
         for (int n = 0; n < 4; ++n)
             of_curve.push_back(key(n + random.uniform(0, 0.5), random.uniform(-2, 2)));
     }
-    return cageform::compile_clip<float, 3>(keys).clip;
+    return cageform::compile<float, 3>(keys).value;
 }
 
 Status status_of(std::span<const std::byte> bytes, BlobCheck check = BlobCheck::all) {
@@ -422,9 +422,9 @@ TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bin
     const auto fine = parts.bind(coordinates);
     const auto outer = divided_box({1, 1, 1}, 3).mesh<float>();
     const auto coarse = cageform::bind(Mean3(outer), coordinates.handles()).value;
-    const auto [figure, status, still] = compose(fine, coarse);
-    REQUIRE(status == Status::ok);
-    CHECK(still.empty());
+    const auto [figure, report] = compose(fine, coarse);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.still.empty());
     CHECK(figure.points.handle_count() == outer.size());
     const auto pose = shaken(outer.vertices(), 0.2, 8), between = cloned(coarse, pose);
     Points3<float> out(30), up(30), out_twice(30), up_twice(30);

@@ -80,8 +80,8 @@ TEST_CASE("surround refuses what has no box", "[cage][control_points][status]") 
           Status::value_not_finite);
     const auto flat = surround(Points{{0, 0, 1}, {3, 4, 1}}, {0.1}); // in a plane: with a margin across
     REQUIRE(flat.status() == Status::ok);
-    CHECK(flat.sites.front()[2] == Approx(0.5));
-    CHECK(flat.sites.back()[2] == Approx(1.5));
+    CHECK(flat.value.sites.front()[2] == Approx(0.5));
+    CHECK(flat.value.sites.back()[2] == Approx(1.5));
 }
 
 TEMPLATE_TEST_CASE("figure points become sites once, and each knows its handle", "[cage][control_points]",
@@ -112,8 +112,8 @@ TEST_CASE("figure points that there are not, or are no numbers, are refused",
     const auto status = [&](std::size_t index) {
         const std::array<std::size_t, 1> indices{index};
         const auto result = sites_with_figure_points(sites, figure, indices);
-        if (result.status != Status::ok) CHECK((result.sites.empty() && result.handles.empty()));
-        return result.status;
+        if (result.status() != Status::ok) CHECK((result.value.sites.empty() && result.value.handles.empty()));
+        return result.status();
     };
     CHECK(status(0) == Status::ok);
     CHECK(status(1) == Status::vertex_not_finite);

@@ -77,27 +77,27 @@ TEST_CASE("progress never falls and ends with 1: curves", "[core][running][progr
             std::vector<cageform::Key> keys;
             for (std::size_t i = 0; i < count; ++i) keys.push_back(key(double(i), double(i * i % 3)));
             check_progress("compile_track", [&](const Running& r) {
-                return cageform::compile_track<float>(std::span<const cageform::Key>(keys), track, r);
+                return cageform::compile<float>(std::span<const cageform::Key>(keys), track, r);
             });
             const std::vector<std::vector<cageform::Key>> curves(3, keys);
             check_progress("compile_clip", [&](const Running& r) {
-                return cageform::compile_clip<float, 3>(curves, track, r);
+                return cageform::compile<float, 3>(curves, track, r);
             });
         }
     }
     check_progress("compile_clip of no curves", [&](const Running& r) {
-        return cageform::compile_clip<float, 3>(std::span<const std::vector<cageform::Key>>{}, {}, r);
+        return cageform::compile<float, 3>(std::span<const std::vector<cageform::Key>>{}, {}, r);
     });
 }
 
 TEST_CASE("progress never falls and ends with 1: made cages", "[core][running][progress]") {
     const std::vector<cageform::DrawnSegment<double>> drawn{{{0, 0}, {1, 0}, 0.1}, {{1, 0}, {1, 1}, 0.1}};
     check_progress("make_cage, plane", [&](const Running& r) {
-        return cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn), {.running = r});
+        return cageform::make_cage(drawn, {}, r);
     });
     const auto ball = sphere(1);
     check_progress("make_cage, space", [&](const Running& r) {
-        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24, .running = r});
+        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24}, r);
     });
 }
 

@@ -99,13 +99,13 @@ TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclos
         const auto made = make_cage(std::span<const DrawnSegment<TestType>>(figure), options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
         const auto& report = made.report;
-        CHECK(is_cage(check(made.cage)));
-        CHECK(made.cage.loops().size() == 1);
-        CHECK(made.cage.size() == options.vertices);
+        CHECK(is_cage(check(made.value)));
+        CHECK(made.value.loops().size() == 1);
+        CHECK(made.value.size() == options.vertices);
         CHECK(report.vertices == options.vertices);
         CHECK(report.clearance >= 0.9 * report.margin);
-        const double sampled = sampled_clearance(made.cage, figure);
-        const auto box = bounds_of(made.cage.vertices());
+        const double sampled = sampled_clearance(made.value, figure);
+        const auto box = bounds_of(made.value.vertices());
         CHECK(sampled >= report.clearance - double(coincidence_tolerance(box)));
         CHECK(sampled <= report.clearance + 0.5 * double(box.diagonal())); // a number about this cage
         // Of a line nearly all is margin, of which a cage may lack a 20th.
@@ -145,9 +145,9 @@ TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", fl
         const auto made = make_cage(std::span<const DrawnSegment<TestType>>(figure), options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
         CHECK(is_cage(made.report.cage));
-        CHECK(made.cage.size() == 24);
-        CHECK(sampled_clearance(made.cage, figure) >= 0.89 * made.report.margin);
-        const auto vertices = made.cage.vertices();
+        CHECK(made.value.size() == 24);
+        CHECK(sampled_clearance(made.value, figure) >= 0.89 * made.report.margin);
+        const auto vertices = made.value.vertices();
         const auto box = bounds_of(vertices);
         const double middle = (double(box.lower[axis]) + double(box.upper[axis])) / 2;
         if (options.mirror->place)
@@ -464,7 +464,7 @@ TEST_CASE("where coordinates are coarse the margin is kept as well, or no cage g
         options.margin = 0.08;
         options.vertices = 6;
         double most = 0;
-        options.running.progress = [&](double done) {
+        running.progress = [&](double done) {
             if (done < 1) most = larger(most, done);
             return true;
         };
@@ -483,7 +483,7 @@ TEST_CASE("making a cage tells how far it is and can be stopped", "[enclose]") {
     const auto figure = random_figure<double>(3);
     MakeCageOptions options;
     std::vector<double> told;
-    options.running.progress = [&](double done) {
+    running.progress = [&](double done) {
         told.push_back(done);
         return true;
     };
@@ -492,7 +492,7 @@ TEST_CASE("making a cage tells how far it is and can be stopped", "[enclose]") {
     CHECK(told.back() == 1);
     for (std::size_t stop = 0; stop < told.size(); ++stop) {
         std::size_t calls = 0;
-        options.running.progress = [&](double) { return calls++ < stop; };
+        running.progress = [&](double) { return calls++ < stop; };
         const auto made = make_cage<double>(figure, options);
         CHECK(made.report.status == Status::cancelled);
         CHECK(made.cage.size() == 0);

@@ -164,8 +164,8 @@ TEST_CASE("cotangent_weights: the obtuse pair's, exactly", "[surface][oracle]") 
         const MeshData mesh = mesh_of(json);
         const auto own = cotangent_weights(mesh.vertices, mesh.faces, MeshWeights::own);
         const Json expected = json.at("edge_weights");
-        REQUIRE(own.links.size() == expected.size());
-        for (const auto& link : own.links) {
+        REQUIRE(own.value.links.size() == expected.size());
+        for (const auto& link : own.value.links) {
             const auto [low, high] = std::minmax(link.a, link.b);
             const auto text =
                 expected.at(std::to_string(low) + " " + std::to_string(high)).get<std::string>();
@@ -209,7 +209,7 @@ TEST_CASE("solve_surface: in the range of the data, sums to one, on closed meshe
     REQUIRE(weights.report.status == Status::ok);
     CHECK(weights.report.negative_weights == 0);
     CHECK(weights.report.flips > 0);
-    for (const auto& link : weights.links) REQUIRE(link.conductance > 0);
+    for (const auto& link : weights.value.links) REQUIRE(link.conductance > 0);
     const auto [given, marks] = random_fields(random, size);
     const auto solved = solve(mesh, given, marks);
     for (std::size_t i = 0; i < size; ++i) {
@@ -368,7 +368,7 @@ TEST_CASE("solve_surface: vertices almost at one place, needles", "[surface][pro
         if (weights.report.status == Status::face_without_area) continue;
         REQUIRE(weights.report.status == Status::ok);
         flips += weights.report.flips;
-        for (const auto& link : weights.links) REQUIRE(std::isfinite(link.conductance));
+        for (const auto& link : weights.value.links) REQUIRE(std::isfinite(link.conductance));
         if (weights.report.negative_weights > 0) {
             ++negative;
             continue;
@@ -390,8 +390,8 @@ TEST_CASE("cotangent_weights: what is refused, by name", "[surface][errors]") {
     const auto refused = [](const MeshData& mesh, Status status, CageFaultKind kind, std::size_t a) {
         const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
         CHECK(weights.report.status == status);
-        CHECK(weights.links.empty());
-        CHECK(weights.vertices == 0);
+        CHECK(weights.value.links.empty());
+        CHECK(weights.value.vertices == 0);
         REQUIRE(!weights.report.mesh.faults.empty());
         CHECK(weights.report.mesh.faults[0].kind == kind);
         CHECK(weights.report.mesh.faults[0].a == a);
@@ -464,10 +464,10 @@ TEST_CASE("cotangent_weights: an open rim that an obtuse angle faces is counted"
     REQUIRE(weights.report.status == Status::ok);
     CHECK(weights.report.negative_weights == 3); // all of the rim
     double negative = 0;
-    for (const auto& link : weights.links) negative = std::min(negative, link.conductance);
+    for (const auto& link : weights.value.links) negative = std::min(negative, link.conductance);
     CHECK(negative == Approx(-15.0 / 16).epsilon(1e-14)); // ½ cot, of (−2, −½)·(2, −½) over 2
     double areas = 0;
-    for (const double area : weights.areas) areas += area * weights.unit * weights.unit;
+    for (const double area : weights.value.areas) areas += area * weights.value.unit * weights.value.unit;
     CHECK(areas == Approx(6).epsilon(1e-14));
 }
 

@@ -189,7 +189,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
         report.distance_vertex = 0;
     }
     report.bytes = packed.bytes().size();
-    if (open_clip<T, D>(packed.bytes(), BlobCheck::structure).status == Status::ok) return Status::ok;
+    if (open_clip<T, D>(packed.bytes(), BlobCheck::structure)) return Status::ok;
     packed = {};
     return Status::value_not_finite;
 }
