@@ -49,7 +49,7 @@ TEST_CASE("every tolerance is met", "[animate][fit][tolerance][property]") {
     CAPTURE(tolerance, options.degree, unsigned(options.conditions), result.value.pieces());
     REQUIRE(result.status() == Status::ok);
     CHECK(result.report.sup_error <= tolerance);
-    const auto error = sampled_error(result, curve, 2000);
+    const auto error = sampled_error(result.value, curve, 2000);
     CHECK(error.sampled <= tolerance * (1 + 1e-9));
     CHECK(result.report.sup_error >= error.sampled - 1e-13 * height);
     CHECK(result.report.sup_error <= error.polished + 1e-9 * height);
@@ -58,9 +58,10 @@ TEST_CASE("every tolerance is met", "[animate][fit][tolerance][property]") {
     CHECK(result.value.knots.size() == result.value.parameters.size());
     CHECK(result.value.bernstein.size() == result.value.pieces() * (options.degree + 1));
     CHECK(result.value.free_coefficients <= result.value.bernstein.size());
-    for (std::size_t i = 0; i < result.value.pieces(); ++i) CHECK(result.value.knots[i] < result.value.knots[i + 1]);
+    for (std::size_t i = 0; i < result.value.pieces(); ++i)
+        CHECK(result.value.knots[i] < result.value.knots[i + 1]);
     // The conditions hold.
-    const auto conditions = conditions_of(result, curve, options.conditions);
+    const auto conditions = conditions_of(result.value, curve, options.conditions);
     const Eigen::VectorXd v =
         Eigen::Map<const Eigen::VectorXd>(result.value.bernstein.data(), long(result.value.bernstein.size()));
     CHECK((conditions.a * v - conditions.d).lpNorm<Eigen::Infinity>() <= 1e-9 * height);
@@ -123,7 +124,7 @@ TEST_CASE("vertical tangents: tolerances are met", "[animate][fit][tolerance][ve
                 const auto result = fit(curve, tolerance, options);
                 REQUIRE(result.status() == Status::ok);
                 CHECK(result.report.sup_error <= tolerance);
-                CHECK(sampled_error(result, curve, 4000).sampled <= tolerance * (1 + 1e-9));
+                CHECK(sampled_error(result.value, curve, 4000).sampled <= tolerance * (1 + 1e-9));
             }
         }
     }
@@ -146,13 +147,15 @@ TEST_CASE("too tight a tolerance and bad input are refused with a reason", "[ani
     const double not_a_number = std::numeric_limits<double>::quiet_NaN();
     for (const double tolerance : {0.0, -1.0, not_a_number})
         CHECK(fit(good, tolerance).status() == Status::tolerance_not_positive);
-    const auto best = fit(test_curves[4], 1e-6, {}, 3);
-    CHECK(best.status == Status::tolerance_not_met);
-    CHECK(best.pieces() == 3);
-    CHECK(best.w12_error() == Approx(0.183608).epsilon(0.005)); // the optimum of three pieces
-    const auto tied = fit(test_curves[4], 1e-6, with(end_value | knot_c0), 3);
-    CHECK(tied.status == Status::tolerance_not_met);
-    CHECK(tied.pieces() == 3);
+    const auto best = fit(test_curves[4], 1e-6, {.max_pieces = 3});
+    CHECK(best.status() == Status::tolerance_not_met);
+    CHECK(best.value.pieces() == 3);
+    CHECK(best.report.w12_error() == Approx(0.183608).epsilon(0.005)); // the optimum of three pieces
+    auto three = with(end_value | knot_c0);
+    three.max_pieces = 3;
+    const auto tied = fit(test_curves[4], 1e-6, three);
+    CHECK(tied.status() == Status::tolerance_not_met);
+    CHECK(tied.value.pieces() == 3);
     auto curve = good;
     curve.points[1][1] = not_a_number;
     CHECK(fit(curve, 0.01).status() == Status::value_not_finite);
@@ -170,7 +173,9 @@ TEST_CASE("too tight a tolerance and bad input are refused with a reason", "[ani
           Status::slope_unbounded);
     CHECK(fit(good, 0.01, with(end_value | knot_c0 | knot_value)).status() ==
           Status::ok); // one piece has no inner knot
-    CHECK(fit(good, 1e-5, with(end_value | knot_c0 | knot_value), 3).status == Status::too_many_conditions);
+    three = with(end_value | knot_c0 | knot_value);
+    three.max_pieces = 3;
+    CHECK(fit(good, 1e-5, three).status() == Status::too_many_conditions);
 }
 
 TEST_CASE("tolerances that cannot be seen", "[animate][fit][tolerance]") {

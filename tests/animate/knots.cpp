@@ -64,10 +64,11 @@ double slow_search(const BezierCurve& curve, const std::vector<double>& candidat
         if (knots.size() != pieces + 1) continue;
         const auto fit = cageform::fit_pieces(curve, knots, options);
         if (fit.status() != Status::ok) continue;
-        least = std::min(least, options.value_weight * fit.report.l2_error * fit.report.l2_error +
-                                    (options.slope_weight > 0
-                                         ? options.slope_weight * fit.report.slope_error * fit.report.slope_error
-                                         : 0)); // which may be infinite
+        least =
+            std::min(least, options.value_weight * fit.report.l2_error * fit.report.l2_error +
+                                (options.slope_weight > 0
+                                     ? options.slope_weight * fit.report.slope_error * fit.report.slope_error
+                                     : 0)); // which may be infinite
     }
     return least;
 }
@@ -88,7 +89,8 @@ TEST_CASE("the 60 errors in the captions of the source's figures", "[animate][kn
                 const auto fit = cageform::fit_pieces(curve, search.value.parameters, with(conditions));
                 REQUIRE(fit.status() == Status::ok);
                 CHECK(std::fabs(fit.report.w12_error() - captions[c][pieces - 1]) <= 1e-6);
-                worst = cageform_tests::larger(worst, std::fabs(fit.report.w12_error() - captions[c][pieces - 1]));
+                worst = cageform_tests::larger(worst,
+                                               std::fabs(fit.report.w12_error() - captions[c][pieces - 1]));
                 for (std::size_t i = 0; i <= pieces; ++i)
                     CHECK(search.value.parameters[i] == candidates[search.value.indices[i]]);
             }
@@ -167,7 +169,8 @@ TEST_CASE("in the L2 norm neighbours that agree have other best knots than value
         const auto search = search_knots(curve, candidates, 3, {options});
         REQUIRE(search.status() == Status::ok);
         const auto fit = cageform::fit_pieces(curve, search.value.parameters, options);
-        CHECK(fit.report.l2_error == Approx(std::sqrt(slow_search(curve, candidates, 3, options))).epsilon(1e-6));
+        CHECK(fit.report.l2_error ==
+              Approx(std::sqrt(slow_search(curve, candidates, 3, options))).epsilon(1e-6));
     }
 }
 
@@ -179,12 +182,14 @@ TEST_CASE("optimal knots reach the optimum", "[animate][knots][oracle]") {
             for (const auto conditions : {end_value | knot_c0, end_value | knot_value}) {
                 const auto search = optimal_knots(test_curves[c], pieces, {with(conditions)});
                 REQUIRE(search.status() == Status::ok);
-                const auto fit = cageform::fit_pieces(test_curves[c], search.value.parameters, with(conditions));
+                const auto fit =
+                    cageform::fit_pieces(test_curves[c], search.value.parameters, with(conditions));
                 REQUIRE(fit.status() == Status::ok);
                 const double ratio = fit.report.w12_error() / optimum[c][pieces - 1];
                 CAPTURE(ratio);
                 CHECK(ratio <= 1.005);
-                CHECK(search.report.objective == Approx(fit.report.w12_error() * fit.report.w12_error()).epsilon(1e-7));
+                CHECK(search.report.objective ==
+                      Approx(fit.report.w12_error() * fit.report.w12_error()).epsilon(1e-7));
                 worst = cageform_tests::larger(worst, ratio);
                 best = std::min(best, ratio);
             }
@@ -273,23 +278,24 @@ TEST_CASE("a search tells how far it is, and may be cancelled", "[animate][knots
         CHECK((result.status() == Status::cancelled) == (told.size() == most));
         return told.size();
     };
-    for (const auto& search : std::array<std::function<cageform::Result<cageform::BestKnots, cageform::KnotReport>(const cageform::Running&)>, 4>{
-             [&](const auto& running) {
-                 return search_knots(curve, uniform_in_parameter(20), 3, {}, running);
-             },
-             [&](const auto& running) {
-                 return search_knots(curve, uniform_in_parameter(25), 4, {smooth}, running);
-             },
-             [&](const auto& running) { return optimal_knots(curve, 3, {}, running); },
-             [&](const auto& running) { return optimal_knots(curve, 3, {smooth}, running); }}) {
+    for (const auto& search :
+         std::array<std::function<cageform::Result<cageform::BestKnots, cageform::KnotReport>(
+                        const cageform::Running&)>,
+                    4>{[&](const auto& running) {
+                           return search_knots(curve, uniform_in_parameter(20), 3, {}, running);
+                       },
+                       [&](const auto& running) {
+                           return search_knots(curve, uniform_in_parameter(25), 4, {smooth}, running);
+                       },
+                       [&](const auto& running) { return optimal_knots(curve, 3, {}, running); },
+                       [&](const auto& running) { return optimal_knots(curve, 3, {smooth}, running); }}) {
         const std::size_t all = run(1000, search);
         CHECK(all > 1);
         for (std::size_t most = 1; most <= all; ++most) CHECK(run(most, search) == most);
     }
     const auto of_tolerance = [&](const FitOptions& options) {
-        return [&curve, options](const auto& running) {
-            return cageform::fit(curve, 1e-5, options, 64, running);
-        };
+        return
+            [&curve, options](const auto& running) { return cageform::fit(curve, 1e-5, options, running); };
     };
     for (const auto& options : {FitOptions{}, smooth}) {
         const std::size_t all = run(1000, of_tolerance(options));

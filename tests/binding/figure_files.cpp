@@ -148,8 +148,7 @@ TEST_CASE("one file ships a figure and its clips, found by name, played without 
         for (int frame = 0; frame < 300; ++frame) {
             clip.sample(float(frame) / 60, cursor, pose);
             packed[n].view().sample(float(frame) / 60, cursors[n], expected);
-            same =
-                same && pose == expected && clone(opened.value, pose, FigureOutput{out, up}) == Status::ok;
+            same = same && pose == expected && clone(opened.value, pose, FigureOutput{out, up}) == Status::ok;
         }
     }
     const std::size_t after = allocations;
@@ -436,7 +435,7 @@ TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bin
         CHECK(distance(up[i], up_twice[i]) <= 1e-4);
         CHECK(along[i][3] == along_twice[i][3]);
     }
-    CHECK(cageform::open<float, 3>(cageform::pack(figure).figure.bytes()).status == Status::ok);
+    CHECK(cageform::open<float, 3>(cageform::pack(figure).value.bytes()).status() == Status::ok);
     const auto refused = compose(fine, fine.points);
     CHECK(refused.status() == Status::bindings_differ);
     CHECK(refused.value.points.point_count() == 0);

@@ -435,7 +435,7 @@ TEMPLATE_TEST_CASE("bones bound by given weights are linear blend skinning", "[h
     for (const auto& shares : {skin.shares, uneven}) {
         const auto [binding, report] = skin.bind(shares);
         REQUIRE(report.status == Status::ok);
-        CHECK(unused == std::vector<std::uint32_t>{3});
+        CHECK(report.unused == std::vector<std::uint32_t>{3});
         CHECK(report.partition_error.value <= 8 * double(epsilon<T>));
         CHECK((report.weight_change.value > 0.1) == (shares != skin.shares));
         std::vector<Vec<T, D>> handles(binding.handle_count());

@@ -340,17 +340,18 @@ TEST_CASE("making a cage in space tells how far it is and can be stopped", "[enc
     options.vertices = 50;
     options.margin = 0.1;
     std::vector<double> told;
+    cageform::Running running;
     running.progress = [&](double done) {
         told.push_back(done);
         return true;
     };
-    REQUIRE(make_cage(figure.vertices, figure.faces, options));
+    REQUIRE(make_cage(figure.vertices, figure.faces, options, running));
     CHECK(std::is_sorted(told.begin(), told.end()));
     CHECK(told.back() == 1);
     for (const std::size_t stop : {std::size_t{0}, std::size_t{1}, told.size() / 2, told.size() - 1}) {
         std::size_t calls = 0;
         running.progress = [&](double) { return calls++ < stop; };
-        const auto made = make_cage(figure.vertices, figure.faces, options);
+        const auto made = make_cage(figure.vertices, figure.faces, options, running);
         CHECK(made.report.status == Status::cancelled);
         CHECK(made.value.size() == 0);
     }

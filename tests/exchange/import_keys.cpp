@@ -25,8 +25,8 @@ bool same_bits(const BezierCurve& a, const BezierCurve& b) {
 
 /// interval(n) is the curve from key n to the next, as it is imported by itself.
 template <class Interval>
-void check_intervals(const cageform::Result<std::vector<Key>, cageform::ExchangeReport>& imported, const Interval& interval,
-                     const std::vector<double>& values) {
+void check_intervals(const cageform::Result<std::vector<Key>, cageform::ExchangeReport>& imported,
+                     const Interval& interval, const std::vector<double>& values) {
     REQUIRE(imported.status() == Status::ok);
     REQUIRE(imported.value.size() == values.size());
     std::size_t held = 0, straight = 0, curved = 0;
@@ -179,8 +179,7 @@ TEST_CASE(
     }
     const auto lines = keys_from_gltf(times, plain, components, GltfInterpolation::linear),
                steps = keys_from_gltf(times, plain, components, GltfInterpolation::step);
-    const auto by_lines = compile<double, 3>(lines.value),
-               by_steps = compile<double, 3>(steps.value);
+    const auto by_lines = compile<double, 3>(lines.value), by_steps = compile<double, 3>(steps.value);
     REQUIRE(by_lines.status() == Status::ok);
     REQUIRE(by_steps.status() == Status::ok);
     auto first = by_lines.value.make_cursor(), second = by_steps.value.make_cursor();

@@ -98,8 +98,8 @@ bool refused(const Result<KeyInterval>& result, Status status) {
 }
 
 bool consistent(const Result<KeyInterval>& result) {
-    return result.status() == Status::ok ? check(result.value.curve).status() == Status::ok
-                                       : result.value.curve == BezierCurve{};
+    return result.status() == Status::ok ? check(result.value.curve).status == Status::ok
+                                         : result.value.curve == BezierCurve{};
 }
 
 /// The cubic with given values and slopes at both ends, by Hermite's basis as glTF's appendix C prints it.
@@ -240,7 +240,7 @@ TEST_CASE("what is no CSS easing is refused, with its place", "[animate][import]
     }));
     CAPTURE(c.text);
     const auto result = parse_css_easing(c.text);
-    CHECK(result.status() == c.status());
+    CHECK(result.status() == c.status);
     CHECK(result.report.error_at == c.at);
     CHECK(result.value == BezierCurve{});
 }
@@ -453,8 +453,10 @@ TEST_CASE("any inward handles of F-curves are sound once limited", "[animate][im
         REQUIRE(to_blender(result.value.curve, a, b, KeyKind::bezier, limit) == Status::ok);
         const auto again = from_blender(a, b, limit);
         REQUIRE(again.status() == Status::ok);
-        CHECK(distance(result.value.curve, again.value.curve, 0) <= 8 * epsilon<double> * size(result.value.curve, 0));
-        CHECK(distance(result.value.curve, again.value.curve, 1) <= 1e-10 * size(result.value.curve, 1)); // steep handles
+        CHECK(distance(result.value.curve, again.value.curve, 0) <=
+              8 * epsilon<double> * size(result.value.curve, 0));
+        CHECK(distance(result.value.curve, again.value.curve, 1) <=
+              1e-10 * size(result.value.curve, 1)); // steep handles
     }
 }
 
@@ -545,7 +547,8 @@ TEST_CASE("weighted keys of Unity have handles at their weights", "[animate][imp
     const double third = 4.0 / 3;
     first.weighted = WeightedHandles::out;
     second.weighted = WeightedHandles::out; // of the other side
-    check_close(from_unity(first, second).value.curve, curve_of({0, 0}, {3, 6}, {4 - third, 1 + third}, {4, 1}));
+    check_close(from_unity(first, second).value.curve,
+                curve_of({0, 0}, {3, 6}, {4 - third, 1 + third}, {4, 1}));
     first.weighted = WeightedHandles::in;
     second.weighted = WeightedHandles::in;
     check_close(from_unity(first, second).value.curve, curve_of({0, 0}, {third, 2 * third}, {2, 3}, {4, 1}));
@@ -1109,7 +1112,8 @@ TEST_CASE("any arrays end in a status or a sound track", "[animate][import][gltf
             good = good && (back.status() == Status::ok) == !back.value.times.empty();
             if (back.status() == Status::ok) {
                 ++written;
-                const auto again = from_gltf_cubicspline(back.value.times, back.value.values, track.components);
+                const auto again =
+                    from_gltf_cubicspline(back.value.times, back.value.values, track.components);
                 good = good && again.status() == Status::ok;
             }
         }

@@ -114,7 +114,7 @@ std::vector<double> solve(const MeshData& mesh, std::vector<double> values, cons
                           MeshWeights kind = MeshWeights::intrinsic_delaunay) {
     const auto weights = cotangent_weights(mesh.vertices, mesh.faces, kind);
     REQUIRE(weights.report.status == Status::ok);
-    REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+    REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
     return values;
 }
 
@@ -143,7 +143,7 @@ TEMPLATE_TEST_CASE("solve_surface: reference values", "[surface][oracle]", float
             auto [values, marks] = given_of<TestType>(json, mesh.vertices.size());
             const auto weights = cotangent_weights(mesh.mesh<TestType>().vertices(), mesh.faces, kind);
             REQUIRE(weights.report.status == Status::ok);
-            REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+            REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
             const double tolerance = std::is_same_v<TestType, float> ? 2e-6 : 1e-12;
             for (std::size_t i = 0; i < values.size(); ++i) {
                 CAPTURE(i);
@@ -278,7 +278,7 @@ TEST_CASE("solve_surface: a Möbius strip", "[surface]") {
     }
     const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
     REQUIRE(weights.report.status == Status::ok);
-    REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+    REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
     for (const double value : values) CHECK((value >= 0 && value <= 1));
 }
 
@@ -297,7 +297,8 @@ TEST_CASE("solve_surface: the two sides of a flat triangle, exactly", "[surface]
             CHECK(weights.report.flips == 1);
             CHECK(weights.report.negative_weights == 0);
             std::vector<double> values{0, 1, nan};
-            REQUIRE(cageform::solve_surface(weights, Marks{1, 1, 0}, std::span(values)).status == Status::ok);
+            REQUIRE(cageform::solve_surface(weights.value, Marks{1, 1, 0}, std::span(values)).status ==
+                    Status::ok);
             CHECK(values[2] == Approx(at_b / (at_a + at_b)).epsilon(1e-12));
         }
     }
@@ -330,7 +331,7 @@ TEST_CASE("solve_surface: flat pillows, their faces turned at random", "[surface
             CHECK(weights.report.negative_weights == 0);
             flips += weights.report.flips;
             auto values = start;
-            REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+            REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
             return values;
         };
         const auto expected = solved();
@@ -374,7 +375,7 @@ TEST_CASE("solve_surface: vertices almost at one place, needles", "[surface][pro
             continue;
         }
         auto [values, marks] = random_fields(random, mesh.vertices.size());
-        REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+        REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
         for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
             REQUIRE(values[i] >= 0);
             REQUIRE(values[i] <= 1 + 1e-14);
@@ -395,8 +396,9 @@ TEST_CASE("cotangent_weights: what is refused, by name", "[surface][errors]") {
         REQUIRE(!weights.report.mesh.faults.empty());
         CHECK(weights.report.mesh.faults[0].kind == kind);
         CHECK(weights.report.mesh.faults[0].a == a);
-        std::vector<double> none;
-        CHECK(cageform::solve_surface(weights, Marks{}, std::span(none)).status == status);
+        std::vector<double> values(mesh.vertices.size(), 1.0);
+        CHECK(cageform::solve_surface(weights.value, Marks(values.size(), 0), std::span(values)).status ==
+              Status::input_malformed);
     };
     MeshData bad = good;
     bad.faces[7][1] = -1;
@@ -435,7 +437,7 @@ TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surfa
     std::vector<double> values(mesh.vertices.size(), 7);
     Marks marks(values.size());
     marks[0] = 1;
-    auto evaluation = cageform::solve_surface(weights, marks, std::span(values));
+    auto evaluation = cageform::solve_surface(weights.value, marks, std::span(values));
     CHECK(evaluation.status == Status::cells_unreached);
     CHECK(evaluation.solver.culprit == size);
     CHECK(std::count(values.begin(), values.end(), 7.0) == std::ptrdiff_t(values.size()));
@@ -443,19 +445,19 @@ TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surfa
     marks[size + 1] = marks[size + 3] = 1;
     values[size + 3] = nan; // of the vertex without a face: not looked at
     values[size + 1] = nan;
-    evaluation = cageform::solve_surface(weights, marks, std::span(values));
+    evaluation = cageform::solve_surface(weights.value, marks, std::span(values));
     CHECK(evaluation.status == Status::value_not_finite);
     CHECK(evaluation.solver.culprit == size + 1);
 
     values[size + 1] = 2;
-    REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+    REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
     CHECK(values[1] == Approx(7));
     CHECK(values[size] == Approx(2));
     CHECK(std::isnan(values[size + 3]));
 
     cageform::Running stop;
     stop.progress = [](double) { return false; };
-    CHECK(cageform::solve_surface(weights, marks, std::span(values), stop).status == Status::cancelled);
+    CHECK(cageform::solve_surface(weights.value, marks, std::span(values), stop).status == Status::cancelled);
 }
 
 TEST_CASE("cotangent_weights: an open rim that an obtuse angle faces is counted", "[surface]") {

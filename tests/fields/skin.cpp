@@ -229,8 +229,7 @@ TEST_CASE("weights of bones: bound, posed and cloned they are linear blend skinn
     }
     for (const bool is_heat : {false, true}) {
         const auto weights =
-            (is_heat ? bone_heat(points, faces, ring.bones) : harmonic_skin(points, faces, ring.bones))
-                .value;
+            (is_heat ? bone_heat(points, faces, ring.bones) : harmonic_skin(points, faces, ring.bones)).value;
         const auto bound =
             cageform::bind_bones(points, std::span<const Move>(rest), std::span<const double>(weights));
         REQUIRE(bound.report.status == Status::ok);

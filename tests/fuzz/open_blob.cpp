@@ -154,8 +154,8 @@ void open_as(std::span<const std::byte> bytes) {
             continue;
         }
         REQUIRE(opened.report.bytes <= bytes.size());
-        REQUIRE(
-            (cageform::open_blob<T, D>(bytes.first(opened.report.bytes), {.check = check}).status() == Status::ok));
+        REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.report.bytes), {.check = check}).status() ==
+                 Status::ok));
         REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.report.bytes - 1), {.check = check}).status() !=
                  Status::ok));
         if (check == BlobCheck::structure) clone_all_ways(opened.value);
