@@ -25,29 +25,23 @@ struct Bind {
     }
 
     template <CageCoordinates C, class P, class N, class G>
-        requires(PointsFor<P, C>&& NormalsFor<N, C>&& TangentsFor<G, N, C>)
+        requires(PointsFor<P, C>&& NormalsFor<N, C>&& TangentsIn<G, N, C::dimension>)
     Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>
     operator()(const C& coordinates, const FigurePoints<P, N, G>& figure, const BindOptions& options = {},
                const Running& running = {}) const {
         using T = typename C::scalar;
         Result<FigureBinding<T, C::dimension>, FigureBindReport> result;
         run_into(result.report, [&] {
-            FigureInput<T, C::dimension> input{read_points<T>(figure.points), {}, {}};
-            const auto bind_input = [&] {
+            return read_figure<T, C::dimension>(figure, [&](FigureInput<T, C::dimension>& input) {
                 return bind_read_figure(coordinates, input, options, running, result);
-            };
-            if constexpr (is_wanted<N>) {
-                return read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
-                    for (std::size_t k = 0; k < tangents.size(); ++k)
-                        input.tangents[k] = read_points<T>(tangents[k]);
-                    input.handedness = std::move(handedness);
-                    return bind_input();
-                });
-            } else {
-                return bind_input();
-            }
+            });
         });
         return result;
+    }
+
+    template <class Figure, BindsByMember<Figure> C, class... More>
+    auto operator()(const C& coordinates, const Figure& figure, More&&... more) const {
+        return coordinates.bind(figure, std::forward<More>(more)...);
     }
 
     // Accepts any further arguments, so that the first line that compilers print names the reason.

@@ -267,9 +267,12 @@ private:
     std::array<T, D + 1> on_face_{};
 };
 
-using BarycentricCoordinates2f = BarycentricCoordinates<float, 2>;
-using BarycentricCoordinates2d = BarycentricCoordinates<double, 2>;
-using BarycentricCoordinates3f = BarycentricCoordinates<float, 3>;
-using BarycentricCoordinates3d = BarycentricCoordinates<double, 3>;
+// `BarycentricCoordinates coordinates(cage)` deduces the scalar and the dimension.
+template <PointRange R>
+BarycentricCoordinates(const R&) -> BarycentricCoordinates<range_scalar_t<R>, range_dimension<R>>;
+template <Scalar T>
+BarycentricCoordinates(Polygon<T>) -> BarycentricCoordinates<T, 2>;
+template <Scalar T, std::size_t D>
+BarycentricCoordinates(CellComplex<T, D>) -> BarycentricCoordinates<T, D>;
 
 } // namespace cageform::inline CAGEFORM_ABI

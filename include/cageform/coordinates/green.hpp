@@ -61,9 +61,6 @@ public:
         : Base(cage) {}
 };
 
-using GreenCoordinates2f = GreenCoordinates<float, 2>;
-using GreenCoordinates2d = GreenCoordinates<double, 2>;
-
 /// Green coordinates in 3D, for closed triangle meshes of any genus, cavities included. By Green's
 /// third identity,
 ///
@@ -117,7 +114,16 @@ public:
         : Base(cage) {}
 };
 
-using GreenCoordinates3f = GreenCoordinates<float, 3>;
-using GreenCoordinates3d = GreenCoordinates<double, 3>;
+// `GreenCoordinates coordinates(cage)` deduces the scalar and the dimension.
+template <Scalar T>
+GreenCoordinates(Polygon<T>) -> GreenCoordinates<T, 2>;
+template <Scalar T>
+GreenCoordinates(TriangleMesh<T>) -> GreenCoordinates<T, 3>;
+template <Scalar T, std::size_t D>
+GreenCoordinates(CellComplex<T, D>) -> GreenCoordinates<T, D>;
+template <PointRangeIn<2> R>
+GreenCoordinates(const R&) -> GreenCoordinates<range_scalar_t<R>, 2>;
+template <PointRangeIn<3> R, FaceRange F>
+GreenCoordinates(const R&, const F&) -> GreenCoordinates<range_scalar_t<R>, 3>;
 
 } // namespace cageform::inline CAGEFORM_ABI

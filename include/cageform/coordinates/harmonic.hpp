@@ -272,14 +272,11 @@ HarmonicCoordinates(Polygon<T>, const HarmonicOptions& = {}) -> HarmonicCoordina
 template <Scalar T, std::size_t D>
 HarmonicCoordinates(CellComplex<T, D>, const HarmonicOptions& = {})
     -> HarmonicCoordinates<T, D, CellComplex<T, D>>;
-template <PointRange R, FaceRange F>
+template <PointRangeIn<2> R>
+HarmonicCoordinates(const R&, const HarmonicOptions& = {}) -> HarmonicCoordinates<range_scalar_t<R>, 2>;
+template <PointRangeIn<3> R, FaceRange F>
 HarmonicCoordinates(const R&, const F&, const HarmonicOptions& = {})
     -> HarmonicCoordinates<range_scalar_t<R>, 3>;
-
-using HarmonicCoordinates2f = HarmonicCoordinates<float, 2>;
-using HarmonicCoordinates2d = HarmonicCoordinates<double, 2>;
-using HarmonicCoordinates3f = HarmonicCoordinates<float, 3>;
-using HarmonicCoordinates3d = HarmonicCoordinates<double, 3>;
 
 namespace grid {
 

@@ -56,9 +56,6 @@ public:
         : Base(cage) {}
 };
 
-using MeanValueCoordinates2f = MeanValueCoordinates<float, 2>;
-using MeanValueCoordinates2d = MeanValueCoordinates<double, 2>;
-
 /// Mean value coordinates in 3D, for closed triangle meshes of any shape.
 ///
 /// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
@@ -111,9 +108,6 @@ public:
         : Base(cage) {}
 };
 
-using MeanValueCoordinates3f = MeanValueCoordinates<float, 3>;
-using MeanValueCoordinates3d = MeanValueCoordinates<double, 3>;
-
 namespace detail {
 
 template <Scalar T>
@@ -157,5 +151,19 @@ public:
     MeanValueCoordinates(const R& vertices, const F& faces, T off_plane = 0)
         : Base(PolyhedralMesh<T>(vertices, faces, off_plane)) {}
 };
+
+// `MeanValueCoordinates coordinates(cage)` deduces the scalar and the dimension.
+template <Scalar T>
+MeanValueCoordinates(Polygon<T>) -> MeanValueCoordinates<T, 2>;
+template <Scalar T>
+MeanValueCoordinates(TriangleMesh<T>) -> MeanValueCoordinates<T, 3>;
+template <Scalar T>
+MeanValueCoordinates(PolyhedralMesh<T>) -> MeanValueCoordinates<T, 3, PolyhedralMesh<T>>;
+template <Scalar T, std::size_t D>
+MeanValueCoordinates(CellComplex<T, D>) -> MeanValueCoordinates<T, D>;
+template <PointRangeIn<2> R>
+MeanValueCoordinates(const R&) -> MeanValueCoordinates<range_scalar_t<R>, 2>;
+template <PointRangeIn<3> R, FaceRange F>
+MeanValueCoordinates(const R&, const F&) -> MeanValueCoordinates<range_scalar_t<R>, 3>;
 
 } // namespace cageform::inline CAGEFORM_ABI

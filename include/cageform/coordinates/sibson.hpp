@@ -316,9 +316,11 @@ private:
     detail::SiteGradientRows<D> gradients_;
 };
 
-using SibsonCoordinates2f = SibsonCoordinates<float, 2>;
-using SibsonCoordinates2d = SibsonCoordinates<double, 2>;
-using SibsonCoordinates3f = SibsonCoordinates<float, 3>;
-using SibsonCoordinates3d = SibsonCoordinates<double, 3>;
+// `SibsonCoordinates coordinates(sites)` deduces the scalar and the dimension.
+template <Scalar T, std::size_t D>
+SibsonCoordinates(PointSet<T, D>, const SibsonOptions& = {}) -> SibsonCoordinates<T, D>;
+template <PointRange R>
+SibsonCoordinates(const R&, const SibsonOptions& = {})
+    -> SibsonCoordinates<range_scalar_t<R>, range_dimension<R>>;
 
 } // namespace cageform::inline CAGEFORM_ABI

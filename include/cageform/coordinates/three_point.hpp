@@ -287,12 +287,16 @@ private:
 
 template <Scalar T>
 using WachspressCoordinates = ThreePointCoordinates<T, Wachspress>;
-using WachspressCoordinates2f = WachspressCoordinates<float>;
-using WachspressCoordinates2d = WachspressCoordinates<double>;
 
 template <Scalar T>
 using DiscreteHarmonicCoordinates = ThreePointCoordinates<T, DiscreteHarmonic>;
-using DiscreteHarmonicCoordinates2f = DiscreteHarmonicCoordinates<float>;
-using DiscreteHarmonicCoordinates2d = DiscreteHarmonicCoordinates<double>;
+
+// `ThreePointCoordinates coordinates(cage, Wachspress{})` deduces the scalar.
+template <Scalar T, class F>
+ThreePointCoordinates(Polygon<T>, F) -> ThreePointCoordinates<T, F>;
+template <Scalar T, class F>
+ThreePointCoordinates(CellComplex<T, 2>, F) -> ThreePointCoordinates<T, F>;
+template <PointRangeIn<2> R, class F>
+ThreePointCoordinates(const R&, F) -> ThreePointCoordinates<range_scalar_t<R>, F>;
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -97,14 +97,36 @@ Status read_tangents(const Figure& figure, const Read& read) {
     }
 }
 
+/// Reads a figure and calls bind(input), which returns a Status; the input lives as long as the call.
+template <Scalar T, std::size_t D, class Figure, class BindFigure>
+Status read_figure(const Figure& figure, const BindFigure& bind) {
+    FigureInput<T, D> input{read_points<T>(figure.points), {}, {}};
+    if constexpr (is_wanted<decltype(figure.normals)>) {
+        return read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
+            for (std::size_t k = 0; k < tangents.size(); ++k) input.tangents[k] = read_points<T>(tangents[k]);
+            input.handedness = std::move(handedness);
+            return bind(input);
+        });
+    } else {
+        return bind(input);
+    }
+}
+
 // One concept per argument, so that compilers name the one that is not met.
 template <class P, class C>
 concept PointsFor = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dimension == 3);
 template <class N, class C>
 concept NormalsFor = !is_wanted<N> || (GradientCoordinates<C> && PointRangeIn<N, C::dimension>);
-template <class G, class N, class C>
-concept TangentsFor =
-    !is_wanted<G> || (is_wanted<N> && C::dimension == 3 && (PointRangeIn<G, 3> || PointRangeIn<G, 4>));
+template <class N, std::size_t D>
+concept NormalsIn = !is_wanted<N> || PointRangeIn<N, D>;
+template <class G, class N, std::size_t D>
+concept TangentsIn = !is_wanted<G> || (is_wanted<N> && D == 3 && (PointRangeIn<G, 3> || PointRangeIn<G, 4>));
+
+/// Coordinates that bind by a member function; see AnyCoordinates.
+template <class C, class Figure>
+concept BindsByMember = !CageCoordinates<C> && requires(const C& c, const Figure& figure) {
+    c.bind(figure);
+};
 
 } // namespace detail
 
