@@ -5,7 +5,7 @@
 #include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/facet_pairs.hpp>
 #include <cageform/cage/detail/gaps.hpp>
-#include <cageform/cage/report.hpp>
+#include <cageform/cage/types/report.hpp>
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/view.hpp>
 

@@ -6,8 +6,8 @@
 
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/view.hpp>
-#include <cageform/grid/lattice.hpp>
-#include <cageform/grid/multigrid_groups.hpp>
+#include <cageform/grid/lattice/lattice.hpp>
+#include <cageform/grid/multigrid/groups.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -202,8 +202,8 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
     const grid::CycleGoal goal{fields, 2 * options.tolerance, options.max_cycles};
     const Status status =
         grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
-    report.error_estimate *= 0.5;
-    report.error_bound *= 0.5;
+    report.multigrid.error_estimate *= 0.5;
+    report.multigrid.error_bound *= 0.5;
     if (status != Status::ok) return status;
     for (std::size_t f = 0; f < fields; ++f) {
         for (std::size_t node = 0; node < count; ++node)
@@ -225,7 +225,7 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
 ///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once,
 ///            block_bytes() a thread, the unknown values once more, and 8 bytes an unknown cell.
 ///            Progress is reported before every cycle. Usually 9 to 13 cycles; mazes of outside
-///            cells need more, and max_cycles may have to be raised. SolverReport::error_bound holds
+///            cells need more, and max_cycles may have to be raised. SolverReport::Multigrid::error_bound holds
 ///            if nothing is mirrored
 ///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the index
 ///            in `values`); cells_unreached, if a connected component of unknown cells touches no

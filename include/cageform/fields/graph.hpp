@@ -3,10 +3,10 @@
 // see fields/dirichlet.hpp. Not included by cageform.hpp.
 #pragma once
 
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/solver_report.hpp>
 #include <cageform/core/view.hpp>
 #include <cageform/fields/detail/graph_factors.hpp>
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/lattice/lattice.hpp>
 
 #include <cmath>
 #include <cstdint>
@@ -268,22 +268,22 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
         constexpr std::size_t most = 16; // fields at a time: one pass over the factors serves all
         for (std::size_t begin = 0; begin < fields.size(); begin += most * size) {
             if (!running.keep_going(double(begin) / double(fields.size()))) return Status::cancelled;
-            const std::size_t fields = (std::min)(most, (fields.size() - begin) / size);
-            std::vector<double> block(nodes.size() * fields);
+            const std::size_t count = (std::min)(most, (fields.size() - begin) / size);
+            std::vector<double> block(nodes.size() * count);
             equations.for_each_given_link([&](std::size_t row, std::uint32_t from, double k) {
-                for (std::size_t f = 0; f < fields; ++f)
-                    block[row * fields + f] += k * double(fields[begin + f * size + from]);
+                for (std::size_t f = 0; f < count; ++f)
+                    block[row * count + f] += k * double(fields[begin + f * size + from]);
             });
-            status = equations.solve(block, fields);
+            status = equations.solve(block, count);
             if (status != Status::ok) return status;
-            for (std::size_t f = 0; f < fields; ++f) {
+            for (std::size_t f = 0; f < count; ++f) {
                 T* const out = &solved[(begin / size + f) * nodes.size()];
                 for (std::size_t row = 0; row < nodes.size(); ++row) {
-                    out[row] = static_cast<T>(block[row * fields + f]);
+                    out[row] = static_cast<T>(block[row * count + f]);
                     if (!std::isfinite(out[row])) return Status::not_converged;
                 }
             }
-            report.solves += fields;
+            report.solves += count;
         }
         if (!running.keep_going(1)) return Status::cancelled;
         for (std::size_t field = 0; field < fields.size() / size; ++field) {

@@ -14,7 +14,7 @@
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/grid/corners/corner_errors.hpp>
 #include <cageform/grid/lattice/embed.hpp>
-#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/multigrid/multigrid.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
