@@ -56,12 +56,16 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
+namespace detail {
+
 /// Whether zeros among the weights of a point must stay zeros.
 template <class C>
 inline constexpr bool has_local_rows = false;
 template <class C>
     requires(bool(C::local))
 inline constexpr bool has_local_rows<C> = true;
+
+} // namespace detail
 
 /// Coordinates that can be differentiated.
 ///
