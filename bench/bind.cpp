@@ -1,8 +1,11 @@
 // How long does a bind by closed forms take, against points and handles, for each coordinate type?
 //
-// Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no boundary cases,
-// no report), as beside Green coordinates, CGAL's mean value coordinates where that is installed, and the time it takes
-// to merely write as many weights, which no bind can beat. The other types are in bind_harmonic.cpp and bind_sibson.cpp.
+// Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no
+// boundary cases,
+// no report), as beside Green coordinates, CGAL's mean value coordinates where that is installed, and the
+// time it takes
+// to merely write as many weights, which no bind can beat. The other types are in bind_harmonic.cpp and
+// bind_sibson.cpp.
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
@@ -254,7 +257,8 @@ void evaluate_green_mesh(benchmark::State& state) {
     run_evaluate(state, cageform::GreenCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112(), wanted);
 }
 
-/// The closed form by solid angles (van Oosterom & Strackee 1983), one point and one face after the other: an angle and
+/// The closed form by solid angles (van Oosterom & Strackee 1983), one point and one face after the other:
+/// an angle and
 /// three logarithms each.
 void plain_green_mesh(benchmark::State& state) {
     const auto cage = bumpy112<double>();

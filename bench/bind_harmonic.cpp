@@ -133,7 +133,8 @@ void bind_harmonic_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(solver.cells);
 }
 
-/// The same by the papers' own solver as they ran it: float, one function at a time, sweeps until the mean change is
+/// The same by the papers' own solver as they ran it: float, one function at a time, sweeps until the mean
+/// change is
 /// 1e-5, the nearest cell looked up. Joshi et al. 2007, table 1: 262 s, where mean value took 443 s.
 void bind_papers_mesh(benchmark::State& state) {
     using Cage = cageform::TriangleMesh<float>;
@@ -170,7 +171,8 @@ using cageform_tests::Fingers;
 using Mesh = cageform::TriangleMesh<double>;
 using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh>;
 
-/// On the adaptive grid by the accuracy asked for, 1e-4 times the argument, or on the uniform one of a resolution.
+/// On the adaptive grid by the accuracy asked for, 1e-4 times the argument, or on the uniform one of a
+/// resolution.
 template <bool adaptive>
 cageform::HarmonicOptions options_of(const benchmark::State& state) {
     cageform::HarmonicOptions options;
@@ -210,7 +212,8 @@ void bind_fingers(benchmark::State& state) {
     }
 }
 
-/// The same cage with its hands at 1 / argument of their size, bound to an accuracy of 2e-3: what finer parts cost.
+/// The same cage with its hands at 1 / argument of their size, bound to an accuracy of 2e-3: what finer
+/// parts cost.
 void bind_smaller_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     auto vertices = fingers.vertices;
@@ -281,8 +284,10 @@ void bind_packed_fingers(benchmark::State& state) {
     }
 }
 
-/// BUMPY112, whose inside suits a uniform grid: the errors of weights at the 8,019 points, the largest of all and that of the
-/// middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in the middle, from one of 384.
+/// BUMPY112, whose inside suits a uniform grid: the errors of weights at the 8,019 points, the largest of
+/// all and that of the
+/// middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in the middle, from one
+/// of 384.
 template <bool adaptive>
 void bind_bumpy(benchmark::State& state) {
     static const auto points = points_inside_bumpy112();
@@ -329,7 +334,8 @@ void bind_divided_bumpy(benchmark::State& state) {
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, points).view().weights.data);
 }
 
-/// Points, normals and tangents of as many vertices as the puppet of examples/make_character has, on a surface in
+/// Points, normals and tangents of as many vertices as the puppet of examples/make_character has, on a
+/// surface in
 /// BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
 void bind_harmonic_figure(benchmark::State& state) {
     const auto cage = bumpy112<float>();
@@ -364,7 +370,8 @@ void bind_harmonic_figure(benchmark::State& state) {
     state.counters["bind/solve"] = double(binding) / double(solving);
 }
 
-/// Where the papers say that harmonic coordinates win, for many points: a bind of 10² to 10⁶ points in BUMPY112 into
+/// Where the papers say that harmonic coordinates win, for many points: a bind of 10² to 10⁶ points in
+/// BUMPY112 into
 /// recycled memory. The second argument is the harmonic grid's cells; 0: mean value. All rows:
 ///
 ///     bench_bind --benchmark_filter=crossing

@@ -1,9 +1,13 @@
 // What does a cage cost that make_cage draws, how tight is it, and what does it keep off the figure?
 //
-// Counters: `loose`, the area or volume over that of the figure grown by the margin; `clearance`, the exact least
-// distance between cage and figure over the margin (0 or less: the cage cuts the figure); `angle`, the least one of
-// the cage, in degrees. Beside it in space, where CGAL is installed: its alpha wrap with the margin for offset, simplified
-// to as many vertices (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). A mesh of your own
+// Counters: `loose`, the area or volume over that of the figure grown by the margin; `clearance`, the exact
+// least
+// distance between cage and figure over the margin (0 or less: the cage cuts the figure); `angle`, the
+// least one of
+// the cage, in degrees. Beside it in space, where CGAL is installed: its alpha wrap with the margin for
+// offset, simplified
+// to as many vertices (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). A
+// mesh of your own
 // stands beside the others where the environment variable CAGEFORM_BENCH_OBJ names one, of triangles.
 
 #include <cageform/enclose/make_cage.hpp>

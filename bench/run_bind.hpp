@@ -40,7 +40,8 @@ void run_bind(benchmark::State& state, const Coordinates& coordinates, const Poi
 
 enum class Wanted { weights, gradients };
 
-/// Weights or gradients alone, into memory that is there: no checks of points, no report, no restored precision.
+/// Weights or gradients alone, into memory that is there: no checks of points, no report, no restored
+/// precision.
 template <class C, class Points>
 void run_evaluate(benchmark::State& state, const C& coordinates, const Points& points,
                   Wanted wanted = Wanted::weights) {

@@ -1,4 +1,5 @@
-// A figure by one call: the same bits as by separate calls, solved once, refused by name when anything is wrong.
+// A figure by one call: the same bits as by separate calls, solved once, refused by name when anything is
+// wrong.
 #include "../support/allocation_count.hpp"
 #include "../support/figures.hpp"
 #include "../support/packed.hpp"

@@ -182,7 +182,8 @@ private:
     std::vector<std::array<Vec<double, D>, D>> facets_;
 };
 
-/// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how many
+/// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how
+/// many
 /// points there are.
 struct Approach {
     static constexpr std::size_t distances = 13;

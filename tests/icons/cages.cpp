@@ -2,8 +2,10 @@
 //
 //     cages < LIST    the files' names; prints a table of a row for each number of vertices and way of making
 //
-// made: make_cage gave a cage, verified against the icon; exact: with as many vertices as asked for; bound: harmonic
-// coordinates at their default accuracy take it and all ends of segments are inside. Of area over the tightest, least
+// made: make_cage gave a cage, verified against the icon; exact: with as many vertices as asked for; bound:
+// harmonic
+// coordinates at their default accuracy take it and all ends of segments are inside. Of area over the
+// tightest, least
 // angles in degrees and milliseconds: median, 95th percentile and worst.
 
 #include "pictures/drawn_figure.hpp"
