@@ -265,8 +265,7 @@ void bind_packed_fingers(benchmark::State& state) {
     const auto stated = cageform::pack_memory(coordinates, points.size(), options);
     for (auto _ : state) {
         const auto result = cageform::pack(coordinates, points, options);
-        if (result.report.packed.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.packed.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
         state.counters["peak_MB"] = double(usage.ru_maxrss) / 1e3;
