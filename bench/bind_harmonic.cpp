@@ -238,7 +238,7 @@ void bind_fingers_threads(benchmark::State& state) {
 
 /// Thousands of points inside the finger cage, near its skin: bound straight into a packed binding of
 /// half floats without weights below 1e-4. peak_MB is of the process until now.
-void bind_packed_fingers(benchmark::State& state) {
+void pack_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const Mesh cage(fingers.vertices, fingers.faces);
     std::vector<cageform::Vec<float, 3>> vertices, points;
@@ -416,7 +416,7 @@ BENCHMARK_TEMPLATE(bind_fingers, true)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_fingers, false)->ArgName("resolution")->Arg(256)->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_smaller_fingers)->ArgName("times")->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
-BENCHMARK(bind_packed_fingers)
+BENCHMARK(pack_fingers)
     ->ArgName("thousand_points")
     ->Arg(100)
     ->Arg(1000)

@@ -559,8 +559,7 @@ void print_time(const Hand& hand, Lines& lines) {
     for (const double w : hand.weights(angles, hand_kappa)) weights.push_back(float(w));
     auto status = fit.status();
     const double clone = fastest([&] {
-        if (status == cageform::Status::ok)
-            status = cageform::clone_rational(fit.value, pose, weights, out);
+        if (status == cageform::Status::ok) status = cageform::clone_rational(fit.value, pose, weights, out);
     });
     lines.line(status == cageform::Status::ok && clone <= 200,
                "9. %zu vertices by %zu control points (5000 by 300): %.0f us a frame on one thread (200)",

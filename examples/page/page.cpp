@@ -187,14 +187,13 @@ extern "C" inline void page_progress(double) {}
 
 namespace {
 
-cageform::MakeCageOptions cage_options(std::size_t vertices) {
-    cageform::MakeCageOptions options;
-    options.vertices = vertices;
-    options.running.progress = [](double done) {
+cageform::Running with_progress() {
+    cageform::Running running;
+    running.progress = [](double done) {
         page_progress(done);
         return true; // the page stops the thread instead
     };
-    return options;
+    return running;
 }
 
 } // namespace
@@ -256,7 +255,7 @@ int page_make_cage(std::size_t segments, std::size_t vertices) {
         const auto ends = reader.points<2>(2);
         drawn.push_back({ends[0], ends[1], reader.number()});
     }
-    const auto [cage, report] = cageform::make_cage(drawn, cage_options(vertices));
+    const auto [cage, report] = cageform::make_cage(drawn, {.vertices = vertices}, with_progress());
     output = {double(cage.loops().size()), report.clearance, report.seconds};
     for (const auto& loop : cage.loops()) output.push_back(double(loop.size()));
     for (const auto& p : cage.vertices()) output.insert(output.end(), {p[0], p[1]});
@@ -290,11 +289,11 @@ PAGE_EXPORT(page_make_shell)
 int page_make_shell(std::size_t points, std::size_t faces, std::size_t vertices) {
     Reader reader;
     const auto places = reader.points<3>(points);
-    const auto [cage, report] = cageform::make_cage(places, read_faces(reader, faces), cage_options(vertices));
+    const auto [cage, report] =
+        cageform::make_cage(places, read_faces(reader, faces), {.vertices = vertices}, with_progress());
     output = {double(cage.size()), double(cage.faces().size()), report.clearance};
     for (const auto& p : cage.vertices()) output.insert(output.end(), {p[0], p[1], p[2]});
-    for (const auto& [a, b, c] : cage.faces())
-        output.insert(output.end(), {double(a), double(b), double(c)});
+    for (const auto& [a, b, c] : cage.faces()) output.insert(output.end(), {double(a), double(b), double(c)});
     return refuse(report.status);
 }
 

@@ -484,8 +484,9 @@ void captions_and_sup_errors() {
     for (std::size_t c = 0; c < 10; ++c) {
         for (std::size_t n = 1; n <= 8; ++n) {
             const auto curve = test_curve(c, 10);
-            const auto fit = fit_pieces(
-                curve, search_knots(curve, candidates, n, {configuration(2)}).value.parameters, configuration(2));
+            const auto fit =
+                fit_pieces(curve, search_knots(curve, candidates, n, {configuration(2)}).value.parameters,
+                           configuration(2));
             w12[c].push_back(fit.report.w12_error());
             sup[c].push_back(fit.report.sup_error / 10);
         }
@@ -556,9 +557,9 @@ void knots() {
     for (std::size_t c = 0; c < 10; ++c) {
         Row row;
         for (std::size_t n = 1; n <= 6; ++n)
-            row.push_back(error_at(test_curve(c),
-                                   cageform::optimal_knots(test_curve(c), n, {configuration(2)}).value.parameters,
-                                   configuration(2)));
+            row.push_back(error_at(
+                test_curve(c), cageform::optimal_knots(test_curve(c), n, {configuration(2)}).value.parameters,
+                configuration(2)));
         best.row(curve_name(c), row, optimum[c]);
     }
     summaries.push_back(best.summary());

@@ -427,10 +427,11 @@ std::string plot(const Case& one) {
               "\"/><path d=\"M17,0 h17\" stroke-width=\"2.2\" stroke=\"" + colours[1] + "\"/>");
     entry(106, "curve",
           "<path d=\"M3,0 h28\" stroke=\"#c9c9c9\" stroke-width=\"9\" stroke-linecap=\"round\"/>");
-    svg += Panel::text(90, 838, "start",
-                       "W12 error " + text_of("%.6g", report.w12_error()) + ", L2 " +
-                           text_of("%.6g", report.l2_error) + ", slope " + text_of("%.6g", report.slope_error),
-                       13);
+    svg +=
+        Panel::text(90, 838, "start",
+                    "W12 error " + text_of("%.6g", report.w12_error()) + ", L2 " +
+                        text_of("%.6g", report.l2_error) + ", slope " + text_of("%.6g", report.slope_error),
+                    13);
     return svg + "</svg>\n";
 }
 
@@ -476,7 +477,7 @@ BezierCurve css_curve(const std::string& text) {
     if (easing.status() != Status::input_malformed)
         throw Refused("--css: " + std::string(words) + ": " +
                       (easing.status() == Status::handle_not_allowed ? "x1 and x2 lie between 0 and 1"
-                                                                   : cageform::to_string(easing.status())));
+                                                                     : cageform::to_string(easing.status())));
     throw Refused("--css: \"" + std::string(words) +
                   "\" is no easing: linear, ease, ease-in, ease-out, ease-in-out, " +
                   "cubic-bezier(x1, y1, x2, y2) or x1,y1,x2,y2" +
@@ -580,8 +581,7 @@ Case run_one(const Arguments& given) {
     } else {
         if (given.knots.empty()) {
             ProgressBar bar("pieces");
-            one.fitted =
-                cageform::fit(one.curve, given.tolerance, one.options, {.progress = bar.callback()});
+            one.fitted = cageform::fit(one.curve, given.tolerance, one.options, {.progress = bar.callback()});
         } else {
             for (std::size_t pieces = 1; pieces <= one.options.max_pieces; ++pieces) {
                 one.fitted = cageform::fit_pieces(one.curve, knots(pieces), one.options);
