@@ -116,8 +116,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
         solver = result.report.solver;
         solver_seconds += solver.seconds;
         const std::size_t cycles = problem.solve();
-        if (result.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         if (cycles != solver.cycles || problem.grid->problem().nodes.count() != solver.cells)
             state.SkipWithError("the bare solve is of another problem");
         solving += std::clock() - bound;
@@ -351,8 +350,7 @@ void bind_harmonic_figure(benchmark::State& state) {
         benchmark::DoNotOptimize(result.value.points.view().weights.data);
         const auto bound = std::clock();
         state.PauseTiming();
-        if (result.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         auto solved = coordinates;
         if (solved.solve().status != cageform::Status::ok) state.SkipWithError("the solve alone");
         solving += std::clock() - bound;

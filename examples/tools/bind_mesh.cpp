@@ -158,7 +158,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         bound = coordinates->bind({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
     }
     const cageform::BindReport& of_points = bound.report.points;
-    if (bound.report.status != Status::ok) {
+    if (!bound) {
         const bool fault_of_points = of_points.status != Status::ok;
         return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
