@@ -116,8 +116,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
         solver = result.report.solver;
         solver_seconds += solver.seconds;
         const std::size_t cycles = problem.solve();
-        if (result.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         if (cycles != solver.cycles || problem.grid->problem().nodes.count() != solver.cells)
             state.SkipWithError("the bare solve is of another problem");
         solving += std::clock() - bound;
@@ -241,7 +240,7 @@ void bind_fingers_threads(benchmark::State& state) {
 
 /// Thousands of points inside the finger cage, near its skin: bound straight into a packed binding of
 /// half floats without weights below 1e-4. peak_MB is of the process until now.
-void bind_packed_fingers(benchmark::State& state) {
+void pack_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const Mesh cage(fingers.vertices, fingers.faces);
     std::vector<cageform::Vec<float, 3>> vertices, points;
@@ -268,8 +267,7 @@ void bind_packed_fingers(benchmark::State& state) {
     const auto stated = cageform::pack_memory(coordinates, points.size(), options);
     for (auto _ : state) {
         const auto result = cageform::pack(coordinates, points, options);
-        if (result.report.packed.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.packed.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
         state.counters["peak_MB"] = double(usage.ru_maxrss) / 1e3;
@@ -358,8 +356,7 @@ void bind_harmonic_figure(benchmark::State& state) {
         benchmark::DoNotOptimize(result.value.points.view().weights.data);
         const auto bound = std::clock();
         state.PauseTiming();
-        if (result.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         auto solved = coordinates;
         if (solved.solve().status != cageform::Status::ok) state.SkipWithError("the solve alone");
         solving += std::clock() - bound;
@@ -424,7 +421,7 @@ BENCHMARK_TEMPLATE(bind_fingers, true)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_fingers, false)->ArgName("resolution")->Arg(256)->Unit(benchmark::kMillisecond);
 BENCHMARK(bind_smaller_fingers)->ArgName("times")->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
-BENCHMARK(bind_packed_fingers)
+BENCHMARK(pack_fingers)
     ->ArgName("thousand_points")
     ->Arg(100)
     ->Arg(1000)

@@ -263,8 +263,7 @@ void pack_threads(benchmark::State& state) {
     const cageform::Running running{.parallel = cageform::ThreadedFor{unsigned(state.range(0))}};
     for (auto _ : state) {
         const auto packed = cageform::pack(bumpy.binding, {.tolerance = 3.2e-3}, running);
-        if (packed.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(packed.report.status));
+        if (!packed) state.SkipWithError(to_string(packed.status()));
         benchmark::DoNotOptimize(packed.value.bytes().data());
     }
 }
@@ -397,7 +396,7 @@ void map_blob(benchmark::State& state) {
         if (memory == MAP_FAILED) return state.SkipWithError("not mapped");
         const auto opened = cageform::open_blob<T, 3>({static_cast<const std::byte*>(memory), bytes.size()},
                                                       {.check = Check});
-        if (opened.status() != cageform::Status::ok) state.SkipWithError(to_string(opened.status()));
+        if (!opened) state.SkipWithError(to_string(opened.status()));
         benchmark::DoNotOptimize(opened.value.weights);
         munmap(memory, bytes.size());
     }

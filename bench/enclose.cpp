@@ -160,8 +160,7 @@ void cage_plane(benchmark::State& state) {
     options.vertices = std::size_t(state.range(0));
     cageform::MakeCageReport made;
     for (auto _ : state) {
-        const auto cage = cageform::make_cage<double>(tree, options);
-        made = cage.report;
+        made = cageform::make_cage(tree, options).report;
     }
     if (made.status != cageform::Status::ok) return state.SkipWithError(to_string(made.status));
     report(state, made);
@@ -175,8 +174,7 @@ void cage_space(benchmark::State& state) {
     options.vertices = std::size_t(state.range(1));
     cageform::MakeCageReport made;
     for (auto _ : state) {
-        const auto cage = make_cage(mesh.vertices, mesh.faces, options);
-        made = cage.report;
+        made = make_cage(mesh.vertices, mesh.faces, options).report;
     }
     if (made.status != cageform::Status::ok) return state.SkipWithError(to_string(made.status));
     report(state, made);

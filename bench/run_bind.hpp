@@ -29,8 +29,7 @@ void run_bind(benchmark::State& state, const Coordinates& coordinates, const Poi
     const Counted counted;
     for (auto _ : state) {
         auto result = cageform::bind(coordinates, points, {}, std::move(recycled), running);
-        if (result.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         benchmark::DoNotOptimize(result.value.view().weights.data);
         benchmark::ClobberMemory();
         recycled = again ? std::move(result.value) : decltype(recycled){};

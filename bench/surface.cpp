@@ -63,9 +63,9 @@ void cotangents(benchmark::State& state) {
     cageform::SurfaceReport report;
     for (auto _ : state) {
         const auto weights = cageform::cotangent_weights(torus.vertices, torus.faces);
-        if (weights.report.status != cageform::Status::ok) state.SkipWithError("refused");
+        if (!weights) state.SkipWithError("refused");
         report = weights.report;
-        benchmark::DoNotOptimize(weights.links.data());
+        benchmark::DoNotOptimize(weights.value.links.data());
     }
     count(state, torus, report);
 }
@@ -75,9 +75,9 @@ void harmonic(benchmark::State& state) {
     cageform::SurfaceReport report;
     for (auto _ : state) {
         const auto skin = cageform::harmonic_skin(torus.vertices, torus.faces, torus.core);
-        if (skin.report.status != cageform::Status::ok) state.SkipWithError("refused");
+        if (!skin) state.SkipWithError("refused");
         report = skin.report.mesh;
-        benchmark::DoNotOptimize(skin.weights.data());
+        benchmark::DoNotOptimize(skin.value.data());
     }
     count(state, torus, report);
 }
@@ -89,9 +89,9 @@ void heat(benchmark::State& state) {
     for (auto _ : state) {
         const auto skin =
             cageform::bone_heat(torus.vertices, torus.faces, torus.core, {.visibility = visibility});
-        if (skin.report.status != cageform::Status::ok) state.SkipWithError("refused");
+        if (!skin) state.SkipWithError("refused");
         report = skin.report.mesh;
-        benchmark::DoNotOptimize(skin.weights.data());
+        benchmark::DoNotOptimize(skin.value.data());
     }
     count(state, torus, report);
 }
@@ -102,8 +102,8 @@ void heat_threads(benchmark::State& state) {
     for (auto _ : state) {
         const auto skin =
             cageform::bone_heat(torus.vertices, torus.faces, torus.core, {}, {.parallel = threads});
-        if (skin.report.status != cageform::Status::ok) state.SkipWithError("refused");
-        benchmark::DoNotOptimize(skin.weights.data());
+        if (!skin) state.SkipWithError("refused");
+        benchmark::DoNotOptimize(skin.value.data());
     }
 }
 
@@ -114,7 +114,7 @@ struct HeatEquations {
 
     explicit HeatEquations(std::int64_t around) {
         const Torus torus(around);
-        const auto weights = cageform::cotangent_weights(torus.vertices, torus.faces);
+        const auto weights = cageform::cotangent_weights(torus.vertices, torus.faces).value;
         vertices = torus.vertices.size();
         nodes = vertices + bones;
         links = weights.links;

@@ -82,9 +82,8 @@ public:
     explicit Puppet(const std::string& path)
         : file_(path) {
         const auto opened = cageform::open<float, 3>(file_.bytes());
-        if (opened.status != cageform::Status::ok)
-            throw std::runtime_error(path + ": " + cageform::to_string(opened.status));
-        figure_ = opened.figure;
+        if (!opened) throw std::runtime_error(path + ": " + cageform::to_string(opened.status()));
+        figure_ = opened.value;
         parts_ = cageform_examples::read_parts(figure_);
         if (!parts_.fault.empty()) throw std::runtime_error(path + ": " + parts_.fault);
         if (parts_.clip.vertex_count() == 0) throw std::runtime_error(path + ": holds no clip");

@@ -561,7 +561,7 @@ Hand make_hand(double cell) {
     for (const HandPoint& point : hand.points) all.push_back(point.place);
     const auto box = cageform::surround(
         all, {.margin = 0.3, .sites = cageform::SurroundSites::lattice}); // fingers bend within
-    for (const Point3& site : box.sites) hand.points.push_back({site});
+    for (const Point3& site : box.value) hand.points.push_back({site});
     return hand;
 }
 

@@ -348,8 +348,7 @@ Picture bends(const BoundHand& bound) {
         if (in_finger(i)) finger.push_back(hand.skin.vertices[i]);
     }
     const auto smooth = bind_to_sites<double>("sibson-c1", hand.sites(), finger);
-    if (smooth.report.status != cageform::Status::ok ||
-        cageform::clone(smooth.value, hand.pose(angles), finger) != cageform::Status::ok)
+    if (!smooth || cageform::clone(smooth.value, hand.pose(angles), finger) != cageform::Status::ok)
         throw std::runtime_error("the finger at degree 3 cannot be bound");
     Skin cubic = hand.skin.vertices;
     for (std::size_t i = 0, n = 0; i < cubic.size(); ++i) {

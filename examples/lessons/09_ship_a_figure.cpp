@@ -45,9 +45,9 @@ int play(std::FILE* file) {
     std::vector<cageform::Lanes<float>> memory(4096); // of 64 bytes each
     std::rewind(file);
     const auto bytes = std::as_bytes(std::span(memory)).first(std::fread(&memory[0], 1, 4096 * 64, file));
-    std::puts(to_string(cageform::open<float, 3>(bytes.first(1000)).status));
-    const auto [status, culprit, figure, cage, points, size] = cageform::open<float, 3>(bytes);
-    if (status != Status::ok) return std::puts(to_string(status));
+    std::puts(to_string(cageform::open<float, 3>(bytes.first(1000)).status()));
+    const auto [figure, opened] = cageform::open<float, 3>(bytes);
+    if (opened.status != Status::ok) return std::puts(to_string(opened.status));
 
     std::vector<Vertex> vertices(figure.point_count());
     const StridedPoints<float, 3> positions(vertices[0].position, vertices.size(), sizeof(Vertex));

@@ -187,14 +187,13 @@ extern "C" inline void page_progress(double) {}
 
 namespace {
 
-cageform::MakeCageOptions cage_options(std::size_t vertices) {
-    cageform::MakeCageOptions options;
-    options.vertices = vertices;
-    options.running.progress = [](double done) {
+cageform::Running with_progress() {
+    cageform::Running running;
+    running.progress = [](double done) {
         page_progress(done);
         return true; // the page stops the thread instead
     };
-    return options;
+    return running;
 }
 
 } // namespace
@@ -256,12 +255,11 @@ int page_make_cage(std::size_t segments, std::size_t vertices) {
         const auto ends = reader.points<2>(2);
         drawn.push_back({ends[0], ends[1], reader.number()});
     }
-    const auto made =
-        cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn), cage_options(vertices));
-    output = {double(made.cage.loops().size()), made.report.clearance, made.report.seconds};
-    for (const auto& loop : made.cage.loops()) output.push_back(double(loop.size()));
-    for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1]});
-    return refuse(made.report.status);
+    const auto [cage, report] = cageform::make_cage(drawn, {.vertices = vertices}, with_progress());
+    output = {double(cage.loops().size()), report.clearance, report.seconds};
+    for (const auto& loop : cage.loops()) output.push_back(double(loop.size()));
+    for (const auto& p : cage.vertices()) output.insert(output.end(), {p[0], p[1]});
+    return refuse(report.status);
 }
 
 /// The cubic pieces of a track of Bézier keys. In: keys, each time, value, kind, in-handle, out-handle. Out: pieces, each
@@ -278,12 +276,12 @@ PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     }
     cageform::TrackOptions options;
     options.tolerance = tolerance;
-    const auto compiled = cageform::compile<double>(track, options);
-    if (refuse(compiled.status) != 0) return -1;
-    output = {compiled.sup_error};
-    for (const auto& piece : compiled.track.curve.pieces())
+    const auto [compiled, report] = cageform::compile<double>(track, options);
+    if (refuse(report.status) != 0) return -1;
+    output = {report.sup_error};
+    for (const auto& piece : compiled.curve.pieces())
         output.insert(output.end(), {piece.begin, piece.c0, piece.c1, piece.c2, piece.c3});
-    return int(compiled.track.curve.pieces().size());
+    return int(compiled.curve.pieces().size());
 }
 
 /// A cage for a mesh. In: points, faces. Out: vertices, faces, clearance; then them.
@@ -291,12 +289,12 @@ PAGE_EXPORT(page_make_shell)
 int page_make_shell(std::size_t points, std::size_t faces, std::size_t vertices) {
     Reader reader;
     const auto places = reader.points<3>(points);
-    const auto made = cageform::make_cage(places, read_faces(reader, faces), cage_options(vertices));
-    output = {double(made.cage.size()), double(made.cage.faces().size()), made.report.clearance};
-    for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1], p[2]});
-    for (const auto& [a, b, c] : made.cage.faces())
-        output.insert(output.end(), {double(a), double(b), double(c)});
-    return refuse(made.report.status);
+    const auto [cage, report] =
+        cageform::make_cage(places, read_faces(reader, faces), {.vertices = vertices}, with_progress());
+    output = {double(cage.size()), double(cage.faces().size()), report.clearance};
+    for (const auto& p : cage.vertices()) output.insert(output.end(), {p[0], p[1], p[2]});
+    for (const auto& [a, b, c] : cage.faces()) output.insert(output.end(), {double(a), double(b), double(c)});
+    return refuse(report.status);
 }
 
 /// Binds a mesh. In: vertices and faces of the cage, points, faces of the mesh.

@@ -111,7 +111,7 @@ Curve error_by_cells(const CageFile& cage, const cageform::HarmonicOptions& opti
     Curve curve;
     for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
         const auto coarse = weights_of(cage, options, resolution);
-        if (coarse.report.status != cageform::Status::ok) continue; // too coarse for a part of the cage
+        if (!coarse) continue; // too coarse for a part of the cage
         double error = 1e-16;
         for (std::size_t i = 0; i < exact.point_count(); ++i) {
             for (std::size_t k = 0; k < exact.handle_count(); ++k)
@@ -383,8 +383,7 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
     ways[2].options.solver = cageform::HarmonicSolver::averaging_pyramid;
     // A grid four times as fine as the finest shown.
     const auto exact = weights_of(*file, {}, 4 * finest);
-    if (exact.report.status != cageform::Status::ok)
-        return path + ": " + cageform::to_string(exact.report.status);
+    if (!exact) return path + ": " + cageform::to_string(exact.status());
     for (const Way& way : ways) {
         auto curve = error_by_cells(*file, way.options, exact.value);
         curve.name = name + way.name;

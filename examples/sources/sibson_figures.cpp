@@ -353,7 +353,7 @@ void draw_type(Tiles& tiles, std::size_t column, const Coordinates& coordinates,
     const auto on_pixels = bind_inside(coordinates, Tiles::pixels());
     std::vector<double> values;
     for (std::size_t i = 0; i < on_pixels.inside.size(); ++i)
-        values.push_back(on_pixels.inside[i] ? on_pixels.value.weight(i, handle) : std::nan(""));
+        values.push_back(on_pixels.inside[i] ? on_pixels.binding.weight(i, handle) : std::nan(""));
     tiles.map(column, 0, values);
 
     std::vector<Vec2> pose(coordinates.handles().begin(), coordinates.handles().end());
@@ -361,7 +361,7 @@ void draw_type(Tiles& tiles, std::size_t column, const Coordinates& coordinates,
     for (const auto& line : lattice_lines(20)) {
         const auto bound = bind_inside(coordinates, line);
         std::vector<Vec2> moved(line.size());
-        if (clone(bound.value, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
+        if (clone(bound.binding, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
         for (std::size_t k = 1; k < line.size(); ++k) {
             if (bound.inside[k - 1] && bound.inside[k])
                 tiles.line(column, 1, moved[k - 1], moved[k], 1.2, {0.25f, 0.35f, 0.5f});
@@ -418,7 +418,7 @@ Picture draw_legs() {
     const auto on_pixels = bind_inside(sibson, Tiles::pixels());
     std::vector<double> values;
     for (std::size_t i = 0; i < inside.size(); ++i)
-        values.push_back(inside[i] && on_pixels.inside[i] ? on_pixels.value.weight(i, 5) : std::nan(""));
+        values.push_back(inside[i] && on_pixels.inside[i] ? on_pixels.binding.weight(i, 5) : std::nan(""));
     tiles.map(0, 0, values);
     auto pose = outline;
     pose[5] = pose[5] + Vec2{-0.05, 0.3};
@@ -426,7 +426,7 @@ Picture draw_legs() {
         const auto in_legs = bind_inside(harmonic, line).inside;
         const auto bound = bind_inside(sibson, line);
         std::vector<Vec2> moved(line.size());
-        if (clone(bound.value, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
+        if (clone(bound.binding, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
         for (std::size_t k = 1; k < line.size(); ++k) {
             if (in_legs[k - 1] && in_legs[k])
                 tiles.line(0, 1, moved[k - 1], moved[k], 1.2, {0.25f, 0.35f, 0.5f});

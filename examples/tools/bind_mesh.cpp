@@ -23,6 +23,8 @@
 #include "files/csv.hpp"
 #include "files/figure_parts.hpp"
 
+#include <cageform/binding/pack.hpp>
+
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -129,8 +131,8 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
 }
 
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
-int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
-                   const std::vector<std::string>& labels) {
+int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+                const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates->cage_report);
@@ -156,7 +158,7 @@ int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile&
         bound = coordinates->bind({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
     }
     const cageform::BindReport& of_points = bound.report.points;
-    if (bound.report.status != Status::ok) {
+    if (!bound) {
         const bool fault_of_points = of_points.status != Status::ok;
         return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
@@ -171,14 +173,14 @@ int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile&
     }
     if (!labels.empty()) {
         auto of_handles = labels; // faces have none
-        of_handles.resize(bound.figure.points.handle_count());
-        const Status status = bound.figure.set_labels(of_handles);
+        of_handles.resize(bound.value.points.handle_count());
+        const Status status = bound.value.set_labels(of_handles);
         if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
     }
     cageform::FigurePackOptions options;
     options.weights.format = given.format;
     options.weights.largest = given.largest;
-    const auto posed = poses_of_handles(bound.figure.points, motion, poses);
+    const auto posed = poses_of_handles(bound.value.points, motion, poses);
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
@@ -190,7 +192,7 @@ int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile&
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
         ProgressBar bar("packing");
-        made = cageform::pack(bound.figure, options, {.progress = bar.callback()});
+        made = cageform::pack(bound.value, options, {.progress = bar.callback()});
     }
     const auto& [packed, report] = made;
     const std::pair<const char*, const cageform::PackReport&> reports[] = {
@@ -284,7 +286,7 @@ int run_program(int argc, char** argv) {
         if (!read) return fail(to_string(read.error()));
         labels = std::move(*read);
     }
-    return cageform::bind(given, *figure, *cage, labels);
+    return bind_figure(given, *figure, *cage, labels);
 }
 
 } // namespace

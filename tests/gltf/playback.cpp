@@ -248,8 +248,7 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
         auto& made = skins[skin.count];
         if (made.value.influences == 0)
             made = cageform::smooth_skin_weights(binding, figure.triangles, {.influences = skin.count});
-        if (made.report.status != cageform::Status::ok ||
-            cageform::skin_to_binding(binding, made.value, skinned) != cageform::Status::ok)
+        if (!made || cageform::skin_to_binding(binding, made.value, skinned) != cageform::Status::ok)
             throw std::runtime_error("no skin");
         binding = std::move(skinned);
     }

@@ -48,7 +48,7 @@ void measure(const std::vector<Icon>& icons, const char* way, const cageform::Ma
     std::vector<double> area, angle, milliseconds;
     for (const Icon& icon : icons) {
         const auto [cage, report] =
-            cageform::make_cage<double>(icon.figure.segments, options, icon.figure.areas);
+            cageform::make_cage(cageform::Drawing(icon.figure.segments, icon.figure.areas), options);
         milliseconds.push_back(1000 * report.seconds);
         if (report.status != cageform::Status::ok || report.clearance < 0.9 * report.margin) {
             std::printf("    %s: %s, clearance %.3f of the margin\n", icon.name.c_str(),

@@ -366,8 +366,8 @@ inline std::vector<std::string> add_materials(GltfDocument& document, const ObjP
 ///
 ///   values   of every key, `components` numbers
 ///   returns  as to_gltf_cubicspline()
-inline cageform::GltfTrack gltf_track(const PoseClip& clip, std::span<const double> values,
-                                      std::size_t components) {
+inline cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>
+gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t components) {
     const std::size_t keys = clip.keys.size();
     std::vector<cageform::BezierCurve> curves(keys * components);
     std::vector<double> own(keys);

@@ -106,7 +106,7 @@ inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file
 inline std::string describe(const LottieCurve& one) {
     const auto& p = one.curve.value.curve.points;
     std::string text = one.path + "  ";
-    if (one.curve.status() != cageform::Status::ok)
+    if (!one.curve)
         text += cageform::to_string(one.curve.status());
     else
         text += "frames " + detail::short_number(p[0][0]) + " to " + detail::short_number(p[3][0]) +

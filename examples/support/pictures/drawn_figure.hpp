@@ -4,7 +4,7 @@
 
 #include "svg/document.hpp"
 
-#include <cageform/enclose/detail/distance_lattice.hpp>
+#include <cageform/enclose/make_cage_options.hpp>
 
 #include <vector>
 
