@@ -358,18 +358,18 @@ BENCHMARK_TEMPLATE(evaluate_mean_value, double)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(evaluate_mean_value, float)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, double)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, float)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
-BENCHMARK_TEMPLATE(bind_convex, cageform::MeanValueCoordinates2d)->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(bind_convex, cageform::WachspressCoordinates2d)->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(bind_convex, cageform::DiscreteHarmonicCoordinates2d)->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::MeanValueCoordinates2d, Wanted::weights)
+BENCHMARK_TEMPLATE(bind_convex, cageform::MeanValueCoordinates<double, 2>)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_convex, cageform::WachspressCoordinates<double>)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_convex, cageform::DiscreteHarmonicCoordinates<double>)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::MeanValueCoordinates<double, 2>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2d, Wanted::weights)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates<double>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2f, Wanted::weights)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates<float>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::DiscreteHarmonicCoordinates2d, Wanted::weights)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::DiscreteHarmonicCoordinates<double>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2d, Wanted::gradients)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates<double>, Wanted::gradients)
     ->Apply(points_and_handles);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
 #if defined(CAGEFORM_BENCH_CGAL)

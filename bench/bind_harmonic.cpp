@@ -117,7 +117,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
         solver_seconds += solver.seconds;
         const std::size_t cycles = problem.solve();
         if (!result) state.SkipWithError(to_string(result.status()));
-        if (cycles != solver.cycles || problem.grid->problem().nodes.count() != solver.cells)
+        if (cycles != solver.multigrid.cycles || problem.grid->problem().nodes.count() != solver.cells)
             state.SkipWithError("the bare solve is of another problem");
         solving += std::clock() - bound;
         binding += bound - begin;
@@ -128,7 +128,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
     state.counters["solve_share"] = double(solving) / double(binding);
     state.counters["solver_s"] = benchmark::Counter(solver_seconds, benchmark::Counter::kAvgIterations);
     state.counters["MB"] = double(solver.bytes) / 1e6;
-    state.counters["cycles"] = double(solver.cycles);
+    state.counters["cycles"] = double(solver.multigrid.cycles);
     state.counters["unknowns"] = double(solver.cells);
 }
 
@@ -160,7 +160,7 @@ void bind_papers_mesh(benchmark::State& state) {
     state.counters["solver_s"] = report.solver.seconds;
     state.counters["MB"] = double(report.solver.bytes) / 1e6;
     state.counters["bytes/cell"] = double(report.solver.bytes) / double(lattice.size());
-    state.counters["sweeps"] = double(report.solver.sweeps) / double(cage.size());
+    state.counters["sweeps"] = double(report.solver.pyramid.sweeps) / double(cage.size());
     state.counters["residual/h"] = report.residual_restored.value / double(lattice.spacing);
     state.counters["unknowns"] = double(report.solver.cells);
 }

@@ -179,7 +179,8 @@ Flipped worse(const Flipped& a, const Flipped& b) {
     return {std::max(a.count, b.count), std::max(a.farthest, b.farthest)};
 }
 
-/// Triangles whose normals turn past 90 degrees from where their bone turns them. One over a joint, whose corners are of
+/// Triangles whose normals turn past 90 degrees from where their bone turns them. One over a joint, whose
+/// corners are of
 /// two bones, may follow either.
 Flipped flipped(const BoundHand& bound, std::size_t joint, double degrees) {
     const Hand& hand = bound.hand;
@@ -545,7 +546,8 @@ double fastest(const Work& work) {
     return best;
 }
 
-/// 9. As a game would have it: in float, zeros left out, vertices in the binding's order. Reading the weights alone is
+/// 9. As a game would have it: in float, zeros left out, vertices in the binding's order. Reading the
+/// weights alone is
 /// timed beside it by bench_clone.
 void print_time(const Hand& hand, Lines& lines) {
     const auto bound = bind_to_sites<float>("sibson", hand.sites(), hand.skin.vertices);

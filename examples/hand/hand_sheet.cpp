@@ -1,4 +1,5 @@
-// The hand in all its poses, its control points, inflation on and off, three builds of it, and what is measured of them.
+// The hand in all its poses, its control points, inflation on and off, three builds of it, and what is
+// measured of them.
 //
 //     hand_sheet out
 //

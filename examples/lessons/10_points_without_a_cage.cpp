@@ -1,4 +1,5 @@
-// 10. Points without a cage: a few control points, anywhere on or about the figure, and no faces between them.
+// 10. Points without a cage: a few control points, anywhere on or about the figure, and no faces between
+// them.
 // Their weights are natural neighbour (Sibson) coordinates: a point hears the control points around it alone.
 #include <cageform/cageform.hpp>
 

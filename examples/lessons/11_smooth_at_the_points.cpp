@@ -28,7 +28,8 @@ int main() {
         std::printf(", amplified at most %.2f times\n", report.amplification.value);
     }
 
-    // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all equal are
+    // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all
+    // equal are
     // the clone, bit for bit.
     const auto bound = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), line);
     const auto [rational, status] = rational_view(bound.value.view());

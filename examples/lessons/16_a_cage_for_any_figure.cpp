@@ -1,4 +1,5 @@
-// 16. A cage for any figure: make_cage draws one about strokes, outlines, scattered parts; the rest is as ever.
+// 16. A cage for any figure: make_cage draws one about strokes, outlines, scattered parts; the rest is as
+// ever.
 #include <cageform/cageform.hpp>
 #include <cageform/enclose/make_cage.hpp> // editors include it, games do not
 

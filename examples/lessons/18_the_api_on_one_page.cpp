@@ -1,7 +1,9 @@
 // 18. The API on one page: everything that most programs call, in the order of the flow.
 //
-// What makes something returns Result: a value, and a report whose status says why there is none. What writes into
-// the caller's memory returns a Status. Arguments come as inputs, then options, then running (threads and progress).
+// What makes something returns Result: a value, and a report whose status says why there is none. What
+// writes into
+// the caller's memory returns a Status. Arguments come as inputs, then options, then running (threads and
+// progress).
 #include <cageform/animate/compile.hpp>
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/binding/pack.hpp>

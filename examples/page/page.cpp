@@ -1,7 +1,8 @@
 // The library as the page calls it: WebAssembly without threads, exceptions or a file system.
 //
 // The page writes numbers into page_input() and calls a function, which answers with a count, a status or the
-// place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in float.
+// place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in
+// float.
 // Where a status is not 0, page_message() says what is wrong.
 
 #include <cageform/animate/compile.hpp>
@@ -245,7 +246,8 @@ PAGE_EXPORT(page_weights) std::size_t page_weights(std::size_t type, std::size_t
     return output.size();
 }
 
-/// A cage for what is drawn. In: segments, each two ends and a radius. Out: loops, clearance, seconds, sizes of the
+/// A cage for what is drawn. In: segments, each two ends and a radius. Out: loops, clearance, seconds,
+/// sizes of the
 /// loops, vertices.
 PAGE_EXPORT(page_make_cage)
 int page_make_cage(std::size_t segments, std::size_t vertices) {
@@ -262,7 +264,8 @@ int page_make_cage(std::size_t segments, std::size_t vertices) {
     return refuse(report.status);
 }
 
-/// The cubic pieces of a track of Bézier keys. In: keys, each time, value, kind, in-handle, out-handle. Out: pieces, each
+/// The cubic pieces of a track of Bézier keys. In: keys, each time, value, kind, in-handle, out-handle.
+/// Out: pieces, each
 /// its begin and four coefficients. Answers how many there are; the largest error stands before them.
 PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     std::vector<cageform::Key> track(keys);
@@ -313,7 +316,8 @@ int page_mesh(std::size_t vertices, std::size_t cage_faces, std::size_t points, 
     return refuse(report.status);
 }
 
-/// Moves the mesh. In: a pose of the cage. Answers the place of the points, in float; page_mesh_normals() of normals.
+/// Moves the mesh. In: a pose of the cage. Answers the place of the points, in float; page_mesh_normals()
+/// of normals.
 PAGE_EXPORT(page_mesh_clone) const Point3* page_mesh_clone(std::size_t vertices) {
     Reader reader;
     space.pose.resize(vertices);
@@ -334,7 +338,8 @@ PAGE_EXPORT(page_mesh_field) std::size_t page_mesh_field(std::size_t vertex) {
     return output.size();
 }
 
-/// Makes a skin of the mesh for the graphics card. Answers 0, then joints and weights lie at page_mesh_joints() and
+/// Makes a skin of the mesh for the graphics card. Answers 0, then joints and weights lie at
+/// page_mesh_joints() and
 /// page_mesh_weights(), `influences` a point.
 PAGE_EXPORT(page_mesh_skin) int page_mesh_skin(std::size_t influences) {
     auto [skin, report] = cageform::skin_weights(space.binding, {.influences = influences});

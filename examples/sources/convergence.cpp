@@ -1,6 +1,9 @@
-// How harmonic coordinates converge, drawn. Of cages in the plane: the error after each cycle of the multigrid, and the
-// error of the weights against the cells of the uniform grid, with corners treated and not, and by the papers' sweeps. Of
-// oracles, weights known to many digits: the error against unknowns and seconds, on the uniform grid and the adaptive one.
+// How harmonic coordinates converge, drawn. Of cages in the plane: the error after each cycle of the
+// multigrid, and the
+// error of the weights against the cells of the uniform grid, with corners treated and not, and by the
+// papers' sweeps. Of
+// oracles, weights known to many digits: the error against unknowns and seconds, on the uniform grid and
+// the adaptive one.
 //
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg

@@ -2,12 +2,15 @@
 //
 //     sibson_figures FOLDER
 //
-// sibson_cells.svg   how a point takes its cell from those of its neighbours, and what inner Bézier points do: figure 1
-//                    of Moccozet and Magnenat-Thalmann, Dirichlet free-form deformations (Computer Animation '97)
+// sibson_cells.svg   how a point takes its cell from those of its neighbours, and what inner Bézier points
+// do: figure 1
+//                    of Moccozet and Magnenat-Thalmann, Dirichlet free-form deformations (Computer
+//                    Animation '97)
 // sibson_types.png   one control point's influence, and a pose of it: degree 1, degree 3, harmonic in a cage
 // sibson_legs.png    what distance alone knows: a point on one leg moves the other
 //
-// Prints how far unit displacements are amplified by each rule of gradients, and the error of a wave that is followed.
+// Prints how far unit displacements are amplified by each rule of gradients, and the error of a wave that
+// is followed.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -213,7 +216,8 @@ private:
         dot_of_p(p_);
         panels_.end();
     }
-    /// The Bézier simplex of degree 2 over the neighbours: corners, and b_ij half-way between two of them, which has the
+    /// The Bézier simplex of degree 2 over the neighbours: corners, and b_ij half-way between two of them,
+    /// which has the
     /// weight 2 u_i u_j.
     void simplex(const std::string& caption, bool corners_moved) {
         panels_.begin(caption);
@@ -482,7 +486,8 @@ Sites<3> finger() {
     return sites;
 }
 
-/// A line of the table: Σ|w|, its mean and worst, the least weight, and the error of a wave that the sites follow.
+/// A line of the table: Σ|w|, its mean and worst, the least weight, and the error of a wave that the sites
+/// follow.
 template <std::size_t D>
 void print_rules(const char* name, const Sites<D>& sites) {
     const auto wave = [](const cageform::Vec<double, D>& p) {

@@ -1,11 +1,14 @@
-// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file: points and
+// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
+// points and
 // normals, triangles, and a motion of the cage (cageform/binding/figure.hpp, support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
 //
-// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all weights put
-// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth of the cage;
+// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all
+// weights put
+// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth
+// of the cage;
 // not with Green coordinates, whose faces turn with no bound, so that they need a motion.
 //
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
@@ -111,7 +114,8 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     return text;
 }
 
-/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without area.
+/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without
+/// area.
 SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
                                                 const PoseClip& clip, const SampledPoses& poses) {
     std::vector<double> numbers;

@@ -3,18 +3,25 @@
 //     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb
 //     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
 //
-// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most,
-// chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose what the left out
-// weights did; the file's normals do not turn, as no joint does. The loss of places, edges and normals of the surface
-// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as a share of
+// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of
+// them at most,
+// chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose
+// what the left out
+// weights did; the file's normals do not turn, as no joint does. The loss of places, edges and normals of
+// the surface
+// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as
+// a share of
 // the figure's size.
 //
-// --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones depend linearly on
+// --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones
+// depend linearly on
 // the pose, and so do the curves between poses, so positions are those of the clone at all times.
 //
-// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as files or by operations
+// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as
+// files or by operations
 // such as --twist, and back. Either way it is
-// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every material of it a
+// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every
+// material of it a
 // primitive with the colours and the texture that its MTL file gives.
 
 #include "cli/auto_cage.hpp"
@@ -178,7 +185,8 @@ void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span
     }
 }
 
-/// The differences between the figure as bound and as it is played from a skin, over the motion. Without a motion, over
+/// The differences between the figure as bound and as it is played from a skin, over the motion. Without a
+/// motion, over
 /// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
 SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
     LossMeter meter(scene.figure);
@@ -341,7 +349,8 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     return add_animation(document, scene.clip, channels);
 }
 
-/// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how far that is
+/// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how
+/// far that is
 /// from the vectors of a moving face.
 SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
@@ -439,13 +448,17 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
     auto made = cageform::smooth_skin_weights(bound, scene.figure.triangles,
                                               {.influences = influences, .threshold = given.threshold},
                                               {.progress = bar.callback()});
-    Binding<double, 3> played;
-    if (made) made.report.status = skin_to_binding(bound, stored(made.value, given.weights), played);
+    cageform::Result<Binding<double, 3>> played;
+    if (made) {
+        played = skin_to_binding(bound, stored(made.value, given.weights));
+        made.report.status = played.status();
+    }
     if (made) loss = loss_of(scene, bound, played);
     return made;
 }
 
-/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where none does, of the
+/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where
+/// none does, of the
 /// most.
 cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
 make_near_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,

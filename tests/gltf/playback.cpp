@@ -242,15 +242,15 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
     if (skin.count > 0) {
         const int weights = file.model.meshes[0].primitives[0].attributes.at("WEIGHTS_0");
         integers = file.model.accessors[std::size_t(weights)].normalized;
-        cageform::Binding<double, 3> skinned;
         static std::map<std::size_t, cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>>
             skins; // of the figure, by influences
         auto& made = skins[skin.count];
         if (made.value.influences == 0)
             made = cageform::smooth_skin_weights(binding, figure.triangles, {.influences = skin.count});
-        if (!made || cageform::skin_to_binding(binding, made.value, skinned) != cageform::Status::ok)
-            throw std::runtime_error("no skin");
-        binding = std::move(skinned);
+        auto skinned = made ? cageform::skin_to_binding(binding, made.value)
+                            : cageform::Result<cageform::Binding<double, 3>>{{}, made.status()};
+        if (!skinned) throw std::runtime_error("no skin");
+        binding = std::move(skinned.value);
     }
     const double allowed = (integers ? double(skin.count) / 255 : 1e-5) * size;
     const auto motion = make_clip<double>(clip);

@@ -18,5 +18,5 @@
 using Points = std::vector<cageform::Vec<float, 2>>;
 
 cageform::BindReport report_of(const Points& cage, const Points& figure) {
-    return cageform::bind(cageform::HarmonicCoordinates2f(cage), figure).report;
+    return cageform::bind(cageform::HarmonicCoordinates<float, 2>(cage), figure).report;
 }
