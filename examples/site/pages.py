@@ -1,0 +1,378 @@
+"""Usage: python3 examples/site/pages.py FOLDER
+
+Writes what Doxygen reads into FOLDER: the public headers with their comments in Doxygen's words, the pages of
+this folder, a page a lesson, the gallery, the README of each room, and the layout of the menu.
+"""
+import os
+import re
+import shutil
+import sys
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+SITE = "examples/site"
+ROOMS = {
+    "core": "points, views, handles, statuses, threads",
+    "adapt": "points of Eigen and GLM",
+    "cage": "polygons, meshes, cells inside, control points, and their checks",
+    "grid": "the Laplace equation on lattices and adaptive trees",
+    "coordinates": "one header a coordinate type",
+    "binding": "bind, pack, open, unpack",
+    "clone": "what runs every frame",
+    "animate": "key frames to cubic pieces, pieces to poses",
+    "enclose": "a cage for any figure",
+    "fields": "the same solvers for your own data",
+    "exchange": "curves of other programs",
+    "papers": "the historical baseline",
+}
+# The coordinate types in the order of the menu: the page's file and its name there.
+TYPES = [("barycentric", "Barycentric"), ("mean_value", "Mean value"), ("three_point", "Wachspress and family"),
+         ("harmonic", "Harmonic"), ("green", "Green"), ("sibson", "Natural neighbours"), ("blended", "Blended")]
+
+
+def read(path):
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def files(folder, ending):
+    path = os.path.join(ROOT, folder)
+    return sorted(name for name in os.listdir(path) if name.endswith(ending)) if os.path.isdir(path) else []
+
+
+# ---- headers -----------------------------------------------------------------------------------
+
+def escaped(text):
+    """Text of a comment, for Doxygen: `code` stays, all else stands for itself."""
+    parts = re.split(r"(`[^`]*`)", text)
+    for n in range(0, len(parts), 2):
+        parts[n] = re.sub(r"([\\@<*])", r"\\\1", parts[n])
+        parts[n] = re.sub(r"#(?=\w)", r"\\#", parts[n])
+        parts[n] = re.sub(r"(?<=[^\x00-\x7f])_|_(?=[^\x00-\x7f])", r"\\_", parts[n])  # letters, for Doxygen no words
+    return "".join(parts)
+
+
+def definition_table(lines):
+    """Lines "name  what it is", and further ones indented to what it is; None where they are something else."""
+    rows = []
+    for line in lines:
+        entry = re.match(r"(\S+(?: \S+)*)(?:  +(\S.*))?$", line)
+        if entry:
+            rows.append([entry[1], [entry[2]] if entry[2] else []])
+        elif rows:
+            rows[-1][1].append(line.strip())
+    first = rows[0]
+    if not first[1] or " = " in first[0] or "," == first[0][-1] or lines[0].startswith(("#", "|")):
+        return None
+    # A line without what it is goes on with the one before.
+    merged = []
+    for name, text in rows:
+        if text or not merged:
+            merged.append([name, text])
+        else:
+            merged[-1][1].append(name)
+    cells = ["<dt>%s</dt><dd>%s</dd>" % (escaped(name), escaped(" ".join(text))) for name, text in merged]
+    return [" <dl class=\"facts\">"] + [" " + cell for cell in cells] + [" </dl>"]
+
+
+def comment(lines):
+    """The lines of a comment without their slashes, in Doxygen's words."""
+    out = []
+    n = 0
+    while n < len(lines):
+        indent = len(lines[n]) - len(lines[n].lstrip())
+        if not lines[n].strip() or indent < 3 or re.match(r"\s*[-*] |\s*\d+\. ", lines[n]):
+            out.append(escaped(lines[n]))
+            n += 1
+            continue
+        end = n + 1
+        while end < len(lines) and (re.match(r" {3}", lines[end]) or (
+                not lines[end].strip() and indent > 3 and end + 1 < len(lines) and
+                re.match(r" {4}", lines[end + 1]))):
+            end += 1
+        block = [line[indent:] if line[:indent].isspace() else line.strip() for line in lines[n:end]]
+        table = definition_table(block) if indent <= 4 else None
+        if table:
+            out += table
+        else:
+            is_code = any(re.search(r";$|\w\(|::|#(include|version)", line) for line in block) and indent > 3
+            out += [" ```cpp" if is_code else " ```text"] + [" " + line for line in block] + [" ```"]
+        n = end
+    return out
+
+
+def in_room(text, room):
+    """What a header declares, as a part of its room."""
+    begin = "\n/// \\addtogroup room_%s\n/// @{\n" % room
+    text = text.replace("namespace cageform::inline CAGEFORM_ABI", "namespace cageform")
+    text = re.sub(r"^namespace [\w:]+ \{$", lambda m: m[0] + begin, text, flags=re.M)
+    return re.sub(r"^} // namespace [\w:]+$", lambda m: "/// @}\n" + m[0], text, flags=re.M)
+
+
+def statuses(text):
+    """The enumerators of Status, which a macro lists, with what `to_string` says of them."""
+    named = re.findall(r"X\((\w+),\s*\"([^\"]*)\"\)", text)
+    body = "\n".join("    %s, ///< %s" % (name, escaped(says)) for name, says in named)
+    text = re.sub(r"// clang-format off\n#define CAGEFORM_DETAIL_STATUSES.*?// clang-format on\n", "", text, flags=re.S)
+    return re.sub(r"(enum class \[\[nodiscard\]\] Status : std::uint8_t) *\{.*?\n};", lambda m: m[1] + " {\n" + body +
+                  "\n};", text, count=1, flags=re.S)
+
+
+def without_machinery(text):
+    """Without what no user calls: namespaces detail, and overloads that are there to name an error."""
+    text = re.sub(r"^namespace detail \{\n.*?^} // namespace detail\n", "", text, flags=re.M | re.S)
+    text = re.sub(r"^namespace cageform::inline CAGEFORM_ABI::detail \{\n.*?^} // namespace [^\n]*detail\n", "", text,
+                  flags=re.M | re.S)
+    text = re.sub(r"^ *template <[^;{}]*?CAGEFORM_DETAIL_DELETE_\w+;\n",
+                  lambda m: m[0] if m[0].count("template <") > 1 else "", text, flags=re.M)
+    text = re.sub(r"^( *)(?:private|protected):\n.*?(?=^\1(?:public:|\};))", "", text, flags=re.M | re.S)
+    return re.sub(r"\[\[nodiscard\]\] ", "", text)
+
+
+def doxygen_header(path):
+    text = read("include/cageform/" + path)
+    if "CAGEFORM_DETAIL_STATUSES(X)" in text:
+        text = statuses(text)
+    text = without_machinery(text)
+    out, lines = [], text.split("\n")
+    n = 0
+    head = True
+    while n < len(lines):
+        slashes = r"^(\s*)///?(?!/)(.*)$" if head else r"^(\s*)///(?![/<])(.*)$"
+        found = re.match(slashes, lines[n])
+        if not found:
+            if lines[n].startswith("#pragma once"):
+                head = False
+            elif re.search(r"///<", lines[n]) or (out and re.match(r"\s*///<", lines[n])):
+                before, after = lines[n].split("///<", 1)
+                out.append(before + "///<" + escaped(after))
+            else:
+                out.append(lines[n])
+            n += 1
+            continue
+        end = n
+        block = []
+        while end < len(lines) and re.match(slashes, lines[end]):
+            block.append(re.match(slashes, lines[end])[2])
+            end += 1
+        made = block if any(re.match(r" [@\\](name|\{|\}|addtogroup)", line) for line in block) else comment(block)
+        if head:
+            made = [" \\file"] + made
+        out += [found[1] + "///" + line for line in made]
+        if head:
+            out.append("")
+        n = end
+    room = path.split("/")[0] if "/" in path else "core"
+    return in_room("\n".join(out), room)
+
+
+def public_headers():
+    """Those that a user includes, and those of the machinery that declare names in them."""
+    public = files("include/cageform", ".hpp")
+    for room in ROOMS:
+        public += [room + "/" + name for name in files("include/cageform/" + room, ".hpp")]
+    code = {}
+    for path in public:
+        text = re.sub(r"//[^\n]*", "", without_machinery(read("include/cageform/" + path)))
+        code[path] = set(re.findall(r"\b[A-Z]\w+", text)) if not path.startswith(("grid/", "papers/")) else set()
+    used = set().union(*code.values())
+    more = []
+    for folder, _, names in sorted(os.walk(os.path.join(ROOT, "include/cageform"))):
+        for name in sorted(names):
+            path = os.path.relpath(os.path.join(folder, name), os.path.join(ROOT, "include/cageform"))
+            if path in public or not name.endswith(".hpp") or path.startswith(("grid/", "papers/")):
+                continue
+            text = without_machinery(read("include/cageform/" + path))
+            declared = set(re.findall(r"^(?:enum class|struct|class) (\w+)[^;\n]*\{", text, flags=re.M))
+            wanted = {name for name in declared & used
+                      if re.search(r"(Options|Report|Format|View|Data|Check|Gradients|Onto|Pose|Solver|Lanes|Tags?|Part|Clip|"
+                                   r"Condition|Norm|Extrapolation|Track|Fit|Keys|Curve|Shape|Plane|Cage|Search|Segment|Area)$",
+                                   name)}
+            if wanted:
+                more.append(path)
+    return public, more
+
+
+# ---- pages -------------------------------------------------------------------------------------
+
+def label_of(path):
+    """The name of the page that a file of the repository becomes; none where it becomes none."""
+    room = re.match(r"include/cageform/(\w+)(?:/README\.md)?$", path)
+    if room and room[1] in ROOMS:
+        return "room_" + room[1]
+    lesson = re.match(r"examples/lessons/(\d\d)_\w+\.cpp$", path)
+    if lesson:
+        return "lesson_" + lesson[1]
+    page = re.match(SITE + r"/(\w+)\.md$", path)
+    if page:
+        return page[1] if page[1] != "index" else "index"
+    return {"examples/README.md": "gallery", "examples": "gallery", "README.md": "index",
+            "examples/page/README.md": "play", "examples/lessons": "lessons"}.get(path)
+
+
+def relinked(text, folder, headers):
+    """Links between files of the repository become links between pages; others become their text."""
+    def link(found):
+        bang, words, target = found[1], found[2], found[3]
+        if re.match(r"[a-z]+:|#|@ref", target):
+            return found[0]
+        path = os.path.normpath(os.path.join(folder, target.split("#")[0])).replace(os.sep, "/")
+        if bang:
+            return "![%s](%s)" % (words, os.path.basename(path))
+        if path.startswith("include/cageform/") and path[len("include/cageform/"):] in headers:
+            return "\\ref %s \"%s\"" % (path[len("include/"):], words.replace("`", ""))
+        label = label_of(path)
+        if label:
+            return "\\ref %s \"%s\"" % (label, words.replace("`", "").replace("\\", ""))
+        if path.startswith("examples/pictures/"):
+            return "<a href=\"%s\">%s</a>" % (os.path.basename(path), words)
+        return words
+    pieces = re.split(r"(```.*?```|`[^`\n]+`(?!\]))", text, flags=re.S)
+    for n in range(0, len(pieces), 2):
+        pieces[n] = re.sub(r"(!?)\[([^\]\[]*)\]\(([^)\s]+)\)", link, pieces[n])
+    return "".join(pieces)
+
+
+def readme_code():
+    """The README's first program and what it prints."""
+    text = read("README.md")
+    code = re.search(r"```cpp\n.*?```", text, flags=re.S)[0]
+    printed = re.search(r"```text\n.*?```", text[text.index(code):], flags=re.S)[0]
+    return code + "\n\nprints\n\n" + printed
+
+
+def header_table(room, public):
+    """The headers of a room that a user includes, each with the first sentence of its comment."""
+    rows = []
+    for path in public:
+        if path.startswith(room + "/"):
+            words = []
+            for line in read("include/cageform/" + path).split("\n"):
+                if not line.startswith("// "):
+                    break
+                words.append(line[3:])
+            sentence = re.match(r".*?(?:\.(?= |$)|:(?= |$)|$)", " ".join(words))[0].rstrip(":.")
+            rows.append("| \\ref cageform/%s \"%s\" | %s |" % (path, path.split("/")[1], escaped(sentence).replace("|", "&#124;")))
+    return "\n\n<h2>Headers</h2>\n\n| header | what it holds |\n|---|---|\n" + "\n".join(rows) + "\n"
+
+
+def lesson_page(name, before, after):
+    lines = read("examples/lessons/" + name).rstrip("\n").split("\n")
+    head = []
+    while lines and lines[0].startswith("//"):
+        head.append(lines.pop(0)[2:].strip())
+    printed = []
+    while lines and lines[-1].startswith("//>"):
+        printed.insert(0, lines.pop()[4:])
+    tail = []
+    while lines and lines[-1].startswith("//"):
+        tail.insert(0, lines.pop()[2:].strip())
+    number, words = re.match(r"(\d+)\. (.*)", " ".join(head)).groups()
+    title, _, rest = re.match(r"(.*?)([.:])(?: |$)(.*)", words).groups()
+    page = "# %s. %s {#%s}\n\n" % (number, title, label_of("examples/lessons/" + name))
+    page += "%s\n\n" % (rest[:1].upper() + rest[1:])
+    page += "```cpp\n%s\n```\n\n" % "\n".join(lines).strip("\n")
+    if tail:
+        page += " ".join(tail) + "\n\n"
+    if printed:
+        page += "It prints\n\n```text\n%s\n```\n\n" % "\n".join(printed)
+    page += "<p class=\"source\">`examples/lessons/%s`, built by `sh examples/run.sh --build-only`</p>\n\n" % name
+    turn = ["\\ref %s \"← before\"" % before] if before else []
+    turn += ["\\ref lessons \"all lessons\""]
+    turn += ["\\ref %s \"next →\"" % after] if after else []
+    page += "<div class=\"turn\">" + " · ".join(turn) + "</div>\n"
+    return "%s. %s" % (number, title), title, rest, page
+
+
+def layout(lessons):
+    """The menu, and what stands first on the pages of rooms and classes."""
+    def tabs(entries):
+        return "".join("<tab type=\"user\" url=\"@ref %s\" title=\"%s\"/>" % (url, title.replace("&", "&amp;"))
+                       for url, title in entries)
+    menu = "<tab type=\"mainpage\" title=\"cageform\"/>"
+    menu += "<tab type=\"usergroup\" url=\"@ref coordinates\" title=\"Coordinates\">%s</tab>" % tabs(
+        [("coordinates", "Which one?")] + TYPES)
+    menu += "<tab type=\"usergroup\" url=\"@ref lessons\" title=\"Lessons\">%s</tab>" % tabs(lessons)
+    menu += tabs([("gallery", "Gallery"), ("play", "Play")])
+    menu += "<tab type=\"usergroup\" url=\"@ref rooms\" title=\"Reference\">%s%s</tab>" % (
+        tabs([("rooms", "Rooms")] + [("room_" + room, room) for room in ROOMS]),
+        "<tab type=\"classlist\" title=\"Classes\"/><tab type=\"namespacemembers\" title=\"All names\"/>")
+    menu += tabs([("engines", "For engines"), ("changes", "Changes")])
+    return ("<doxygenlayout version=\"1.0\"><navindex>%s</navindex>"
+            "<group><briefdescription visible=\"no\"/><detaileddescription title=\"\"/>"
+            "<memberdecl><nestedgroups/><concepts/><classes/><namespaces/><defines/><typedefs/><enums/><functions/>"
+            "<variables/><membergroups/></memberdecl>"
+            "<memberdef><pagedocs/><inlineclasses/><defines/><typedefs/><enums/><enumvalues/><functions/>"
+            "<variables/></memberdef></group>"
+            "<class><includes visible=\"yes\"/><briefdescription visible=\"no\"/>"
+            "<detaileddescription title=\"\"/><inheritancegraph visible=\"no\"/>"
+            "<memberdecl><nestedclasses/><publictypes/><publicmethods/><publicstaticmethods/><publicattributes/>"
+            "<publicstaticattributes/><related title=\"\"/><membergroups/></memberdecl>"
+            "<memberdef><inlineclasses/><typedefs/><enums/><constructors/><functions/><related/><variables/>"
+            "</memberdef><allmemberslink visible=\"no\"/><usedfiles visible=\"no\"/></class>"
+            "<file><briefdescription visible=\"no\"/><detaileddescription title=\"\"/><includes visible=\"no\"/>"
+            "<memberdecl><classes/><namespaces/><concepts/><defines/><typedefs/><enums/><functions/><variables/>"
+            "<membergroups/></memberdecl><memberdef><defines/></memberdef></file>"
+            "<concept><includes/><definition visible=\"yes\" title=\"\"/><detaileddescription title=\"\"/></concept>"
+            "</doxygenlayout>") % menu
+
+
+def main(out):
+    shutil.rmtree(out, ignore_errors=True)
+    os.makedirs(out)
+
+    def write_page(label, text):
+        """Markdown, whose first line is "# title" with or without a label, as a comment: pages are not files."""
+        text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n", lambda m: "\\page %s %s\n" % (label, m[1])
+                      if label != "index" else "\\mainpage %s\n" % m[1], text)
+        write("pages/%s.dox" % label, "".join("/// %s\n" % line for line in text.rstrip("\n").split("\n")))
+
+    def write(path, text):
+        path = os.path.join(out, path)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+    public, more = public_headers()
+    for path in public + more:
+        write("include/cageform/" + path, doxygen_header(path))
+    headers = set(public + more)
+
+    names = files("examples/lessons", ".cpp")
+    labels = [label_of("examples/lessons/" + name) for name in names]
+    entries, table = [], []
+    for n, name in enumerate(names):
+        title, words, rest, page = lesson_page(name, labels[n - 1] if n else None,
+                                               labels[n + 1] if n + 1 < len(names) else None)
+        write_page(labels[n], page)
+        entries.append((labels[n], title))
+        table.append("%d. \\ref %s \"%s\"" % (n + 1, labels[n], words) + ("<br>" + rest[:1].upper() + rest[1:] if rest else ""))
+    write_page("lessons", "# Lessons {#lessons}\n\nEach lesson is a program under 80 lines with one new idea, in "
+          "the order of the data flow; what it prints is tested.\n`sh examples/run.sh --build-only` builds them into "
+          "`build/examples/`.\n\n" + "\n".join(table) + "\n")
+
+    rooms = []
+    for room, words in ROOMS.items():
+        readme = "include/cageform/%s/README.md" % room
+        text = ""
+        if os.path.exists(os.path.join(ROOT, readme)):
+            text = relinked(read(readme), os.path.dirname(readme), headers)
+            text = re.sub(r"^# [^\n]*\n", "", text)
+        write_page("room_" + room, "\\defgroup room_%s %s\n\n<p class=\"brief\">%s</p>\n\n%s\n" % (
+            room, room, words[:1].upper() + words[1:] + ".", text + header_table(room, public)))
+        rooms.append("| \\ref room_%s \"%s\" | %s |" % (room, room, words))
+    write_page("rooms", "# Rooms {#rooms}\n\nThe folders of `include/cageform` are the data flow. Includes only ever "
+          "point left:\n\n```text\ncore → cage → grid → coordinates → binding → clone      core → animate\n"
+          "cage, grid → fields     cage → enclose\n```\n\n| room | what it holds |\n|---|---|\n" +
+          "\n".join(rooms) + "\n\nEvery class and function stands on the page of its room, with the header to include.\n")
+
+    text = relinked(read("examples/README.md"), "examples", headers)
+    write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
+    for name in files(SITE, ".md"):
+        text = relinked(read(SITE + "/" + name), SITE, headers).replace("@README_CODE@", readme_code())
+        write_page(name[:-len(".md")], text)
+    write("layout.xml", layout(entries))
+    print("%d public headers, %d of the machinery, %d lessons" % (len(public), len(more), len(names)))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,41 @@
+#!/bin/sh
+# Usage: sh examples/site/run.sh [--with-page]
+# Installs what the site needs (Debian) and makes the reference site in out/site: open out/site/index.html, no
+# server and no network needed. Warnings of Doxygen in public headers, and broken links, are errors.
+#   --with-page  builds the page to play with (examples/page/run.sh, some minutes) where out/cageform.html is missing
+set -eu
+cd "$(dirname "$0")/../.."
+sh cmake/install_packages.sh doxygen python3 g++ libeigen3-dev
+site=examples/site
+work=build/site
+out=out/site
+mkdir -p $work out
+
+if [ "${1:-}" = --with-page ] && [ ! -f out/cageform.html ]; then
+  sh examples/page/run.sh
+fi
+python3 $site/pages.py $work/input
+
+# The site appears as a whole, when it is whole.
+rm -rf $work/html
+mkdir -p $work/html
+version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' include/cageform/version.hpp)
+{
+  cat $site/Doxyfile
+  echo "PROJECT_NUMBER = $version"
+  echo "INPUT = $work/input"
+  echo "OUTPUT_DIRECTORY = $work/html"
+  echo "LAYOUT_FILE = $work/input/layout.xml"
+  echo "IMAGE_PATH = examples/pictures"
+  echo "HTML_EXTRA_STYLESHEET = $site/style.css"
+  echo "STRIP_FROM_PATH = $work/input/include"
+  echo "STRIP_FROM_INC_PATH = $work/input/include"
+  echo "WARN_LOGFILE = $work/warnings.txt"
+} >$work/Doxyfile
+doxygen $work/Doxyfile || { sed "s|$PWD/||" $work/warnings.txt >&2; exit 1; }
+rm -f $work/html/*-members.html # nothing leads there
+if [ -f out/cageform.html ]; then cp out/cageform.html $work/html/; fi
+python3 $site/check_links.py $work/html
+rm -rf $out
+mv $work/html $out
+echo "$out/index.html: open it in a browser"
