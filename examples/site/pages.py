@@ -1,7 +1,9 @@
 """Usage: python3 examples/site/pages.py FOLDER
+          python3 examples/site/pages.py --finish FOLDER
 
 Writes what Doxygen reads into FOLDER: the public headers with their comments in Doxygen's words, the pages of
 this folder, a page a lesson, the gallery, the README of each room, and the layout of the menu.
+--finish: goes over the HTML that Doxygen has made.
 """
 import os
 import re
@@ -122,7 +124,7 @@ def without_machinery(text):
     text = re.sub(r"^namespace detail \{\n.*?^} // namespace detail\n", "", text, flags=re.M | re.S)
     text = re.sub(r"^namespace cageform::inline CAGEFORM_ABI::detail \{\n.*?^} // namespace [^\n]*detail\n", "", text,
                   flags=re.M | re.S)
-    text = re.sub(r"^ *template <[^;{}]*?CAGEFORM_DETAIL_DELETE_\w+;\n",
+    text = re.sub(r"^ *template <(?:[^;{}]|\{\})*?CAGEFORM_DETAIL_DELETE_\w+;\n",
                   lambda m: m[0] if m[0].count("template <") > 1 else "", text, flags=re.M)
     text = re.sub(r"^( *)(?:private|protected):\n.*?(?=^\1(?:public:|\};))", "", text, flags=re.M | re.S)
     return re.sub(r"\[\[nodiscard\]\] ", "", text)
@@ -213,8 +215,10 @@ def relinked(text, folder, headers):
     """Links between files of the repository become links between pages; others become their text."""
     def link(found):
         bang, words, target = found[1], found[2], found[3]
-        if re.match(r"[a-z]+:|#|@ref", target):
+        if re.match(r"[a-z]+:|#", target):
             return found[0]
+        if target.startswith("@"):
+            return "\\ref %s \"%s\"" % (target[1:], words)
         path = os.path.normpath(os.path.join(folder, target.split("#")[0])).replace(os.sep, "/")
         if bang:
             return "![%s](%s)" % (words, os.path.basename(path))
@@ -229,6 +233,7 @@ def relinked(text, folder, headers):
     pieces = re.split(r"(```.*?```|`[^`\n]+`(?!\]))", text, flags=re.S)
     for n in range(0, len(pieces), 2):
         pieces[n] = re.sub(r"(!?)\[([^\]\[]*)\]\(([^)\s]+)\)", link, pieces[n])
+        pieces[n] = re.sub(r"(?<![{#&])#(?=\w)", r"\\#", pieces[n])
     return "".join(pieces)
 
 
@@ -238,6 +243,15 @@ def readme_code():
     code = re.search(r"```cpp\n.*?```", text, flags=re.S)[0]
     printed = re.search(r"```text\n.*?```", text[text.index(code):], flags=re.S)[0]
     return code + "\n\nprints\n\n" + printed
+
+
+def play():
+    """The page to play with where it has been built; else its picture."""
+    if os.path.exists(os.path.join(ROOT, "out/cageform.html")):
+        return ("\\htmlonly\n<iframe class=\"play\" src=\"cageform.html\" loading=\"lazy\" title=\"The page to play with\"></iframe>\n"
+                "\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>, in the whole window.")
+    return ("![One pose of the cat by four coordinate types](page.png)\n\nThis site was made without the page: "
+            "`sh examples/site/run.sh --with-page` builds it first, in some minutes.")
 
 
 def header_table(room, public):
@@ -268,7 +282,7 @@ def lesson_page(name, before, after):
         tail.insert(0, lines.pop()[2:].strip())
     number, words = re.match(r"(\d+)\. (.*)", " ".join(head)).groups()
     title, _, rest = re.match(r"(.*?)([.:])(?: |$)(.*)", words).groups()
-    page = "# %s. %s {#%s}\n\n" % (number, title, label_of("examples/lessons/" + name))
+    page = "# Lesson %s. %s {#%s}\n\n" % (number, title, label_of("examples/lessons/" + name))
     page += "%s\n\n" % (rest[:1].upper() + rest[1:])
     page += "```cpp\n%s\n```\n\n" % "\n".join(lines).strip("\n")
     if tail:
@@ -288,7 +302,7 @@ def layout(lessons):
     def tabs(entries):
         return "".join("<tab type=\"user\" url=\"@ref %s\" title=\"%s\"/>" % (url, title.replace("&", "&amp;"))
                        for url, title in entries)
-    menu = "<tab type=\"mainpage\" title=\"cageform\"/>"
+    menu = "<tab type=\"mainpage\" visible=\"no\"/>"
     menu += "<tab type=\"usergroup\" url=\"@ref coordinates\" title=\"Coordinates\">%s</tab>" % tabs(
         [("coordinates", "Which one?")] + TYPES)
     menu += "<tab type=\"usergroup\" url=\"@ref lessons\" title=\"Lessons\">%s</tab>" % tabs(lessons)
@@ -369,10 +383,50 @@ def main(out):
     write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
     for name in files(SITE, ".md"):
         text = relinked(read(SITE + "/" + name), SITE, headers).replace("@README_CODE@", readme_code())
+        text = text.replace("@PLAY@", play())
         write_page(name[:-len(".md")], text)
     write("layout.xml", layout(entries))
     print("%d public headers, %d of the machinery, %d lessons" % (len(public), len(more), len(names)))
 
 
+def finish(folder):
+    """Pages that nothing leads to go, the name of the project leads home, titles are no longer than they must be."""
+    kind = r" (Class|Struct|Concept|Namespace|File|Union)( Template)? Reference"
+    for name in sorted(os.listdir(folder)):
+        path = os.path.join(folder, name)
+        if name.endswith(("-members.html", "_8dox.html")) or name.startswith("dir_"):
+            os.remove(path)
+        elif name.endswith(".html"):
+            with open(path, encoding="utf-8") as file:
+                text = file.read()
+            text = text.replace("<div id=\"projectname\">cageform",
+                                "<div id=\"projectname\"><a href=\"index.html\">cageform</a>")
+            text = re.sub(r"<title>cageform: (.*?)(?:%s)?</title>" % kind,
+                          lambda m: "<title>%s</title>" % ("cageform" if m[1] == "cageform" else m[1] + " · cageform"), text)
+            text = re.sub(r"(<div class=\"title\">)(?:cageform::)?(.*?)%s" % kind,
+                          lambda m: "%s%s <span class=\"kind\">%s</span>" % (m[1], re.sub(r"&lt; (.*?) &gt;", r"&lt;\1&gt;", m[2]),
+                                                                          (m[3] + (m[4] or "")).lower()), text)
+            text = re.sub(r"<li class=\"navelem\"><a class=\"el\" href=\"dir_\w+\.html\">(.*?)</a></li>",
+                          r"<li class=\"navelem\">\1</li>", text)
+            text = text.replace("<h2 class=\"groupheader\">Detailed Description</h2>", "")
+            # In programs Doxygen takes a variable for any other of its name.
+            text = re.sub(r"<a class=\"code hl_(?:enumvalue|variable|function)\"[^>]*>(out|points|figure|pose|value|size|[a-z])</a>",
+                          r"\1", text)
+            text = re.sub(r"<a class=\"code hl_(?:enumvalue|variable)\"[^>]*>([a-z_]\w*)</a>", r"\1", text)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+    # Files that hold pages alone are not found by the search.
+    for name in os.listdir(os.path.join(folder, "search")):
+        if name.endswith(".js"):
+            path = os.path.join(folder, "search", name)
+            with open(path, encoding="utf-8") as file:
+                lines = [line for line in file if "_8dox.html" not in line]
+            with open(path, "w", encoding="utf-8") as file:
+                file.writelines(lines)
+    # The window of search results is a page of its own, with a style sheet of its own.
+    with open(os.path.join(folder, "search", "search.css"), "a", encoding="utf-8") as file:
+        file.write(read(SITE + "/style.css"))
+
+
 if __name__ == "__main__":
-    main(sys.argv[1])
+    finish(sys.argv[2]) if sys.argv[1] == "--finish" else main(sys.argv[1])

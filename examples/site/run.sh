@@ -14,6 +14,12 @@ mkdir -p $work out
 if [ "${1:-}" = --with-page ] && [ ! -f out/cageform.html ]; then
   sh examples/page/run.sh
 fi
+if [ ! -x $work/draw ] || [ -n "$(find include $site/pictures.cpp -newer $work/draw -type f)" ]; then
+  echo "the pictures of coordinate types (half a minute)"
+  g++ -std=c++20 -O1 -Iinclude -isystem /usr/include/eigen3 $site/pictures.cpp -o $work/draw
+fi
+mkdir -p $work/pictures
+$work/draw $work/pictures
 python3 $site/pages.py $work/input
 
 # The site appears as a whole, when it is whole.
@@ -26,14 +32,14 @@ version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' include/cageform/version.hpp
   echo "INPUT = $work/input"
   echo "OUTPUT_DIRECTORY = $work/html"
   echo "LAYOUT_FILE = $work/input/layout.xml"
-  echo "IMAGE_PATH = examples/pictures"
+  echo "IMAGE_PATH = examples/pictures $work/pictures"
   echo "HTML_EXTRA_STYLESHEET = $site/style.css"
   echo "STRIP_FROM_PATH = $work/input/include"
   echo "STRIP_FROM_INC_PATH = $work/input/include"
   echo "WARN_LOGFILE = $work/warnings.txt"
 } >$work/Doxyfile
 doxygen $work/Doxyfile || { sed "s|$PWD/||" $work/warnings.txt >&2; exit 1; }
-rm -f $work/html/*-members.html # nothing leads there
+python3 $site/pages.py --finish $work/html
 if [ -f out/cageform.html ]; then cp out/cageform.html $work/html/; fi
 python3 $site/check_links.py $work/html
 rm -rf $out
