@@ -47,8 +47,9 @@ def escaped(text):
     """Text of a comment, for Doxygen: `code` stays, all else stands for itself."""
     parts = re.split(r"(`[^`]*`)", text)
     for n in range(0, len(parts), 2):
-        parts[n] = re.sub(r"([\\@<*])", r"\\\1", parts[n])
+        parts[n] = re.sub(r"([\\@<]|(?<!\w)\*(?!\w[\w -]*\*)|(?<=\s)\*)", r"\\\1", parts[n])
         parts[n] = re.sub(r"#(?=\w)", r"\\#", parts[n])
+        parts[n] = re.sub(r"\b(al|sec|eq|fig|Adv|Comput|Math|Trans)\. ", r"\1.\\ ", parts[n])  # no end of a sentence
         parts[n] = re.sub(r"(?<=[^\x00-\x7f])_|_(?=[^\x00-\x7f])", r"\\_", parts[n])  # letters, for Doxygen no words
     return "".join(parts)
 
@@ -124,8 +125,7 @@ def without_machinery(text):
     text = re.sub(r"^namespace detail \{\n.*?^} // namespace detail\n", "", text, flags=re.M | re.S)
     text = re.sub(r"^namespace cageform::inline CAGEFORM_ABI::detail \{\n.*?^} // namespace [^\n]*detail\n", "", text,
                   flags=re.M | re.S)
-    text = re.sub(r"^ *template <(?:[^;{}]|\{\})*?CAGEFORM_DETAIL_DELETE_\w+;\n",
-                  lambda m: m[0] if m[0].count("template <") > 1 else "", text, flags=re.M)
+    text = re.sub(r"^ *template <(?:(?!template <)[^;])*?CAGEFORM_DETAIL_DELETE_\w+;\n", "", text, flags=re.M)
     text = re.sub(r"^( *)(?:private|protected):\n.*?(?=^\1(?:public:|\};))", "", text, flags=re.M | re.S)
     return re.sub(r"\[\[nodiscard\]\] ", "", text)
 
@@ -208,7 +208,7 @@ def label_of(path):
     if page:
         return page[1] if page[1] != "index" else "index"
     return {"examples/README.md": "gallery", "examples": "gallery", "README.md": "index",
-            "examples/page/README.md": "play", "examples/lessons": "lessons"}.get(path)
+            "examples/page/README.md": "play", "bench/README.md": "speed", "bench": "speed", "examples/lessons": "lessons"}.get(path)
 
 
 def relinked(text, folder, headers):
@@ -230,11 +230,13 @@ def relinked(text, folder, headers):
         if path.startswith("examples/pictures/"):
             return "<a href=\"%s\">%s</a>" % (os.path.basename(path), words)
         return words
-    pieces = re.split(r"(```.*?```|`[^`\n]+`(?!\]))", text, flags=re.S)
-    for n in range(0, len(pieces), 2):
-        pieces[n] = re.sub(r"(!?)\[([^\]\[]*)\]\(([^)\s]+)\)", link, pieces[n])
-        pieces[n] = re.sub(r"(?<![{#&])#(?=\w)", r"\\#", pieces[n])
-    return "".join(pieces)
+    def replaced(found):
+        if found[0].startswith("`"):  # code stays
+            return found[0]
+        return link(found) if found[3] else "\\" + found[0]
+
+    return re.sub(r"```.*?```|(!?)\[((?:`[^`]*`|[^\]\[`])*)\]\(([^)\s]+)\)|`[^`]+`"
+                  r"|(?<![{#&\\])#(?=\w)|@(?=[a-z0-9])|<(?=[A-Z])", replaced, text, flags=re.S)
 
 
 def readme_code():
@@ -248,8 +250,8 @@ def readme_code():
 def play():
     """The page to play with where it has been built; else its picture."""
     if os.path.exists(os.path.join(ROOT, "out/cageform.html")):
-        return ("\\htmlonly\n<iframe class=\"play\" src=\"cageform.html\" loading=\"lazy\" title=\"The page to play with\"></iframe>\n"
-                "\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>, in the whole window.")
+        return ("\\htmlonly <iframe class=\"play\" src=\"cageform.html\" loading=\"lazy\" title=\"The page to play with\">"
+                "</iframe>\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>, in the whole window.")
     return ("![One pose of the cat by four coordinate types](page.png)\n\nThis site was made without the page: "
             "`sh examples/site/run.sh --with-page` builds it first, in some minutes.")
 
@@ -289,7 +291,7 @@ def lesson_page(name, before, after):
         page += " ".join(tail) + "\n\n"
     if printed:
         page += "It prints\n\n```text\n%s\n```\n\n" % "\n".join(printed)
-    page += "<p class=\"source\">`examples/lessons/%s`, built by `sh examples/run.sh --build-only`</p>\n\n" % name
+    page += "<div class=\"source\">`examples/lessons/%s`, built by `sh examples/run.sh --build-only`</div>\n\n" % name
     turn = ["\\ref %s \"← before\"" % before] if before else []
     turn += ["\\ref lessons \"all lessons\""]
     turn += ["\\ref %s \"next →\"" % after] if after else []
@@ -306,7 +308,7 @@ def layout(lessons):
     menu += "<tab type=\"usergroup\" url=\"@ref coordinates\" title=\"Coordinates\">%s</tab>" % tabs(
         [("coordinates", "Which one?")] + TYPES)
     menu += "<tab type=\"usergroup\" url=\"@ref lessons\" title=\"Lessons\">%s</tab>" % tabs(lessons)
-    menu += tabs([("gallery", "Gallery"), ("play", "Play")])
+    menu += tabs([("gallery", "Gallery"), ("play", "Play"), ("speed", "Speed")])
     menu += "<tab type=\"usergroup\" url=\"@ref rooms\" title=\"Reference\">%s%s</tab>" % (
         tabs([("rooms", "Rooms")] + [("room_" + room, room) for room in ROOMS]),
         "<tab type=\"classlist\" title=\"Classes\"/><tab type=\"namespacemembers\" title=\"All names\"/>")
@@ -336,8 +338,8 @@ def main(out):
 
     def write_page(label, text):
         """Markdown, whose first line is "# title" with or without a label, as a comment: pages are not files."""
-        text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n", lambda m: "\\page %s %s\n" % (label, m[1])
-                      if label != "index" else "\\mainpage %s\n" % m[1], text)
+        text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n\s*", lambda m: "%s %s\n\n\\details " % (
+            "\\page " + label if label != "index" else "\\mainpage", m[1]), text)
         write("pages/%s.dox" % label, "".join("/// %s\n" % line for line in text.rstrip("\n").split("\n")))
 
     def write(path, text):
@@ -371,7 +373,7 @@ def main(out):
         if os.path.exists(os.path.join(ROOT, readme)):
             text = relinked(read(readme), os.path.dirname(readme), headers)
             text = re.sub(r"^# [^\n]*\n", "", text)
-        write_page("room_" + room, "\\defgroup room_%s %s\n\n<p class=\"brief\">%s</p>\n\n%s\n" % (
+        write_page("room_" + room, "\\defgroup room_%s %s\n\n%s\n\n%s\n" % (
             room, room, words[:1].upper() + words[1:] + ".", text + header_table(room, public)))
         rooms.append("| \\ref room_%s \"%s\" | %s |" % (room, room, words))
     write_page("rooms", "# Rooms {#rooms}\n\nThe folders of `include/cageform` are the data flow. Includes only ever "
@@ -381,6 +383,7 @@ def main(out):
 
     text = relinked(read("examples/README.md"), "examples", headers)
     write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
+    write_page("speed", relinked(read("bench/README.md"), "bench", headers))
     for name in files(SITE, ".md"):
         text = relinked(read(SITE + "/" + name), SITE, headers).replace("@README_CODE@", readme_code())
         text = text.replace("@PLAY@", play())
@@ -399,6 +402,9 @@ def finish(folder):
         elif name.endswith(".html"):
             with open(path, encoding="utf-8") as file:
                 text = file.read()
+            if "<p>This is the complete list of members for" in text:  # under a name that was too long
+                os.remove(path)
+                continue
             text = text.replace("<div id=\"projectname\">cageform",
                                 "<div id=\"projectname\"><a href=\"index.html\">cageform</a>")
             text = re.sub(r"<title>cageform: (.*?)(?:%s)?</title>" % kind,
@@ -406,6 +412,8 @@ def finish(folder):
             text = re.sub(r"(<div class=\"title\">)(?:cageform::)?(.*?)%s" % kind,
                           lambda m: "%s%s <span class=\"kind\">%s</span>" % (m[1], re.sub(r"&lt; (.*?) &gt;", r"&lt;\1&gt;", m[2]),
                                                                           (m[3] + (m[4] or "")).lower()), text)
+            if re.match(r"[a-z]\w*\.html$", name) and not re.match(r"(class|struct|group_|namespace|concept|\w+_8hpp)", name):
+                text = re.sub(r"<div class=\"textblock\">\s*<p *>", "<div class=\"textblock\"><p class=\"lead\">", text, count=1)
             text = re.sub(r"<li class=\"navelem\"><a class=\"el\" href=\"dir_\w+\.html\">(.*?)</a></li>",
                           r"<li class=\"navelem\">\1</li>", text)
             text = text.replace("<h2 class=\"groupheader\">Detailed Description</h2>", "")

@@ -1,8 +1,9 @@
 #!/bin/sh
-# Usage: sh examples/site/run.sh [--with-page]
+# Usage: sh examples/site/run.sh [--with-page] [--test]
 # Installs what the site needs (Debian) and makes the reference site in out/site: open out/site/index.html, no
 # server and no network needed. Warnings of Doxygen in public headers, and broken links, are errors.
 #   --with-page  builds the page to play with (examples/page/run.sh, some minutes) where out/cageform.html is missing
+#   --test       opens all pages in a headless Chromium, which is installed; pictures go to out/site_*.png
 set -eu
 cd "$(dirname "$0")/../.."
 sh cmake/install_packages.sh doxygen python3 g++ libeigen3-dev
@@ -11,10 +12,16 @@ work=build/site
 out=out/site
 mkdir -p $work out
 
-if [ "${1:-}" = --with-page ] && [ ! -f out/cageform.html ]; then
-  sh examples/page/run.sh
-fi
-if [ ! -x $work/draw ] || [ -n "$(find include $site/pictures.cpp -newer $work/draw -type f)" ]; then
+test=
+for option in "$@"; do
+  case $option in
+    --with-page) [ -f out/cageform.html ] || sh examples/page/run.sh ;;
+    --test) test=yes ;;
+    *) echo "no option $option" >&2; exit 2 ;;
+  esac
+done
+export PYTHONDONTWRITEBYTECODE=1
+if [ ! -x $work/draw ] || [ -n "$(find include $site/pictures.cpp -name '*.[ch]pp' -newer $work/draw)" ]; then
   echo "the pictures of coordinate types (half a minute)"
   g++ -std=c++20 -O1 -Iinclude -isystem /usr/include/eigen3 $site/pictures.cpp -o $work/draw
 fi
@@ -45,3 +52,7 @@ python3 $site/check_links.py $work/html
 rm -rf $out
 mv $work/html $out
 echo "$out/index.html: open it in a browser"
+if [ -n "$test" ]; then
+  sh cmake/install_packages.sh chromium
+  python3 $site/test.py $out out
+fi
